@@ -1,0 +1,55 @@
+"""Flexor: design soft exosuits with the wearer in the loop.
+
+Example
+-------
+>>> import flexor
+>>> model = flexor.load("examples/finger.toml")
+>>> path = model.equilibrium(force=[0, 1, 2, 3, 4, 5])  # N
+>>> path.joint_angles.shape
+(6, 3)
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexor.errors import InputError
+    from flexor.model import Model, Path, load
+    from flexor.study import Study, optimize
+
+    __version__: str
+
+__all__ = ["InputError", "Model", "Path", "Study", "__version__", "load", "optimize"]
+
+# Public names are found where they live only when asked for, so that `import flexor` (and with it
+# the command line's --help) does not wait for pydantic, scipy or matplotlib.
+_HOME = {
+    "InputError": "flexor.errors",
+    "Model": "flexor.model",
+    "Path": "flexor.model",
+    "Study": "flexor.study",
+    "load": "flexor.model",
+    "optimize": "flexor.study",
+}
+_PACKAGES = ("cli", "design", "errors", "model", "objective", "plot", "search", "study")
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value: object = version("flexor")
+    elif name in _HOME:
+        value = getattr(importlib.import_module(_HOME[name]), name)
+    elif name in _PACKAGES:
+        value = importlib.import_module(f"flexor.{name}")
+    else:
+        raise AttributeError(f"module 'flexor' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *_PACKAGES})

@@ -1,0 +1,75 @@
+"""Types of the compiled engine.
+
+Shapes: n designs, s load steps, D degrees of freedom, U load inputs, P parameters. SI units; angles
+in rad. What each array means is written with the engine.
+"""
+
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+STATUS: list[str]
+EVENTS: list[str]
+
+class Events(TypedDict):
+    design: NDArray[np.uint32]
+    load: NDArray[np.float64]
+    step: NDArray[np.uint32]
+    kind: NDArray[np.uint8]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+
+class Paths(TypedDict):
+    q: NDArray[np.float64]
+    status: NDArray[np.uint8]
+    stable: NDArray[np.bool_]
+    iterations: NDArray[np.uint32]
+    residual: NDArray[np.float64]
+    energy: NDArray[np.float64]
+    pairs: NDArray[np.uint32]
+    touching: NDArray[np.uint32]
+    tip_force: NDArray[np.float64]
+    events: Events
+
+class Contacts(TypedDict):
+    first: NDArray[np.uint32]
+    second: NDArray[np.uint32]
+    force: NDArray[np.float64]
+    depth: NDArray[np.float64]
+
+def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
+
+class Model:
+    def __init__(self, description_json: str) -> None: ...
+    @property
+    def planar(self) -> bool: ...
+    @property
+    def dof(self) -> int: ...
+    @property
+    def coordinates(self) -> list[str]: ...
+    @property
+    def inputs(self) -> list[str]: ...
+    @property
+    def parameters(self) -> NDArray[np.float64]: ...
+    @property
+    def slots(self) -> dict[str, tuple[int, int]]: ...
+    def path(
+        self,
+        slot_indices: ArrayLike,
+        values: ArrayLike,
+        loads: ArrayLike,
+        threads: int,
+        **options: float,
+    ) -> Paths: ...
+    def energy(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> float: ...
+    def residual(
+        self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike
+    ) -> NDArray[np.float64]: ...
+    def tangent(
+        self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike
+    ) -> NDArray[np.float64]: ...
+    def frames(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def frame_names(self) -> list[str]: ...
+    def spheres(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def contacts(self, parameters: ArrayLike, q: ArrayLike) -> Contacts: ...
