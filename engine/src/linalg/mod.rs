@@ -1,0 +1,7 @@
+//! Linear algebra of the hot loops: fixed-size blocks for twists, dense factorisations without allocation.
+
+mod cholesky;
+mod fixed;
+
+pub use cholesky::Cholesky;
+pub use fixed::{Matrix, Vector};
