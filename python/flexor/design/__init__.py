@@ -1,0 +1,32 @@
+"""Parameter sets: plain maps from design parameters to the exosuit's geometry, with Jacobians."""
+
+from __future__ import annotations
+
+from flexor.design.catalogue import names, parameter_set, register
+from flexor.design.custom import custom
+from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor.design.legendre import Legendre
+from flexor.design.linear import Linear
+from flexor.design.parameter_set import ParameterSet
+from flexor.design.profile import Clamped, Profile
+from flexor.design.sine_cosine import SineCosine
+from flexor.design.space import DesignSpace, Space
+from flexor.design.union import union
+
+__all__ = [
+    "Clamped",
+    "DesignSpace",
+    "Geometry",
+    "GeometryJacobian",
+    "Legendre",
+    "Linear",
+    "ParameterSet",
+    "Profile",
+    "SineCosine",
+    "Space",
+    "custom",
+    "names",
+    "parameter_set",
+    "register",
+    "union",
+]

@@ -1,0 +1,209 @@
+"""A parameter set: named, bounded design parameters and their exact map to geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.design.geometry import FloatArray, Geometry, GeometryJacobian
+from flexor.design.profile import Fixed, Profile
+from flexor.design.space import PAPER, Space
+from flexor.errors import InputError, unknown
+
+# Display units of design parameters, in SI.
+UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi / 180.0}
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterSet:
+    """Design parameters p in R^k and the map p -> geometry of the exosuit.
+
+    A set changes the length, the surface, or both; what it leaves alone is the rod's own.
+
+    Attributes
+    ----------
+    name : str
+        As written on the command line, for example ``"L+R01"``.
+    labels : tuple of k str
+        For example ``("L", "R_0", "R_1")``.
+    units : tuple of k str
+        Units for display (keys of ``UNITS``); everything stored is SI.
+    lower, upper, start : (k,) arrays
+        Bounds and starting design, SI.
+    length_column : int or None
+        Which parameter is the length L; None leaves the length alone.
+    profile : Profile or None
+        Surface S(X; p); None leaves the surface alone.
+    rod : Space
+        The exosuit whose length and surface are used where the set has none of its own.
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    lower: FloatArray
+    upper: FloatArray
+    start: FloatArray
+    length_column: int | None = None
+    profile: Profile | None = None
+    rod: Space = PAPER
+
+    def __post_init__(self) -> None:
+        """Check that the pieces fit.
+
+        Raises
+        ------
+        InputError
+            If labels, units, bounds and start differ in number, repeat or are not in order.
+        """
+        count = len(self.labels)
+        for field in ("lower", "upper", "start"):
+            values = np.array(getattr(self, field), dtype=np.float64)
+            values.setflags(write=False)
+            object.__setattr__(self, field, values)
+            if values.shape != (count,):
+                raise InputError(
+                    f"parameter set {self.name}: {field} has shape {values.shape}, "
+                    f"but there are {count} labels."
+                )
+            if not np.all(np.isfinite(values)):
+                raise InputError(f"parameter set {self.name}: {field} must be finite numbers.")
+        if len(self.units) != count:
+            raise InputError(
+                f"parameter set {self.name}: {len(self.units)} units for {count} labels."
+            )
+        for unit in self.units:
+            if unit not in UNITS:
+                raise unknown("unit", unit, UNITS)
+        if len(set(self.labels)) != count:
+            raise InputError(f"parameter set {self.name}: a label appears twice in {self.labels}.")
+        for label, low, high in zip(self.labels, self.lower, self.upper, strict=True):
+            if not low < high:
+                raise InputError(
+                    f"parameter set {self.name}: the lower bound of {label}, {low:g}, "
+                    f"is not below its upper bound, {high:g}."
+                )
+
+    @property
+    def size(self) -> int:
+        """Number k of parameters."""
+        return len(self.labels)
+
+    @property
+    def scale(self) -> FloatArray:
+        """SI value of one display unit of each parameter, (k,)."""
+        return np.array([UNITS[unit] for unit in self.units])
+
+    def geometry(self, p: ArrayLike, X: ArrayLike) -> Geometry:
+        """Geometry of n designs at m points.
+
+        Parameters
+        ----------
+        p : (n, k) array
+            Designs, SI.
+        X : (m,) array
+            Points in [0, 1], fractions of the length.
+
+        Returns
+        -------
+        Geometry
+            Length (n,), radius (n, m) and slope (n, m).
+
+        Raises
+        ------
+        InputError
+            If ``p`` has not k columns.
+        """
+        p, X = self._designs(p), np.asarray(X, dtype=np.float64)
+        if self.length_column is None:
+            length = np.full(p.shape[0], self.rod.length)
+        else:
+            length = p[:, self.length_column].copy()
+        radius, slope = self._surface.value(p, X)
+        return Geometry(length, radius, slope)
+
+    def jacobian(self, p: ArrayLike, X: ArrayLike) -> GeometryJacobian:
+        """Differentiate `geometry` with respect to the parameters.
+
+        Returns
+        -------
+        GeometryJacobian
+            Length (n, k), radius (n, m, k) and slope (n, m, k).
+
+        Raises
+        ------
+        InputError
+            If ``p`` has not k columns.
+        """
+        p, X = self._designs(p), np.asarray(X, dtype=np.float64)
+        length = np.zeros(p.shape)
+        if self.length_column is not None:
+            length[:, self.length_column] = 1.0
+        radius, slope = self._surface.jacobian(p, X)
+        return GeometryJacobian(length, radius, slope)
+
+    def on(self, rod: Space) -> ParameterSet:
+        """Return the same set for another exosuit's length and surface."""
+        return replace(self, rod=rod)
+
+    def with_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> ParameterSet:
+        """Return the set with other bounds, given per label in SI.
+
+        Raises
+        ------
+        InputError
+            If a label is not one of the set's or a lower bound is not below the upper one.
+        """
+        lower, upper = self.lower.copy(), self.upper.copy()
+        for label, (low, high) in bounds.items():
+            if label not in self.labels:
+                raise unknown(f"parameter of the set {self.name}", label, self.labels)
+            lower[self.labels.index(label)], upper[self.labels.index(label)] = low, high
+        return replace(self, lower=lower, upper=upper)
+
+    def with_start(self, start: ArrayLike) -> ParameterSet:
+        """Return the set with another starting design (k,), SI."""
+        return replace(self, start=np.asarray(start, dtype=np.float64))
+
+    def check_inside(self, p: ArrayLike, what: str = "start") -> None:
+        """Refuse designs outside the bounds.
+
+        Parameters
+        ----------
+        p : (k,) or (n, k) array
+            Designs, SI.
+        what : str
+            What to call them in the refusal.
+
+        Raises
+        ------
+        InputError
+            Naming the first parameter outside, its value and its bounds in display units.
+        """
+        designs = self._designs(p)
+        for design in designs:
+            for i, value in enumerate(design):
+                if not self.lower[i] <= value <= self.upper[i]:
+                    scale, unit = self.scale[i], self.units[i]
+                    shown = "" if unit == "1" else f" {unit}"
+                    raise InputError(
+                        f"{what} of {self.name}: {self.labels[i]} = {value / scale:g}{shown} is "
+                        f"outside its bounds {self.lower[i] / scale:g} to "
+                        f"{self.upper[i] / scale:g}{shown}."
+                    )
+
+    @property
+    def _surface(self) -> Profile:
+        return self.profile or Fixed(self.rod.radius_base, self.rod.radius_tip)
+
+    def _designs(self, p: ArrayLike) -> FloatArray:
+        designs: FloatArray = np.atleast_2d(np.asarray(p, dtype=np.float64))
+        if designs.ndim != 2 or designs.shape[1] != self.size:
+            raise InputError(
+                f"parameter set {self.name} has {self.size} parameters "
+                f"({', '.join(self.labels)}), got an array of shape {np.shape(p)}."
+            )
+        return designs

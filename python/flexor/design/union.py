@@ -1,0 +1,56 @@
+"""Union of parameter sets: L with any surface, or any other two that change different things."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexor.design.parameter_set import ParameterSet
+from flexor.design.profile import Columns
+from flexor.errors import InputError
+
+
+def union(*sets: ParameterSet) -> ParameterSet:
+    """Join sets into one whose parameters are theirs, in order.
+
+    Parameters
+    ----------
+    *sets : ParameterSet
+        At most one of them may change the length and at most one the surface.
+
+    Returns
+    -------
+    ParameterSet
+        Named ``"first+second+..."``, on the rod of the first.
+
+    Raises
+    ------
+    InputError
+        If no set is given or two change the same thing.
+    """
+    if not sets:
+        raise InputError("a union of parameter sets needs at least one set.")
+    name = "+".join(part.name for part in sets)
+    length_column, profile, first = None, None, 0
+    for part in sets:
+        if part.length_column is not None:
+            if length_column is not None:
+                raise InputError(f"parameter set {name}: two of its sets change the length.")
+            length_column = first + part.length_column
+        if part.profile is not None:
+            if profile is not None:
+                raise InputError(f"parameter set {name}: two of its sets change the surface.")
+            profile = Columns(part.profile, first, first + part.size)
+        first += part.size
+    return replace(
+        sets[0],
+        name=name,
+        labels=tuple(label for part in sets for label in part.labels),
+        units=tuple(unit for part in sets for unit in part.units),
+        lower=np.concatenate([part.lower for part in sets]),
+        upper=np.concatenate([part.upper for part in sets]),
+        start=np.concatenate([part.start for part in sets]),
+        length_column=length_column,
+        profile=profile,
+    )
