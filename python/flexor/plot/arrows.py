@@ -1,0 +1,39 @@
+"""How long to draw forces: one scale for a figure, and a round number for its key."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexor.plot.scene import Scene
+
+LONGEST = 1.8  # cm
+
+
+def scale(scenes: Sequence[Scene]) -> tuple[float, float]:
+    """Choose the scale of the contact forces in a figure.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        All that share the figure.
+
+    Returns
+    -------
+    cm_per_newton : float
+        Length of an arrow per newton [cm/N]; 0 if nothing touches.
+    key : float
+        A round force to show as the key, no longer than the longest arrow [N].
+    """
+    forces = [float(np.linalg.norm(push.force)) for scene in scenes for push in scene.pushes]
+    largest = max(forces, default=0.0)
+    if largest <= 0.0:
+        return 0.0, 0.0
+    return LONGEST / largest, _round_down(largest)
+
+
+def _round_down(value: float) -> float:
+    decade = 10.0 ** math.floor(math.log10(value))
+    return next(n * decade for n in (5.0, 2.0, 1.0) if n * decade <= value * (1.0 + 1e-9))

@@ -1,0 +1,108 @@
+"""The figure of two designs side by side: where each starts and where its actuation takes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexor.plot import arrows, planar, spatial
+from flexor.plot.scene import Scene
+from flexor.plot.style import CHAMBER, EXOSUIT, LINE, PAGE, style
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+AT_REST = "#CBD2D8"
+
+
+@dataclass(frozen=True)
+class Design:
+    """One panel of the figure.
+
+    Attributes
+    ----------
+    title : str
+        What the design is called.
+    first, last : Scene
+        The model at the first and at the last load.
+    first_load, last_load : float
+        Those loads [N].
+    bending : float or None
+        Sum of the joint angles at the last load [rad]; None if the model has no such joints.
+    """
+
+    title: str
+    first: Scene
+    last: Scene
+    first_load: float
+    last_load: float
+    bending: float | None
+
+
+def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
+    """Draw designs side by side to one scale, each before and after actuation.
+
+    Parameters
+    ----------
+    designs : sequence of Design
+        From left to right.
+    planar_model : bool
+        Draw in the plane; otherwise in space.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As wide as a page.
+    """
+    from matplotlib.figure import Figure
+
+    scenes = [scene for design in designs for scene in (design.first, design.last)]
+    cm_per_newton, key = arrows.scale([design.last for design in designs])
+    with style():
+        figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
+        for column, design in enumerate(designs, start=1):
+            if planar_model:
+                axes = figure.add_subplot(1, len(designs), column)
+                planar.frame_axes(axes, scenes)
+                planar.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5, depth=2.0)
+                planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0)
+                planar.draw_pushes(axes, design.last, cm_per_newton=cm_per_newton)
+                if key and column == 1:
+                    planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
+            else:
+                axes = figure.add_subplot(
+                    1, len(designs), column, projection="3d", computed_zorder=False
+                )
+                spatial.frame_axes(axes, scenes)
+                spatial.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5)
+                spatial.draw_scene(axes, design.last, colour=EXOSUIT)
+                spatial.draw_pushes(axes, design.last, cm_per_newton=cm_per_newton)
+            axes.set_title(_title(design))
+        figure.legend(
+            handles=_handles(designs), loc="outside upper center", ncols=4, handlelength=1.2
+        )
+    return figure
+
+
+def _title(design: Design) -> str:
+    if design.bending is None:
+        return design.title
+    degrees = math.degrees(design.bending)
+    return f"{design.title}: bends {degrees:.0f}° ({design.bending:.2f} rad)"
+
+
+def _handles(designs: Sequence[Design]) -> list[Artist]:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    first = ", ".join(dict.fromkeys(f"{design.first_load:g} N" for design in designs))
+    last = ", ".join(dict.fromkeys(f"{design.last_load:g} N" for design in designs))
+    lines = dict.fromkeys(line.label for design in designs for line in design.last.lines)
+    return [
+        Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label=f"exosuit at {first}"),
+        Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label=f"at {last}"),
+        *(Line2D([], [], color=CHAMBER, label=label) for label in lines),
+    ]

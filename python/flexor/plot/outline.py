@@ -1,0 +1,98 @@
+"""Outlines of tapered bodies in a plane; arrays only, no drawing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
+    """Return the closed outline of a soft rod in its plane.
+
+    Parameters
+    ----------
+    centre : array_like, shape (m, 2)
+        Points of the centre line, base to tip [m].
+    normal : array_like, shape (m, 2)
+        Unit normals of the centre line there, towards the dorsal side.
+    half_height : array_like, shape (m,)
+        Half the section's height S there [m].
+
+    Returns
+    -------
+    ndarray, shape (2 m + 1, 2)
+        Dorsal edge from base to tip, palmar edge back, first point repeated [m].
+    """
+    r = np.asarray(centre, dtype=np.float64)
+    offset = np.asarray(half_height, dtype=np.float64)[:, None] * np.asarray(normal)
+    return np.concatenate([r + offset, (r - offset)[::-1], (r + offset)[:1]])
+
+
+def capsule(
+    first: ArrayLike, second: ArrayLike, r_first: float, r_second: float, arc_points: int = 48
+) -> Array:
+    """Return the closed outline of a tapered capsule: the convex hull of two discs.
+
+    Parameters
+    ----------
+    first, second : array_like, shape (2,)
+        Centres of the discs [m].
+    r_first, r_second : float
+        Their radii [m].
+    arc_points : int
+        Points on each of the two arcs.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        The outline, first point repeated at the end [m]. If one disc holds the other, its circle.
+    """
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    axis = b - a
+    distance = float(np.hypot(*axis))
+    if distance <= abs(r_first - r_second):
+        centre, radius = (a, r_first) if r_first >= r_second else (b, r_second)
+        return centre + radius * _directions(np.linspace(0.0, 2.0 * np.pi, 2 * arc_points))
+    heading = np.arctan2(axis[1], axis[0])
+    # The common tangents touch both circles at this angle from the axis.
+    touch = np.arccos((r_first - r_second) / distance)
+    around_first = heading + np.linspace(touch, 2.0 * np.pi - touch, arc_points)
+    around_second = heading + np.linspace(-touch, touch, arc_points)
+    outline = np.concatenate(
+        [a + r_first * _directions(around_first), b + r_second * _directions(around_second)]
+    )
+    return np.concatenate([outline, outline[:1]])
+
+
+def tube(
+    centre: ArrayLike, first: ArrayLike, second: ArrayLike, sides: int = 24
+) -> tuple[Array, Array, Array]:
+    """Return the surface swept by an ellipse along a curve in space.
+
+    Parameters
+    ----------
+    centre : array_like, shape (m, 3)
+        Points of the centre line [m].
+    first, second : array_like, shape (m, 3)
+        The ellipse's semi-axes there, as vectors [m].
+    sides : int
+        Facets around the section.
+
+    Returns
+    -------
+    tuple of three ndarrays, shape (m, sides + 1)
+        x, y and z of the surface's grid [m].
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
+    surface = (
+        np.asarray(centre, dtype=np.float64)[:, None, :]
+        + np.cos(angle)[None, :, None] * np.asarray(first)[:, None, :]
+        + np.sin(angle)[None, :, None] * np.asarray(second)[:, None, :]
+    )
+    return surface[..., 0], surface[..., 1], surface[..., 2]
+
+
+def _directions(angle: Array) -> Array:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

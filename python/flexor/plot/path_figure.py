@@ -1,0 +1,96 @@
+"""The figure of one design: every load step in place, one over the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.plot import arrows, planar, spatial
+from flexor.plot.scene import Scene
+from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+MOST_IN_LEGEND = 12
+MOST_IN_ROW = 5
+
+
+def draw_path(
+    scenes: Sequence[Scene], loads: ArrayLike, *, planar_model: bool, load_unit: str = "N"
+) -> Figure:
+    """Draw a model at every load step, to scale.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        One for each load step.
+    loads : array_like, shape (s,)
+        The loads, for the legend [load_unit].
+    planar_model : bool
+        Draw in the plane; otherwise in space.
+    load_unit : str
+        Of the loads.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As wide as a column. Rods are coloured by load; arrows are the contact forces on the limb.
+    """
+    from matplotlib.figure import Figure
+
+    values = np.asarray(loads, dtype=np.float64)
+    colours = [tuple(shade) for shade in shades(len(scenes))]
+    cm_per_newton, key = arrows.scale(scenes)
+    with style():
+        figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
+        if planar_model:
+            axes = figure.add_subplot()
+            planar.frame_axes(axes, scenes)
+            for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
+                planar.draw_scene(axes, scene, colour=colour, opacity=0.8, depth=2.0 + step)
+                planar.draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
+            if key:
+                planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
+        else:
+            space = figure.add_subplot(projection="3d", computed_zorder=False)
+            spatial.frame_axes(space, scenes)
+            for scene, colour in zip(scenes, colours, strict=True):
+                spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
+                spatial.draw_pushes(space, scene, cm_per_newton=cm_per_newton, colour=colour)
+        handles = _load_handles(values, colours, load_unit) + _line_handles(scenes)
+        rows = -(-len(handles) // MOST_IN_ROW)
+        columns = -(-len(handles) // rows)
+        figure.legend(
+            handles=[h for column in range(columns) for h in handles[column::columns]],
+            loc="outside upper center",
+            ncols=columns,
+            handlelength=1.1,
+            columnspacing=1.2,
+        )
+    return figure
+
+
+def _load_handles(
+    loads: np.ndarray, colours: Sequence[tuple[float, ...]], unit: str
+) -> list[Artist]:
+    from matplotlib.patches import Patch
+
+    # A long path would drown the figure in its legend: then only some steps are named.
+    every = -(-len(loads) // MOST_IN_LEGEND)
+    chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
+    return [
+        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:g} {unit}")
+        for i in chosen
+    ]
+
+
+def _line_handles(scenes: Sequence[Scene]) -> list[Artist]:
+    from matplotlib.lines import Line2D
+
+    labels = dict.fromkeys(line.label for scene in scenes for line in scene.lines)
+    return [Line2D([], [], color=CHAMBER, label=label) for label in labels]

@@ -1,0 +1,113 @@
+"""Scenes in space: the same bodies on three axes, to scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexor.plot.outline import tube
+from flexor.plot.scene import Link, Scene
+from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
+
+if TYPE_CHECKING:
+    from matplotlib.typing import ColorType
+    from mpl_toolkits.mplot3d import Axes3D
+
+CM = 100.0
+
+
+def draw_scene(
+    axes: Axes3D, scene: Scene, *, colour: ColorType = EXOSUIT, opacity: float = 1.0
+) -> None:
+    """Draw the bodies and lines of a scene, in centimetres.
+
+    Parameters
+    ----------
+    axes : mpl_toolkits.mplot3d.Axes3D
+        Where to.
+    scene : Scene
+        What to draw.
+    colour : colour
+        Of the rods.
+    opacity : float
+        Of the surfaces, 0 to 1.
+    """
+    for rod in scene.rods:
+        width = rod.half_width[:, None] * rod.frames[:, :3, 1]
+        height = rod.half_height[:, None] * rod.frames[:, :3, 2]
+        x, y, z = tube(rod.frames[:, :3, 3], width, height)
+        axes.plot_surface(
+            CM * x, CM * y, CM * z, color=colour, alpha=0.8 * opacity, linewidth=0.0, shade=True
+        )
+    for link in scene.links:
+        x, y, z = _cone(link)
+        axes.plot_surface(
+            CM * x, CM * y, CM * z, color=FINGER, alpha=0.8 * opacity, linewidth=0.0, shade=True
+        )
+    for line in scene.lines:
+        axes.plot(*(CM * line.points.T), color=CHAMBER, linewidth=1.2, zorder=10)
+
+
+def draw_pushes(
+    axes: Axes3D, scene: Scene, *, cm_per_newton: float, colour: ColorType = FORCE
+) -> None:
+    """Draw the contact forces of a scene as arrows that end where they act.
+
+    Parameters
+    ----------
+    axes : mpl_toolkits.mplot3d.Axes3D
+        Where to.
+    scene : Scene
+        Whose forces.
+    cm_per_newton : float
+        Length of an arrow per newton [cm/N].
+    colour : colour
+        Of the arrows.
+    """
+    if not scene.pushes:
+        return
+    points = CM * np.array([push.point for push in scene.pushes])
+    arrows = cm_per_newton * np.array([push.force for push in scene.pushes])
+    axes.quiver(*(points - arrows).T, *arrows.T, color=colour, linewidth=1.0)
+
+
+def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> None:
+    """Give the axes equal scales, centimetres, and room for every scene.
+
+    Parameters
+    ----------
+    axes : mpl_toolkits.mplot3d.Axes3D
+        Whose limits.
+    scenes : sequence of Scene
+        What has to fit.
+    margin : float
+        Room around it [cm].
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    corners = [scene.extent() for scene in scenes]
+    low = CM * np.min([c[0] for c in corners], axis=0) - margin
+    high = CM * np.max([c[1] for c in corners], axis=0) + margin
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set(xlabel="x / cm", ylabel="y / cm", zlabel="z / cm")
+    axes.set_box_aspect(tuple(high - low), zoom=0.82)
+    axes.view_init(elev=18.0, azim=-62.0)
+    # A tick for a narrow side, several for a wide one, or their numbers run into each other.
+    for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), high - low, strict=True):
+        axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
+
+
+def _cone(link: Link, rings: int = 12) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    axis = link.tip - link.base
+    length = float(np.linalg.norm(axis))
+    along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+    # Any vector that is not along the axis gives two that are square to it.
+    aside = np.eye(3)[int(np.argmin(np.abs(along)))]
+    first = np.cross(along, aside)
+    first /= np.linalg.norm(first)
+    second = np.cross(along, first)
+    station = np.linspace(0.0, 1.0, rings)[:, None]
+    radius = link.radius_base + station * (link.radius_tip - link.radius_base)
+    return tube(link.base + station * axis, radius * first, radius * second)

@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexor.errors import InputError
+from flexor.plot import arrows
+from flexor.plot.designs_figure import Design, draw_designs
+from flexor.plot.path_figure import MOST_IN_LEGEND, draw_path
+from flexor.plot.scene import Push, Scene
+from flexor.plot.style import COLUMN, save, shades
+
+from .made import scene
+
+FLEXION = np.linspace(0.0, 1.2, 6)
+SCENES = [scene(flexion, 1.1 * flexion) for flexion in FLEXION]
+
+
+def test_path_is_drawn_to_scale_at_every_load() -> None:
+    figure = draw_path(SCENES, range(6), planar_model=True)
+    axes = figure.axes[0]
+    figure.draw_without_rendering()
+    origin, unit = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
+    assert unit[0] - origin[0] == pytest.approx(unit[1] - origin[1], rel=1e-6)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sorted(labels) == sorted(["0 N", "1 N", "2 N", "3 N", "4 N", "5 N", "chamber"])
+    rods = [patch for patch in axes.patches if len(patch.get_xy()) == 83]
+    assert len(rods) == 6
+    # The last rod ends where the last arc ends, in centimetres.
+    tip = 100.0 * SCENES[-1].rods[0].frames[-1, [0, 2], 3]
+    drawn = rods[-1].get_xy()
+    np.testing.assert_allclose(0.5 * (drawn[40] + drawn[41]), tip, atol=1e-9)
+    assert figure.get_figwidth() == COLUMN
+
+
+def test_everything_lies_inside_the_axes() -> None:
+    axes = draw_path(SCENES, range(6), planar_model=True).axes[0]
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    for patch in axes.patches:
+        x, z = patch.get_xy().T
+        assert left < x.min() and x.max() < right and bottom < z.min() and z.max() < top
+
+
+def test_arrows_share_one_scale_and_a_round_key() -> None:
+    cm_per_newton, key = arrows.scale([scene(0.5, 3.7)])
+    assert cm_per_newton * 3.7 == pytest.approx(arrows.LONGEST)
+    assert key == 2.0
+    assert arrows.scale([scene(0.5)]) == (0.0, 0.0)
+
+
+def test_arrow_ends_where_the_force_acts() -> None:
+    import matplotlib.quiver
+
+    acting = Scene(
+        rods=scene(0.3).rods, pushes=[Push(np.array([0.05, 0.0, 0.01]), np.array([0.0, 0.0, -2.0]))]
+    )
+    axes = draw_path([acting], [5.0], planar_model=True).axes[0]
+    arrow = next(c for c in axes.collections if isinstance(c, matplotlib.quiver.Quiver))
+    np.testing.assert_allclose(arrow.get_offsets(), [[5.0, 1.0]])
+    assert arrow.pivot == "tip"
+    np.testing.assert_allclose([arrow.U[0], arrow.V[0]], [0.0, -arrows.LONGEST])
+
+
+def test_a_long_path_names_only_some_loads() -> None:
+    many = [scene(flexion) for flexion in np.linspace(0.0, 1.0, 51)]
+    figure = draw_path(many, np.linspace(0.0, 5.0, 51), planar_model=True)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert len(labels) <= MOST_IN_LEGEND + 2
+    assert {"0 N", "5 N"} <= set(labels)
+
+
+def test_spatial_path_has_equal_scales() -> None:
+    axes = draw_path(SCENES, range(6), planar_model=False).axes[0]
+    spans = np.array(
+        [np.diff(lim)[0] for lim in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
+    )
+    aspect = np.array(axes._box_aspect)
+    np.testing.assert_allclose(aspect / aspect[0], spans / spans[0])
+
+
+def test_designs_share_limits_and_state_their_bending() -> None:
+    designs = [
+        Design("default", SCENES[0], SCENES[1], 0.0, 5.0, 0.43),
+        Design("optimum", SCENES[0], SCENES[5], 0.0, 5.0, 1.43),
+    ]
+    figure = draw_designs(designs, planar_model=True)
+    first, second = figure.axes
+    assert first.get_xlim() == second.get_xlim() and first.get_ylim() == second.get_ylim()
+    assert first.get_title() == "default: bends 25° (0.43 rad)"
+    assert second.get_title() == "optimum: bends 82° (1.43 rad)"
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_the_same_picture_is_the_same_file(tmp_path, ending: str) -> None:
+    files = []
+    for name in "ab":
+        figure = draw_path(SCENES, range(6), planar_model=True)
+        files.append(save(figure, tmp_path / f"{name}.{ending}").read_bytes())
+    assert files[0] == files[1]
+    assert len(files[0]) > 10_000
+
+
+def test_shades_run_from_light_to_dark() -> None:
+    lightness = shades(7)[:, :3] @ [0.2126, 0.7152, 0.0722]
+    assert np.all(np.diff(lightness) < 0.0)
+    assert shades(1).shape == (1, 4)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("picture.jpeg", "must end in .png"), ("no/where/a.png", "no folder")]
+)
+def test_a_file_that_cannot_be_written_is_refused(tmp_path, name: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        save(draw_path(SCENES, range(6), planar_model=True), tmp_path / name)
+
+
+def test_drawing_leaves_matplotlib_as_it_was() -> None:
+    import matplotlib
+
+    before = dict(matplotlib.rcParams)
+    draw_path(SCENES, range(6), planar_model=True)
+    assert dict(matplotlib.rcParams) == before
