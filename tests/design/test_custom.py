@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from flexor.design import custom, parameter_set, union
 from flexor.errors import InputError
 

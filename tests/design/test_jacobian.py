@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from flexor.design import GeometryJacobian, ParameterSet, parameter_set
 
 ALL = ["L", "R01", "Rsc", "RLP", "L+R01", "L+Rsc", "L+RLP", "RLP+L"]

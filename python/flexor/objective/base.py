@@ -1,0 +1,90 @@
+"""What every objective is: a number to minimise for each path of a batch."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.errors import InputError
+from flexor.objective.paths import FloatArray, PathGradient, Paths
+
+# "increments starting from 0 N in steps of 1 N, evaluated when the actuation reached 5 N"
+PAPER_FORCE = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
+
+
+@dataclass(frozen=True)
+class Objective(ABC):
+    """An objective, judged at the last of its loads.
+
+    Attributes
+    ----------
+    name : str
+        As written on the command line.
+    quantity, unit : str
+        What is shown to people, for example ``"bending"`` in ``"rad"``; `shown` computes it.
+    force : tuple of float
+        Actuation forces [N] of the path that is to be followed.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    force: tuple[float, ...] = PAPER_FORCE
+
+    @abstractmethod
+    def value(self, paths: Paths) -> FloatArray:
+        """Value to minimise, (n,); meaningless where `flexor.objective.judge` finds a failure."""
+
+    @abstractmethod
+    def shown(self, paths: Paths) -> FloatArray:
+        """Quantity for display, (n,), in `unit`."""
+
+    def residual(self, paths: Paths) -> FloatArray:
+        """Vector (n, r) whose norm is the value, for least squares.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector.
+        """
+        raise InputError(
+            f'objective "{self.name}" is not the norm of a vector, which least squares needs.'
+        )
+
+    def gradient(self, paths: Paths) -> PathGradient:
+        """Differentiate the value: joint angles (n, steps, j), tip force (n, steps).
+
+        Raises
+        ------
+        InputError
+            If the objective has no derivative.
+        """
+        raise InputError(f'objective "{self.name}" has no gradient.')
+
+    def residual_gradient(self, paths: Paths) -> PathGradient:
+        """Differentiate the residual: joint angles (n, r, steps, j), tip force (n, r, steps).
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector with a derivative.
+        """
+        raise InputError(f'objective "{self.name}" has no gradient of a residual vector.')
+
+    def at(self, force: ArrayLike) -> Objective:
+        """Return the same objective judged at the end of other loads [N]."""
+        return replace(self, force=tuple(float(u) for u in np.atleast_1d(np.asarray(force))))
+
+
+def norm(vectors: FloatArray) -> FloatArray:
+    """Euclidean norm of the rows of (n, r).
+
+    Added component by component, so that a row's result never depends on how many rows there are.
+    """
+    total = np.zeros(vectors.shape[0])
+    for component in range(vectors.shape[1]):
+        total += vectors[:, component] ** 2
+    return np.sqrt(total)
