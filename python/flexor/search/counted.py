@@ -1,0 +1,108 @@
+"""A batch function that counts, remembers and stops at a budget, for any search."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from flexor.search.interface import BatchFunction, Budget, FloatArray, Progress, SearchResult
+
+
+class BudgetSpent(Exception):
+    """Raised to a search when its budget is spent; its text is the reason."""
+
+
+class Counted:
+    """What a search evaluates through.
+
+    Each distinct design is evaluated once (known by its exact bytes); NaN becomes +inf; the best
+    design and every improvement are kept.
+
+    Parameters
+    ----------
+    function : callable
+        From n designs (n, k) to values (n,).
+    budget : Budget or None
+        When to stop.
+    """
+
+    def __init__(self, function: BatchFunction, budget: Budget | None = None) -> None:
+        self._function = function
+        self._budget = budget or Budget()
+        self._began = time.monotonic()
+        self._known: dict[bytes, float] = {}
+        self._improvements: list[tuple[int, float, FloatArray]] = []
+        self._first: FloatArray | None = None
+        self.value = np.inf
+
+    @property
+    def evaluations(self) -> int:
+        """Distinct designs evaluated."""
+        return len(self._known)
+
+    @property
+    def design(self) -> FloatArray:
+        """Best design, or the first one while all have failed, (k,)."""
+        best = self._improvements[-1][2] if self._improvements else self._first
+        if best is None:
+            raise RuntimeError("nothing has been evaluated yet")
+        return best
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """Values (n,) of designs (n, k).
+
+        Raises
+        ------
+        BudgetSpent
+            Before the batch if no budget is left; after as much of it as the budget allows.
+        """
+        designs = np.ascontiguousarray(designs, dtype=np.float64) + 0.0  # one kind of zero
+        keys = [row.tobytes() for row in designs]
+        fresh: dict[bytes, int] = {}
+        for row, key in enumerate(keys):
+            if key not in self._known:
+                fresh.setdefault(key, row)
+        if fresh:
+            self._evaluate(designs, fresh)
+        return np.array([self._known[key] for key in keys])
+
+    def progress(self, iteration: int, detail: str) -> Progress:
+        """Say where the search stands."""
+        return Progress(iteration, self.evaluations, self.design, self.value, detail)
+
+    def result(self, iterations: int, reason: str) -> SearchResult:
+        """Return what the search found."""
+        k = self.design.size
+        return SearchResult(
+            design=self.design,
+            value=self.value,
+            evaluations=self.evaluations,
+            iterations=iterations,
+            reason=reason,
+            improvement_evaluations=np.array([i[0] for i in self._improvements], dtype=np.int64),
+            improvement_values=np.array([i[1] for i in self._improvements], dtype=np.float64),
+            improvement_designs=np.array([i[2] for i in self._improvements]).reshape(-1, k),
+        )
+
+    def _evaluate(self, designs: FloatArray, fresh: dict[bytes, int]) -> None:
+        limit = self._budget.evaluations
+        left = len(fresh) if limit is None else limit - self.evaluations
+        seconds = self._budget.seconds
+        if left <= 0:
+            raise BudgetSpent(f"the budget of {limit} evaluations is spent")
+        if seconds is not None and self.evaluations and time.monotonic() - self._began >= seconds:
+            raise BudgetSpent(f"the budget of {seconds:g} s is spent")
+        keys, rows = list(fresh)[:left], list(fresh.values())[:left]
+        values = np.asarray(self._function(designs[rows]), dtype=np.float64)
+        if values.shape != (len(rows),):
+            raise RuntimeError(f"{len(rows)} designs gave values of shape {values.shape}")
+        for key, row, value in zip(keys, rows, values.tolist(), strict=True):
+            self._known[key] = np.inf if np.isnan(value) else value
+            if self._first is None:
+                self._first = designs[row].copy()
+            if self._known[key] < self.value:
+                self.value = value
+                self._improvements.append((len(self._known), value, designs[row].copy()))
+        if left < len(fresh):
+            raise BudgetSpent(f"the budget of {limit} evaluations is spent")

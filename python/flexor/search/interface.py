@@ -1,0 +1,160 @@
+"""What a search is: the interface behind which every optimiser lives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexor.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+# From n designs (n, k) to their values (n,); designs that failed have +inf.
+BatchFunction = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class Budget:
+    """When to stop a search that has not stopped by itself.
+
+    Attributes
+    ----------
+    evaluations : int or None
+        Distinct designs that may be evaluated.
+    seconds : float or None
+        Time that may pass. A search stopped by time is not repeatable; one stopped by
+        evaluations is.
+    """
+
+    evaluations: int | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises
+        ------
+        InputError
+            If one is not positive.
+        """
+        if self.evaluations is not None and self.evaluations < 1:
+            raise InputError(f"the budget must be at least 1 evaluation, got {self.evaluations}.")
+        if self.seconds is not None and not self.seconds > 0.0:
+            raise InputError(f"the budget must be a positive time, got {self.seconds:g} s.")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a search stands.
+
+    Attributes
+    ----------
+    iteration : int
+        Iterations done.
+    evaluations : int
+        Distinct designs evaluated.
+    design : (k,) array
+        Best design so far.
+    value : float
+        Its value; +inf while every design has failed.
+    detail : str
+        In the method's own words, for example ``"mesh 0.0625"``.
+    """
+
+    iteration: int
+    evaluations: int
+    design: FloatArray
+    value: float
+    detail: str
+
+
+ProgressCallback = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search found.
+
+    Attributes
+    ----------
+    design : (k,) array
+        Best design evaluated.
+    value : float
+        Its value; +inf if every design failed.
+    evaluations, iterations : int
+        Distinct designs evaluated, and iterations of the method.
+    reason : str
+        Why it stopped.
+    improvement_evaluations : (i,) int array
+        After how many evaluations the best value improved.
+    improvement_values : (i,) array
+        To what.
+    improvement_designs : (i, k) array
+        By which design.
+    """
+
+    design: FloatArray
+    value: float
+    evaluations: int
+    iterations: int
+    reason: str
+    improvement_evaluations: NDArray[np.int64]
+    improvement_values: FloatArray
+    improvement_designs: FloatArray
+
+
+class Search(Protocol):
+    """A method that minimises a batch function in a box.
+
+    Implementations are frozen dataclasses whose fields are the method's options, and are
+    deterministic: the same arguments ask for the same designs in the same order, which is what
+    lets a study resume.
+    """
+
+    @property
+    def name(self) -> str:
+        """As written on the command line."""
+        ...
+
+    def minimize(
+        self,
+        function: BatchFunction,
+        lower: FloatArray,
+        upper: FloatArray,
+        start: ArrayLike | None = None,
+        seed: int = 0,
+        budget: Budget | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> SearchResult:
+        """Minimise.
+
+        Parameters
+        ----------
+        function : callable
+            From n designs (n, k) to values (n,).
+        lower, upper : (k,) arrays
+            Bounds; no design outside them is asked for.
+        start : (k,) or (s, k) array, optional
+            One start or several; drawn from the seed by default.
+        seed : int
+            Of everything drawn at random.
+        budget : Budget, optional
+            When to stop at the latest.
+        progress : callable, optional
+            Called after each iteration; may raise to stop the search.
+
+        Returns
+        -------
+        SearchResult
+            Best design and how it was found.
+
+        Raises
+        ------
+        InputError
+            If a start is outside the bounds.
+        """
+        ...
