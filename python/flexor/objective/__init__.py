@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.objective.base import PAPER_FORCE, Objective
+from flexor.objective.base import Objective
 from flexor.objective.bending import Bending
 from flexor.objective.bending_contact import BendingContact, BendingContactPrinted
 from flexor.objective.catalogue import names, objective
@@ -12,7 +12,6 @@ from flexor.objective.paths import OnePath, PathArrays, PathGradient, Paths
 from flexor.objective.tip_force import TipForce
 
 __all__ = [
-    "PAPER_FORCE",
     "Bending",
     "BendingContact",
     "BendingContactPrinted",

@@ -11,9 +11,6 @@ from numpy.typing import ArrayLike
 from flexor.errors import InputError
 from flexor.objective.paths import FloatArray, PathGradient, Paths
 
-# "increments starting from 0 N in steps of 1 N, evaluated when the actuation reached 5 N"
-PAPER_FORCE = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
-
 
 @dataclass(frozen=True)
 class Objective(ABC):
@@ -25,14 +22,15 @@ class Objective(ABC):
         As written on the command line.
     quantity, unit : str
         What is shown to people, for example ``"bending"`` in ``"rad"``; `shown` computes it.
-    force : tuple of float
-        Actuation forces [N] of the path that is to be followed.
+    force : tuple of float or None
+        Actuation forces [N] of the path that is to be followed; None for those of the model's
+        ``[evaluation]``, which are the paper's unless the file says otherwise: 0 to 5 N by 1 N.
     """
 
     name: str
     quantity: str
     unit: str
-    force: tuple[float, ...] = PAPER_FORCE
+    force: tuple[float, ...] | None = None
 
     @abstractmethod
     def value(self, paths: Paths) -> FloatArray:

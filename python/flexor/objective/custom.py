@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
-from flexor.objective.base import PAPER_FORCE, Objective
+from flexor.objective.base import Objective
 from flexor.objective.paths import FloatArray, PathArrays, Paths
 
 
@@ -45,7 +45,7 @@ def custom(
     name: str,
     function: Callable[[Any], float],
     *,
-    force: ArrayLike = PAPER_FORCE,
+    force: ArrayLike | None = None,
     quantity: str = "value",
     unit: str = "",
     shown: Callable[[Any], float] | None = None,
@@ -60,8 +60,8 @@ def custom(
         From the path of one design (arrays over load steps: ``force``, ``joint_angles``,
         ``tip_force``, ``touching``, ``converged``, ``stable``) to a number to minimise. It is not
         asked about designs that failed; a NaN makes the design one of them.
-    force : (steps,) array
-        Actuation forces [N] of the path.
+    force : (steps,) array, optional
+        Actuation forces [N] of the path; by default those of the model's ``[evaluation]``.
     quantity, unit : str
         What is shown to people.
     shown : callable, optional
@@ -73,4 +73,4 @@ def custom(
         To be given to `flexor.optimize`.
     """
     made = Custom(name=name, quantity=quantity, unit=unit, function=function, sense=shown)
-    return replace(made, force=made.at(force).force)
+    return made if force is None else made.at(force)

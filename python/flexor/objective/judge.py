@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexor.objective.base import Objective
 from flexor.objective.paths import BoolArray, FloatArray, PathArrays, Paths
+
+StatusWord = Callable[[int, int], str]
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Judgement:
     reason: tuple[str, ...]
 
 
-def judge(objective: Objective, paths: Paths, status: Sequence[Sequence[str]] = ()) -> Judgement:
+def judge(objective: Objective, paths: Paths, status: StatusWord | None = None) -> Judgement:
     """Judge the paths of a batch of designs.
 
     A path counts only if every one of its load steps converged to a stable equilibrium: each step
@@ -43,8 +45,8 @@ def judge(objective: Objective, paths: Paths, status: Sequence[Sequence[str]] = 
         What to compute; it sees only the paths that are good.
     paths : Paths
         Paths of n designs.
-    status : (n, steps) of str, optional
-        The engine's word for each step, added to the reason.
+    status : callable, optional
+        From design and step to the engine's word for it, added to the reason.
 
     Returns
     -------
@@ -59,13 +61,14 @@ def judge(objective: Objective, paths: Paths, status: Sequence[Sequence[str]] = 
     judged: BoolArray = np.asarray(good.all(axis=1))
     for i in map(int, np.flatnonzero(~judged)):
         step = int(np.argmin(good[i]))
+        word = ""
         if not arrays.converged[i, step]:
             said = "did not converge"
+            word = f" ({status(i, step)})" if status is not None else ""
         elif not arrays.stable[i, step]:
             said = "is unstable"
         else:
             said = "is not a finite number"
-        word = f" ({status[i][step]})" if len(status) else ""
         reason[i] = f"{said} at {arrays.force[step]:g} N{word}"
     value, shown = np.full(n, np.inf), np.full(n, np.nan)
     if judged.any():
