@@ -1,0 +1,67 @@
+"""The one error that a person can cause: input that cannot be used.
+
+Its text is always one sentence that says which field of which file, what was found there and what
+is allowed; the command line prints it after ``error:`` and exits with code 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+__all__ = ["InputError", "alternatives", "unknown", "unknown_name"]
+
+
+class InputError(ValueError):
+    """Input that cannot be used, explained in one sentence."""
+
+
+def alternatives(name: str, allowed: Iterable[str]) -> str:
+    """Quote a name that is not known, with the nearest that is and all that are.
+
+    Parameters
+    ----------
+    name
+        What was found.
+    allowed
+        Every name that would have been right.
+
+    Returns
+    -------
+    str
+        For example ``"bendng" (did you mean "bending"?): allowed are "bending", "force"``.
+    """
+    names = list(allowed)
+    lowered = {choice.lower(): choice for choice in reversed(names)}
+    near = get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
+    hint = f' (did you mean "{lowered[near[0]]}"?)' if near else ""
+    if not names:
+        return f'"{name}": there are none'
+    verb = "allowed are" if len(names) > 1 else "allowed is"
+    return f'"{name}"{hint}: {verb} ' + ", ".join(f'"{choice}"' for choice in names)
+
+
+def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> str:
+    """Describe a name that is not known, with the nearest that is.
+
+    Parameters
+    ----------
+    kind
+        What the name should have named, such as ``"objective"``.
+    name
+        What was found.
+    allowed
+        Every name that would have been right.
+
+    Returns
+    -------
+    str
+        For example ``unknown objective "bendng" (did you mean "bending"?): allowed are "bending",
+        "force"``, without a closing full stop.
+    """
+    return f"unknown {kind} {alternatives(name, allowed)}"
+
+
+def unknown(kind: str, name: str, allowed: Iterable[str]) -> InputError:
+    """Return the error for a name that is not known; see `unknown_name`."""
+    return InputError(unknown_name(kind, name, allowed) + ".")

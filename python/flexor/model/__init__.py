@@ -1,0 +1,32 @@
+"""Models: TOML files with units, checked and lowered to the engine.
+
+`load` gives a `Model`; `Model.equilibrium` follows its equilibria as a `Path`, `Model.evaluate`
+those of many designs as a `Batch`. What a file may say is in `flexor.model.schema`.
+"""
+
+from __future__ import annotations
+
+from flexor.model.batch import Batch
+from flexor.model.geometry import DesignSpace, Geometry
+from flexor.model.loads import forces
+from flexor.model.model import Model, load
+from flexor.model.path import ContactForces, Event, Path
+from flexor.model.presets import presets
+from flexor.model.reading import parse, read
+from flexor.model.schema import ModelFile
+
+__all__ = [
+    "Batch",
+    "ContactForces",
+    "DesignSpace",
+    "Event",
+    "Geometry",
+    "Model",
+    "ModelFile",
+    "Path",
+    "forces",
+    "load",
+    "parse",
+    "presets",
+    "read",
+]

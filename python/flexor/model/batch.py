@@ -1,0 +1,98 @@
+"""Paths of equilibria of many designs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor._engine import STATUS, Events
+
+if TYPE_CHECKING:
+    from flexor.model.model import Model
+    from flexor.model.path import Path
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Paths of n designs over the same load steps.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    loads : (steps, inputs) array
+        Loads of every input [N].
+    q : (n, steps, dof) array
+        Generalized coordinates.
+    status : (n, steps) array
+        Codes of how each step ended, indices of `flexor._engine.STATUS`.
+    stable : (n, steps) bool array
+        Whether the equilibrium is a minimum of the potential.
+    iterations : (n, steps) array
+        Newton iterations.
+    residual : (n, steps) array
+        Scaled, dimensionless residual.
+    energy : (n, steps) array
+        Potential [J].
+    pairs, touching : (n, steps) arrays
+        Touching pairs of spheres, and n_c, the spheres of the contacts' first groups that touch.
+    tip_force : (n, steps) array
+        F_t (14), the contact force on the tip spheres [N].
+    events : dict of arrays
+        Snaps of all designs: ``design``, ``step``, ``load``, ``kind``, ``before``, ``after``.
+    indices, values : (k,) and (n, k) arrays
+        The parameters in which the designs differ from the model.
+    """
+
+    model: Model
+    loads: Array
+    q: Array
+    status: NDArray[np.uint8]
+    stable: NDArray[np.bool_]
+    iterations: NDArray[np.uint32]
+    residual: Array
+    energy: Array
+    pairs: NDArray[np.uint32]
+    touching: NDArray[np.uint32]
+    tip_force: Array
+    events: Events = field(repr=False)
+    indices: NDArray[np.intp] = field(repr=False)
+    values: Array = field(repr=False)
+
+    @property
+    def force(self) -> Array:
+        """Force of the first input, or zeros without one, (steps,) [N]."""
+        return self.loads[:, 0] if self.loads.shape[1] else np.zeros(len(self.loads))
+
+    @property
+    def joint_angles(self) -> Array:
+        """Coordinates of the joints, (n, steps, joints) [rad; m for translations]."""
+        return self.q[:, :, self.model.joint_columns]
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Whether each step found an equilibrium, (n, steps)."""
+        return np.asarray(self.status == STATUS.index("converged"))
+
+    @property
+    def spheres(self) -> int:
+        """Number of spheres of the contacts' first groups."""
+        return self.model.first_spheres
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __getitem__(self, index: int) -> Path:
+        """Return the path of one design."""
+        from flexor.model.path import Path
+
+        return Path.of(self, range(len(self))[index])
+
+    def __iter__(self) -> Iterator[Path]:
+        return (self[index] for index in range(len(self)))

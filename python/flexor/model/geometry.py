@@ -1,0 +1,152 @@
+"""The rod that may be designed, and how a designed geometry enters the engine's parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.errors import InputError
+from flexor.model.lowering import dorsal, points
+from flexor.model.schema import ModelFile, Rod
+from flexor.model.schema.profile import surface
+
+Array = NDArray[np.float64]
+Slots = Mapping[str, tuple[int, int]]
+
+
+class Geometry(Protocol):
+    """Geometry of a rod for n designs, S at the rod's m sample points X in [0, 1]."""
+
+    @property
+    def length(self) -> Array:
+        """Length L [m], (n,)."""
+        ...
+
+    @property
+    def radius(self) -> Array:
+        """Surface S(X) [m], (n, m)."""
+        ...
+
+    @property
+    def slope(self) -> Array:
+        """Its derivative dS/dX [m], (n, m)."""
+        ...
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """The rod of a model that is designed, as the file has it, and the bounds of the search.
+
+    Attributes
+    ----------
+    rod : str
+        Its name.
+    length : float
+        Length L [m].
+    radius_base, radius_tip : float
+        R_0 = S(0) and R_1 = S(1) [m].
+    length_bounds, radius_bounds : tuple of float
+        Lower and upper bound of the search [m].
+    minimum_radius : float
+        Below this no part of S may be [m].
+    points : (P,) array
+        Sample points X in [0, 1], at which geometries are to be given.
+    """
+
+    rod: str
+    length: float
+    radius_base: float
+    radius_tip: float
+    length_bounds: tuple[float, float]
+    radius_bounds: tuple[float, float]
+    minimum_radius: float
+    points: Array
+
+    @classmethod
+    def of(cls, file: ModelFile) -> DesignSpace:
+        """Read the design space of a model file.
+
+        Parameters
+        ----------
+        file
+            A checked model file.
+
+        Raises
+        ------
+        InputError
+            If it has no ``[design]``.
+        """
+        if file.design is None:
+            raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
+        rod = file.bodies[file.design.rod]
+        assert isinstance(rod, Rod)
+        ends, _ = surface(rod.radius, np.array([0.0, 1.0]))
+        return cls(
+            rod=file.design.rod,
+            length=float(rod.length),
+            radius_base=float(ends[0]),
+            radius_tip=float(ends[1]),
+            length_bounds=_pair(file.design.length_bounds),
+            radius_bounds=_pair(file.design.radius_bounds),
+            minimum_radius=float(file.design.minimum_radius),
+            points=points(rod),
+        )
+
+
+def _pair(bounds: tuple[float, float]) -> tuple[float, float]:
+    return (float(bounds[0]), float(bounds[1]))
+
+
+def slot_values(
+    file: ModelFile, name: str, slots: Slots, geometry: Geometry
+) -> tuple[NDArray[np.intp], Array]:
+    """Place the geometry of a rod among the engine's parameters.
+
+    The base of a rod that is placed by its underside follows S(0): see `schema.Placement`.
+
+    Parameters
+    ----------
+    file
+        The model file.
+    name
+        The rod.
+    slots
+        Where the engine has its parameters.
+    geometry
+        Geometry of n designs.
+
+    Returns
+    -------
+    indices : (k,) array
+        Which parameters change.
+    values : (n, k) array
+        Their values.
+
+    Raises
+    ------
+    InputError
+        If the geometry is not given at the rod's sample points.
+    """
+    rod = file.bodies[name]
+    assert isinstance(rod, Rod)
+    length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
+    radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
+    slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
+    expected = (len(length), rod.sample_count)
+    if radius.shape != expected or slope.shape != expected:
+        raise InputError(
+            f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
+            f"{len(length)} lengths and {rod.sample_count} sample points both must be {expected}."
+        )
+    columns = [length[:, None], radius, slope]
+    ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
+    if rod.placement.reference == "underside":
+        place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
+        columns.append(place + radius[:, :1] * dorsal(rod))
+        ranges.append(slots[f"{name}.translation"])
+    indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
+    return indices, np.concatenate(columns, axis=1)

@@ -1,0 +1,148 @@
+"""The loads that a path steps through."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from decimal import Decimal, InvalidOperation
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import PydanticCustomError
+
+from flexor.errors import InputError, unknown
+from flexor.model.fault import shown
+from flexor.model.units import FORCE
+
+Array = NDArray[np.float64]
+Forces = str | float | Sequence[float | str] | Array
+_MOST = 1_000_000
+
+
+def forces(force: Forces) -> Array:
+    """Read a list of forces.
+
+    Parameters
+    ----------
+    force
+        Numbers in N, texts with a unit (``"500 mN"``), or one text ``"start:stop:step"`` such as
+        ``"0:5:1"``, which includes the stop. A single value is a list of one.
+
+    Returns
+    -------
+    (steps,) array
+        The forces [N], never decreasing.
+
+    Raises
+    ------
+    InputError
+        If the list is empty or decreases, or an entry is not a finite force.
+    """
+    if isinstance(force, str):
+        values = _range(force) if ":" in force else [_value(t, "force") for t in force.split(",")]
+    elif isinstance(force, (int, float)):
+        values = [_value(force, "force")]
+    else:
+        values = [_value(entry, f"force[{index}]") for index, entry in enumerate(force)]
+    if not values:
+        raise InputError(
+            "force is an empty list: give at least one force in N, such as [0, 1, 2] or 0:5:1."
+        )
+    for index, (before, after) in enumerate(pairwise(values), start=1):
+        if after < before:
+            raise InputError(
+                f"force[{index}] is {after:g} N after {before:g} N: "
+                "the forces of a path must not decrease."
+            )
+    return np.array(values)
+
+
+def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
+    """Read the loads of every input.
+
+    Parameters
+    ----------
+    force
+        The forces of the only input, or a table of forces by the name of the input; inputs left
+        out stay at zero, and a single force is held through all steps.
+    inputs
+        Names of the model's inputs.
+
+    Returns
+    -------
+    (steps, inputs) array
+        Loads [N].
+
+    Raises
+    ------
+    InputError
+        As for `forces`, and if names or numbers of steps do not fit.
+    """
+    if not isinstance(force, Mapping):
+        column = forces(force)
+        if len(inputs) == 1:
+            return column[:, None]
+        if not inputs and not column.any():
+            return np.zeros((len(column), 0))
+        if not inputs:
+            raise InputError("force is given to a model that has no actuator: leave it out.")
+        listed = ", ".join(f'"{name}"' for name in inputs)
+        raise InputError(f"force must say which input it drives: a table with {listed}.")
+    columns = {}
+    for name, values in force.items():
+        if name not in inputs:
+            raise unknown("input", name, inputs)
+        columns[name] = forces(values)
+    steps = max((len(column) for column in columns.values()), default=1)
+    result = np.zeros((steps, len(inputs)))
+    for name, column in columns.items():
+        if len(column) not in (1, steps):
+            raise InputError(
+                f'force has {len(column)} steps for "{name}" and {steps} for another input: '
+                "give as many for each, or one to be held."
+            )
+        result[:, list(inputs).index(name)] = column
+    return result
+
+
+def _value(value: object, path: str) -> float:
+    if isinstance(value, str) and (number := _decimal(value)) is not None:
+        value = float(number)
+    if isinstance(value, str):
+        try:
+            return float(FORCE.parse(value.strip()))
+        except PydanticCustomError as error:
+            raise InputError(f"{path} {error.message()}.") from None
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(f"{path} is {shown(value)}: a force in N is needed.")
+    if not math.isfinite(value):
+        raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
+    return float(value)
+
+
+def _range(text: str) -> list[float]:
+    parts = [part.strip().removesuffix("N").strip() for part in text.split(":")]
+    numbers = [_decimal(part) for part in parts]
+    if len(numbers) == 2:
+        numbers.append(Decimal(1))
+    finite = [number for number in numbers if number is not None and number.is_finite()]
+    if len(finite) != 3 or len(numbers) != 3:
+        raise InputError(f'force is "{text}": write start:stop:step in N, such as 0:5:1.')
+    start, stop, step = finite
+    if step <= 0:
+        raise InputError(f'force is "{text}": the step must be greater than zero.')
+    if stop < start:
+        raise InputError(f'force is "{text}": the forces of a path must not decrease.')
+    steps = (stop - start) / step
+    if steps >= _MOST:
+        raise InputError(f'force is "{text}": a path has at most {_MOST:,} steps.')
+    # Decimal, so that 0:5:0.1 holds exactly the numbers that 0:5:1 holds.
+    return [float(start + step * index) for index in range(int(steps) + 1)]
+
+
+def _decimal(text: str) -> Decimal | None:
+    try:
+        return Decimal(text)
+    except InvalidOperation:
+        return None

@@ -1,0 +1,274 @@
+"""From a model file to the engine's description: SI numbers, every list explicit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor._engine import sample_points
+from flexor.model.schema import (
+    Actuator,
+    Attachment,
+    Body,
+    Contact,
+    FixedJoint,
+    FreeJoint,
+    Ground,
+    Joint,
+    Link,
+    ModelFile,
+    PrismaticJoint,
+    RevoluteJoint,
+    Rod,
+    SphereGroup,
+    Spring,
+    Station,
+    Wrench,
+)
+from flexor.model.schema.profile import surface
+from flexor.model.schema.strain import MODES
+
+Array = NDArray[np.float64]
+Json = dict[str, Any]
+
+
+def lower(file: ModelFile) -> Json:
+    """Describe a model to the engine.
+
+    Parameters
+    ----------
+    file
+        A checked model file.
+
+    Returns
+    -------
+    dict
+        The description, ready for JSON: SI units, parents before their children, the radius of
+        each rod at its sample points.
+    """
+    bodies = {name: file.bodies[name] for name in parents_first(file.bodies)}
+    spheres = {name: _spheres(group, bodies) for name, group in file.spheres.items()}
+    return {
+        "planar": file.planar,
+        "gravity": list(file.gravity.components),
+        "bodies": [_body(name, body) for name, body in bodies.items()],
+        "spheres": [{"name": name, "spheres": group} for name, group in spheres.items()],
+        "contacts": [
+            _contact(name, contact, len(spheres[contact.first]))
+            for name, contact in file.contacts.items()
+        ],
+        "actuators": [
+            _actuator(name, actuator, bodies[actuator.rod])
+            for name, actuator in file.actuators.items()
+        ],
+        "springs": [_spring(name, spring, bodies) for name, spring in file.springs.items()],
+        "wrenches": [_wrench(name, wrench, bodies) for name, wrench in file.wrenches.items()],
+    }
+
+
+def parents_first(bodies: dict[str, Body]) -> list[str]:
+    """Return the names of bodies in the file's order, except that parents come first.
+
+    Parameters
+    ----------
+    bodies
+        Bodies whose parents exist and form no loop.
+    """
+    order: list[str] = []
+    for name in bodies:
+        line: list[str] = []
+        above: str | None = name
+        while above is not None and above not in order:
+            line.append(above)
+            above = bodies[above].parent
+        order.extend(reversed(line))
+    return order
+
+
+def points(rod: Rod) -> Array:
+    """Return the sample points of a rod: X in [0, 1], element ends and Gauss points.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    """
+    return sample_points(rod.elements, rod.gauss_points)
+
+
+def dorsal(body: Body) -> Array:
+    """Return the local z axis of a body's placement, in its parent's frame; shape (3,).
+
+    Parameters
+    ----------
+    body
+        The body.
+    """
+    vector = np.array(body.placement.rotation.components)
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.array([0.0, 0.0, 1.0])
+    axis, up = vector / angle, np.array([0.0, 0.0, 1.0])
+    along = axis * axis[2]  # Rodrigues' formula
+    return np.asarray(along + np.cos(angle) * (up - along) + np.sin(angle) * np.cross(axis, up))
+
+
+def _body(name: str, body: Body) -> Json:
+    place = body.placement
+    translation = np.array([place.x, place.y, place.z], dtype=float)
+    if isinstance(body, Rod):
+        radius, slope = surface(body.radius, points(body))
+        if place.reference == "underside":
+            translation = translation + radius[0] * dorsal(body)
+        shape = {"rod": _rod(body, radius, slope)}
+    else:
+        shape = {"link": _link(body)}
+    return {
+        "name": name,
+        "parent": body.parent,
+        "placement": {
+            "translation": translation.tolist(),
+            "rotation": list(place.rotation.components),
+        },
+        "joint": _joint(body.joint),
+        "shape": shape,
+    }
+
+
+def _rod(rod: Rod, radius: Array, slope: Array) -> Json:
+    section: Json = {"kind": rod.section.kind}
+    if rod.section.ratio is not None:
+        section["ratio"] = rod.section.ratio
+    return {
+        "length": float(rod.length),
+        "section": section,
+        "strain": [
+            {"mode": mode, "basis": chosen.basis, "order": chosen.order or 0}
+            for mode, chosen in rod.strain.modes.items()
+        ],
+        "elements": rod.elements,
+        "gauss_points": rod.gauss_points,
+        "magnus_order": rod.magnus_order,
+        "young_modulus": float(rod.young_modulus),
+        "shear_modulus": rod.shear_modulus,
+        "density": float(rod.density),
+        "reference_strain": [float(getattr(rod.reference_strain, mode)) for mode in MODES],
+        "radius": radius.tolist(),
+        "slope": slope.tolist(),
+    }
+
+
+def _link(link: Link) -> Json:
+    return {
+        "length": float(link.length),
+        "radius_base": float(link.radius.base),
+        "radius_tip": float(link.radius.tip),
+        "density": float(link.density),
+    }
+
+
+def _joint(joint: Joint) -> Json:
+    if isinstance(joint, FixedJoint):
+        return {"kind": "fixed"}
+    if isinstance(joint, (RevoluteJoint, PrismaticJoint)):
+        return {
+            "kind": joint.kind,
+            "axis": (np.array(joint.axis) / np.linalg.norm(joint.axis)).tolist(),
+            "stiffness": [float(joint.stiffness)],
+            "rest": [float(joint.rest)],
+            "lower": [None if joint.lower is None else float(joint.lower)],
+            "upper": [None if joint.upper is None else float(joint.upper)],
+            "limit_stiffness": float(joint.limit_stiffness),
+            "limit_width": float(joint.limit_width),
+        }
+    stiffness = [float(value) for value in joint.stiffness]
+    if isinstance(joint, FreeJoint):
+        stiffness += [float(value) for value in joint.linear_stiffness]
+    return {"kind": joint.kind, "stiffness": stiffness, "rest": [0.0] * len(stiffness)}
+
+
+def _spheres(group: SphereGroup, bodies: dict[str, Body]) -> list[Json]:
+    spheres: list[Json] = []
+    for name in group.bodies:
+        body = bodies[name]
+        if isinstance(body, Rod):
+            stations: list[Any] = [{"point": 0}]
+            stations += [{"point": index} for index in range(body.sample_count)]
+        else:
+            stations = [{"fraction": 0.0}, "centroid"]
+        spheres += [{"body": name, "station": station} for station in stations]
+    return spheres + [_place(station, bodies) for station in group.points]
+
+
+def _contact(name: str, contact: Contact, count: int) -> Json:
+    tip = 0 if contact.first == contact.second else 1
+    tip = min(count, tip if contact.tip_spheres is None else contact.tip_spheres)
+    return {
+        "name": name,
+        "first": contact.first,
+        "second": contact.second,
+        "stiffness": float(contact.stiffness),
+        "skip": contact.skip,
+        "tip_spheres": list(range(count - tip, count)),
+    }
+
+
+def _actuator(name: str, actuator: Actuator, rod: Body) -> Json:
+    assert isinstance(rod, Rod)
+    path, slope = actuator.path.sampled(points(rod))
+    return {
+        "name": name,
+        "kind": actuator.kind,
+        "rod": actuator.rod,
+        "path": path.tolist(),
+        "path_slope": slope.tolist(),
+        "lever": [actuator.lever.y, actuator.lever.z],
+    }
+
+
+def _spring(name: str, spring: Spring, bodies: dict[str, Body]) -> Json:
+    if isinstance(spring.second, Ground):
+        second: Json = {"world": list(spring.second.world.components)}
+    else:
+        second = _attachment(spring.second, bodies)
+    return {
+        "name": name,
+        "first": _attachment(spring.first, bodies),
+        "second": second,
+        "stiffness": float(spring.stiffness),
+        "rest_length": float(spring.rest_length),
+        "slack": spring.slack,
+    }
+
+
+def _wrench(name: str, wrench: Wrench, bodies: dict[str, Body]) -> Json:
+    return {
+        "name": name,
+        "at": _attachment(wrench, bodies),
+        "force": list(wrench.force.components),
+        "moment": list(wrench.moment.components),
+        "frame": wrench.frame,
+        "input": wrench.input,
+    }
+
+
+def _attachment(attachment: Attachment, bodies: dict[str, Body]) -> Json:
+    return {**_place(attachment, bodies), "offset": list(attachment.offset.components)}
+
+
+def _place(station: Station, bodies: dict[str, Body]) -> Json:
+    return {"body": station.body, "station": _station(station, bodies[station.body])}
+
+
+def _station(station: Station, body: Body) -> Any:
+    if station.at == "centroid":
+        return "centroid"
+    if station.point is not None:
+        return {"point": station.point}
+    assert station.at is not None
+    fraction = {"base": 0.0, "tip": 1.0}.get(str(station.at), station.at)
+    if isinstance(body, Rod):
+        return {"point": body.point_at(float(fraction))}
+    return {"fraction": float(fraction)}

@@ -1,0 +1,339 @@
+"""A model: a checked file and the engine built from it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexor import _engine
+from flexor.errors import InputError
+from flexor.model.batch import Batch
+from flexor.model.geometry import DesignSpace, Geometry, slot_values
+from flexor.model.loads import Forces, loads
+from flexor.model.lowering import lower
+from flexor.model.path import ContactForces, Path
+from flexor.model.presets import locate
+from flexor.model.reading import check, read
+from flexor.model.schema import ModelFile, Rod
+
+Array = NDArray[np.float64]
+Force = Forces | Mapping[str, Forces]
+_NODE = re.compile(r"\[\d+\]$")
+
+
+class Model:
+    """A system of rods, links, contacts and actuators, built once and never changed.
+
+    Parameters
+    ----------
+    file
+        The checked model file.
+    source
+        Where it came from, for messages.
+
+    Raises
+    ------
+    InputError
+        If the engine refuses the model.
+    """
+
+    def __init__(self, file: ModelFile, source: str | None = None) -> None:
+        self.file = file
+        self._description = json.dumps(lower(file), sort_keys=True, separators=(",", ":"))
+        try:
+            self.engine = _engine.Model(self._description)
+        except ValueError as error:
+            raise InputError(f"{source or file.name}: {error}") from None
+
+    def __repr__(self) -> str:
+        return f"<Model {self.name!r}: {self.dof} degrees of freedom, {self.hash[:12]}>"
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.file.name
+
+    @property
+    def title(self) -> str:
+        """One line about it."""
+        return self.file.title
+
+    @property
+    def planar(self) -> bool:
+        """Whether it lies in the x-z plane."""
+        return self.file.planar
+
+    @property
+    def dof(self) -> int:
+        """Number of generalized coordinates."""
+        return self.engine.dof
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of what the engine is told of it, the same for the same mechanics."""
+        return hashlib.sha256(self._description.encode()).hexdigest()
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the load inputs."""
+        return tuple(self.engine.inputs)
+
+    @cached_property
+    def rods(self) -> tuple[str, ...]:
+        """Names of the rods."""
+        return tuple(name for name, body in self.file.bodies.items() if isinstance(body, Rod))
+
+    @cached_property
+    def joint_columns(self) -> NDArray[np.intp]:
+        """Which coordinates belong to joints, (joints,)."""
+        names = self.engine.coordinates
+        return np.array(
+            [i for i, name in enumerate(names) if not _NODE.search(name)], dtype=np.intp
+        )
+
+    @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints' coordinates."""
+        return tuple(self.engine.coordinates[column] for column in self.joint_columns)
+
+    @cached_property
+    def first_spheres(self) -> int:
+        """Number of spheres of the contacts' first groups."""
+        groups = {contact.first for contact in self.file.contacts.values()}
+        return sum(len(self._groups[name]) for name in groups)
+
+    @cached_property
+    def design(self) -> DesignSpace:
+        """The rod that is designed and the bounds of the search.
+
+        Raises
+        ------
+        InputError
+            If the file has no ``[design]``.
+        """
+        return DesignSpace.of(self.file)
+
+    @property
+    def X(self) -> Array:
+        """Sample points of the designed rod, X in [0, 1], (P,)."""
+        return self.design.points
+
+    @cached_property
+    def parameters(self) -> Array:
+        """The engine's parameters, (P,)."""
+        return self.engine.parameters
+
+    @cached_property
+    def evaluation_forces(self) -> Array:
+        """Forces through which a design is judged, from zero in the file's steps [N]."""
+        last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
+        steps = max(1, round(last / step))
+        return np.linspace(0.0, last, steps + 1)
+
+    def slot(self, name: str, parameters: Array | None = None) -> Array:
+        """Return parameters of the engine by name.
+
+        Parameters
+        ----------
+        name
+            Such as ``"exosuit.radius"``.
+        parameters : (P,) array
+            Where to look; the model's own unless given.
+        """
+        start, stop = self.engine.slots[name]
+        return (self.parameters if parameters is None else parameters)[start:stop]
+
+    def geometry_slots(self, geometry: Geometry) -> tuple[NDArray[np.intp], Array]:
+        """Place the geometry of the designed rod among the engine's parameters.
+
+        Parameters
+        ----------
+        geometry
+            Geometry of n designs at the points `X`.
+
+        Returns
+        -------
+        indices, values : (k,) and (n, k) arrays
+            Which parameters change, and to what.
+
+        Raises
+        ------
+        InputError
+            If it is not given at the rod's sample points.
+        """
+        return slot_values(self.file, self.design.rod, self.engine.slots, geometry)
+
+    def evaluate(
+        self, geometry: Geometry, force: Force | None = None, threads: int = 0, **options: float
+    ) -> Batch:
+        """Follow the equilibria of many designs, in parallel.
+
+        Parameters
+        ----------
+        geometry
+            Geometry of n designs at the points `X`.
+        force
+            As for `equilibrium`.
+        threads
+            How many; 0 for one per core. Results do not depend on it.
+        **options
+            Settings of the engine's solver.
+
+        Raises
+        ------
+        InputError
+            If forces, geometry or options cannot be used.
+        """
+        indices, values = self.geometry_slots(geometry)
+        return self._follow(indices, values, force, threads, options)
+
+    def equilibrium(
+        self, force: Force | None = None, design: Geometry | None = None, **options: float
+    ) -> Path:
+        """Follow the equilibrium (9) from rest through the given loads.
+
+        Parameters
+        ----------
+        force
+            Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
+            of the input; the steps to the file's evaluation force unless given. The path starts
+            without load even if its first force is not zero.
+        design
+            Geometry of the designed rod (n = 1); the file's own unless given.
+        **options
+            Settings of the engine's solver.
+
+        Raises
+        ------
+        InputError
+            If forces, geometry or options cannot be used.
+        """
+        if design is None:
+            indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
+        else:
+            indices, values = self.geometry_slots(design)
+        return self._follow(indices, values, force, 1, options)[0]
+
+    def frames(self, q: ArrayLike, parameters: Array | None = None) -> dict[str, Array]:
+        """Return the frames along each body in a state; see `Path.frames`."""
+        frames = self.engine.frames(self._parameters(parameters), q)
+        bodies: dict[str, list[int]] = {}
+        for row, name in enumerate(self.engine.frame_names()):
+            bodies.setdefault(re.split(r"[.\[]", name)[0], []).append(row)
+        return {body: frames[rows] for body, rows in bodies.items()}
+
+    def spheres(self, q: ArrayLike, parameters: Array | None = None) -> dict[str, Array]:
+        """Return the contact spheres in a state; see `Path.spheres`."""
+        spheres = self.engine.spheres(self._parameters(parameters), q)
+        ends = np.cumsum([len(group) for group in self._groups.values()])
+        return dict(zip(self._groups, np.split(spheres, ends[:-1]), strict=True))
+
+    def contact_forces(self, q: ArrayLike, parameters: Array | None = None) -> ContactForces:
+        """Return the contact forces in a state; see `Path.contact_forces`."""
+        parameters = self._parameters(parameters)
+        spheres = self.engine.spheres(parameters, q)
+        found = self.engine.contacts(parameters, q)
+        first, second, depth = spheres[found["first"]], spheres[found["second"]], found["depth"]
+        between = first[:, :3] - second[:, :3]
+        apart = np.linalg.norm(between, axis=1, keepdims=True)
+        inward = between / np.where(apart > 0.0, apart, 1.0)
+        reach = (second[:, 3] - 0.5 * depth)[:, None]
+        return ContactForces(
+            first=found["first"],
+            second=found["second"],
+            force=found["force"],
+            point=second[:, :3] + reach * inward,
+            depth=depth,
+        )
+
+    @cached_property
+    def _groups(self) -> dict[str, list[Any]]:
+        groups = json.loads(self._description)["spheres"]
+        return {group["name"]: group["spheres"] for group in groups}
+
+    def _parameters(self, parameters: Array | None) -> Array:
+        return self.parameters if parameters is None else parameters
+
+    def _follow(
+        self,
+        indices: NDArray[np.intp],
+        values: Array,
+        force: Force | None,
+        threads: int,
+        options: Mapping[str, float],
+    ) -> Batch:
+        wanted = self._loads(force)
+        # The engine starts at the first load, from the reference state; paths start without load.
+        loaded = int(bool(wanted[0].any()))
+        steps = np.concatenate([np.zeros((loaded, wanted.shape[1])), wanted])
+        try:
+            found = self.engine.path(indices, values, steps, threads, **options)
+        except (TypeError, ValueError) as error:
+            raise InputError(str(error)) from None
+        events = found["events"]
+        events["step"] = np.maximum(events["step"], loaded) - loaded
+        return Batch(
+            model=self,
+            loads=wanted,
+            q=found["q"][:, loaded:],
+            status=found["status"][:, loaded:],
+            stable=found["stable"][:, loaded:],
+            iterations=found["iterations"][:, loaded:],
+            residual=found["residual"][:, loaded:],
+            energy=found["energy"][:, loaded:],
+            pairs=found["pairs"][:, loaded:],
+            touching=found["touching"][:, loaded:],
+            tip_force=found["tip_force"][:, loaded:],
+            events=events,
+            indices=indices,
+            values=values,
+        )
+
+    def _loads(self, force: Force | None) -> Array:
+        if force is not None:
+            return loads(force, self.inputs)
+        if not self.inputs:
+            return np.zeros((1, 0))
+        return loads(self.evaluation_forces, self.inputs)
+
+
+def load(
+    model: str | os.PathLike[str] | ModelFile,
+    constants: str | None = None,
+    changes: Mapping[str, object] | None = None,
+) -> Model:
+    """Load a model.
+
+    Parameters
+    ----------
+    model
+        Path of a model file, name of a preset (see `presets`), or a `ModelFile`.
+    constants
+        Which of the file's sets of constants to put in force, if not the one it says.
+    changes
+        Values to put in place of the file's, by dotted path such as ``"exosuit.length"``.
+
+    Raises
+    ------
+    InputError
+        If there is no such model, or the file does not describe one.
+
+    Examples
+    --------
+    >>> flexor.load("finger").dof
+    25
+    >>> flexor.load("finger", constants="printed", changes={"exosuit.length": "8 cm"}).dof
+    25
+    """
+    if isinstance(model, ModelFile):
+        return Model(check(model.to_document(), use=constants, changes=changes, source=model.name))
+    path = locate(model)
+    return Model(read(path, use=constants, changes=changes), source=str(path))

@@ -1,0 +1,43 @@
+"""Model files that come with Flexor, found by name."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+
+from flexor.errors import InputError, unknown_name
+
+_FOLDER = pathlib.Path(__file__).resolve().parent.parent / "examples"
+
+
+def presets() -> tuple[str, ...]:
+    """Return the names of the shipped models."""
+    return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
+
+
+def locate(model: str | os.PathLike[str]) -> pathlib.Path:
+    """Find the file of a model.
+
+    Parameters
+    ----------
+    model
+        The path of a model file, or the name of a preset. ``examples/NAME.toml`` also finds the
+        preset where no such folder is, so that what the documentation shows works everywhere.
+
+    Raises
+    ------
+    InputError
+        If there is neither such a file nor such a preset.
+    """
+    path, text = pathlib.Path(model), os.fspath(model)
+    if path.is_file():
+        return path
+    shipped = presets()
+    if text in shipped:
+        return _FOLDER / f"{text}.toml"
+    if path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped:
+        return _FOLDER / path.name
+    if path.suffix == ".toml" or path.exists() or path.name != text:
+        what = "it is a folder" if path.is_dir() else "there is no such file"
+        raise InputError(f'cannot read the model file "{text}": {what}.')
+    raise InputError(f"{unknown_name('preset', text, shipped)}, or the path of a model file.")

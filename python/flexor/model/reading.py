@@ -1,0 +1,129 @@
+"""Reading model files."""
+
+from __future__ import annotations
+
+import pathlib
+import re
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from flexor.errors import InputError
+from flexor.model import constants
+from flexor.model.changes import changed
+from flexor.model.fault import sentence
+from flexor.model.schema import ModelFile
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
+
+
+def read(
+    path: pathlib.Path, use: str | None = None, changes: Mapping[str, object] | None = None
+) -> ModelFile:
+    """Read and check a model file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    use
+        Which of its sets of constants to put in force, if not the one it says.
+    changes
+        Values to put in place of the file's, by dotted path; see `flexor.model.changes`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is not TOML, or does not describe a model.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError as error:
+        why = f"byte {error.start} is not text in UTF-8"
+        raise InputError(f'cannot read the model file "{path}": {why}.') from None
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f'cannot read the model file "{path}": {why}.') from None
+    return parse(text, use=use, changes=changes, source=str(path))
+
+
+def parse(
+    text: str,
+    use: str | None = None,
+    changes: Mapping[str, object] | None = None,
+    source: str = "model",
+) -> ModelFile:
+    """Read and check the text of a model file.
+
+    Parameters
+    ----------
+    text
+        The text.
+    use, changes
+        As for `read`.
+    source
+        The file's name, for messages.
+
+    Raises
+    ------
+    InputError
+        If it is not TOML or does not describe a model.
+    """
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        match = _POSITION.fullmatch(str(error))
+        what, where = (match["what"], match["where"]) if match else (str(error), "somewhere")
+        raise InputError(
+            f"{source}: not valid TOML {where}: {what[0].lower()}{what[1:]}."
+        ) from None
+    except RecursionError:
+        raise InputError(f"{source}: not valid TOML: its tables are nested too deeply.") from None
+    return check(document, use=use, changes=changes, source=source)
+
+
+def check(
+    document: Mapping[str, Any],
+    use: str | None = None,
+    changes: Mapping[str, object] | None = None,
+    source: str = "model",
+) -> ModelFile:
+    """Check a model file as TOML has it, with each of its sets of constants.
+
+    Parameters
+    ----------
+    document
+        The file's tables.
+    use, changes, source
+        As for `parse`.
+
+    Raises
+    ------
+    InputError
+        If it does not describe a model.
+    """
+    for path, value in (changes or {}).items():
+        document = changed(document, path, value, source)
+    chosen = constants.choose(document, use, source)
+    for name in constants.names(document, source):
+        if name != chosen:
+            _validated(document, name, source)
+    return _validated(document, chosen, source)
+
+
+def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> ModelFile:
+    whole = constants.applied(document, chosen)
+    try:
+        return ModelFile.model_validate(whole)
+    except ValidationError as error:
+        path, tail = sentence(error, whole)
+    if chosen is not None and path in constants.leaves(document["constants"][chosen]):
+        path = f"constants.{chosen}.{path}"
+    raise InputError(f"{source}: {path} {tail}." if path else f"{source}: it {tail}.")

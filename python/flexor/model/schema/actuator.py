@@ -1,0 +1,92 @@
+"""Chambers and cables along a rod."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from flexor.model import units
+from flexor.model.schema.profile import interpolated
+from flexor.model.schema.table import Choice, Name, Number, Table
+from flexor.model.units import Angle, Length, PositiveLength
+
+Array = NDArray[np.float64]
+
+
+def _expand(value: object) -> object:
+    return (value,) if isinstance(value, (str, int, float)) else value
+
+
+Offsets = Annotated[tuple[Length, ...], Field(min_length=1), BeforeValidator(_expand)]
+
+
+class Curve(Table):
+    """Offsets from the rod's axis: one value, or equally spaced samples from base to tip."""
+
+    y: Offsets = (units.LENGTH.si(0.0),)
+    z: Offsets = (units.LENGTH.si(0.0),)
+
+    def sampled(self, points: Array) -> tuple[Array, Array]:
+        """Return the offsets (y, z) and their derivative by X at each point, (P, 2) [m]."""
+        columns = [_column(samples, points) for samples in (self.y, self.z)]
+        return (
+            np.stack([value for value, _ in columns], axis=1),
+            np.stack([slope for _, slope in columns], axis=1),
+        )
+
+
+class Helix(Table):
+    """A helix about the rod's axis: (y, z) = radius (cos φ, sin φ) with φ = start + turn X."""
+
+    radius: PositiveLength
+    start: Angle = units.ANGLE.si(0.0)
+    turn: Angle
+
+    def sampled(self, points: Array) -> tuple[Array, Array]:
+        """Return the offsets (y, z) and their derivative by X at each point, (P, 2) [m]."""
+        angle = self.start + self.turn * points
+        cosine, sine = np.cos(angle), np.sin(angle)
+        offset = self.radius * np.stack([cosine, sine], axis=1)
+        return offset, self.radius * self.turn * np.stack([-sine, cosine], axis=1)
+
+
+def _column(samples: tuple[float, ...], points: Array) -> tuple[Array, Array]:
+    if len(samples) == 1:
+        return np.full_like(points, float(samples[0])), np.zeros_like(points)
+    return interpolated(samples, points)
+
+
+def _form(value: object) -> str:
+    helix = isinstance(value, Helix) or (isinstance(value, dict) and "radius" in value)
+    return "helix" if helix else "curve"
+
+
+class Lever(Table):
+    """Offsets from the rod's axis in multiples of the surface S(X)."""
+
+    y: Number = 0.0
+    z: Number = 0.0
+
+
+def _lever(value: object) -> object:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return {"z": value}
+    return value
+
+
+class Actuator(Table):
+    """A chamber (u > 0 elongates it) or a cable (u > 0 is its tension) along a rod.
+
+    It runs at the local offset ``path`` + ``lever`` S(X); a number as lever is along z, so that
+    1 is on the dorsal surface.
+    """
+
+    kind: Annotated[Literal["chamber", "cable"], Choice("chamber", "cable")]
+    rod: Name
+    path: Annotated[
+        Annotated[Curve, Tag("curve")] | Annotated[Helix, Tag("helix")], Discriminator(_form)
+    ] = Curve()
+    lever: Annotated[Lever, BeforeValidator(_lever)] = Lever()

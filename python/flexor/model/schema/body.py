@@ -1,0 +1,152 @@
+"""Bodies: soft rods and rigid links."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from flexor.model import units
+from flexor.model.fault import fault, shown
+from flexor.model.schema.joint import FixedJoint, Joint
+from flexor.model.schema.profile import LinkRadius, RodRadius
+from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
+from flexor.model.schema.table import Choice, Count, Name, PositiveNumber, Table, one_of
+from flexor.model.schema.vector import Rotation
+from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
+
+
+class Placement(Table):
+    """Where the base of a body is, in the frame of its parent's tip (the world without a parent).
+
+    ``reference`` says what is placed: the body's ``"axis"``, or its ``"underside"``. Placed by its
+    underside, the axis of a rod lies S(0) above the point given, whatever S(0) is: a rod that
+    becomes thicker keeps touching what it lies on.
+    """
+
+    x: Length = units.LENGTH.si(0.0)
+    y: Length = units.LENGTH.si(0.0)
+    z: Length = units.LENGTH.si(0.0)
+    rotation: Rotation = Rotation()
+    reference: Annotated[Literal["axis", "underside"], Choice("axis", "underside")] = "axis"
+
+
+class Section(Table):
+    """Shape of a rod's cross-section: half-height S along z, half-width ratio times S along y."""
+
+    kind: Literal["circular", "elliptic", "rectangular"]
+    ratio: PositiveNumber | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Section:
+        if self.kind == "circular" and self.ratio is not None:
+            raise fault(f"is {self.ratio!r}: a circular section has none", path="ratio")
+        if self.kind != "circular" and self.ratio is None:
+            raise fault(
+                f"is missing: {self.kind} sections need it (half-width to half-height)",
+                path="ratio",
+            )
+        return self
+
+
+def _magnus(value: object) -> object:
+    if value not in (2, 4):
+        raise fault(f"is {shown(value)}: allowed are 2 and 4")
+    return value
+
+
+def _section(value: object) -> object:
+    return {"kind": value} if isinstance(value, str) else value
+
+
+class Rod(Table):
+    """A soft body: a Cosserat rod with geometric variable strain (1)-(7)."""
+
+    kind: Literal["rod"]
+    parent: Name | None = None
+    placement: Placement = Placement()
+    joint: Joint = FixedJoint(kind="fixed")
+    length: PositiveLength
+    radius: RodRadius
+    section: Annotated[
+        Section,
+        BeforeValidator(one_of("circular", "elliptic", "rectangular")),
+        BeforeValidator(_section),
+    ] = Section(kind="circular")
+    young_modulus: PositiveModulus
+    poisson_ratio: Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)]
+    density: Density = units.DENSITY.si(0.0)
+    strain: Strain
+    reference_strain: ReferenceStrain = ReferenceStrain()
+    elements: Count = 1
+    gauss_points: Count
+    magnus_order: Annotated[Literal[2, 4], BeforeValidator(_magnus)] = 4
+
+    @model_validator(mode="after")
+    def _check_quadrature(self) -> Rod:
+        """Demand that quadrature sees every function of the basis."""
+        for mode, chosen in self.strain.modes.items():
+            degree = ELEMENT_DEGREE.get(chosen.basis)
+            if degree is not None and self.gauss_points < degree + 1:
+                raise fault(
+                    f'is {self.gauss_points}: the basis "{chosen.basis}" of {mode} needs at least '
+                    f"{degree + 1} per element",
+                    path="gauss_points",
+                )
+            points = self.elements * self.gauss_points
+            if chosen.order is not None and points < chosen.order + 1:
+                raise fault(
+                    f"is {self.gauss_points}: with {_count(self.elements, 'element')}, the basis "
+                    f'"{chosen.basis}" of order {chosen.order} of {mode} needs at least '
+                    f"{-(-(chosen.order + 1) // self.elements)} per element",
+                    path="gauss_points",
+                )
+        return self
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus of the isotropic material [Pa]."""
+        return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    @property
+    def sample_count(self) -> int:
+        """How many sample points there are: element ends and Gauss points."""
+        return self.elements * (self.gauss_points + 1) + 1
+
+    def point_at(self, fraction: float) -> int | None:
+        """Return the sample point at a fraction of the length, if an element ends there.
+
+        Parameters
+        ----------
+        fraction
+            X in [0, 1].
+        """
+        end = round(fraction * self.elements)
+        if abs(fraction * self.elements - end) > 1e-9:
+            return None
+        return end * (self.gauss_points + 1)
+
+
+class Link(Table):
+    """A rigid body: a conical frustum along x."""
+
+    kind: Literal["link"]
+    parent: Name | None = None
+    placement: Placement = Placement()
+    joint: Joint = FixedJoint(kind="fixed")
+    length: PositiveLength
+    radius: LinkRadius
+    density: Density = units.DENSITY.si(0.0)
+
+    @model_validator(mode="after")
+    def _check_placement(self) -> Link:
+        if self.placement.reference != "axis":
+            raise fault('is "underside": only rods can be placed so', path="placement.reference")
+        return self
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+Body = Annotated[Rod | Link, Field(discriminator="kind"), BeforeValidator(one_of("rod", "link"))]

@@ -1,0 +1,145 @@
+"""Joints between a body and its parent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from flexor.model import units
+from flexor.model.fault import fault
+from flexor.model.schema.table import Number, Table, one_of
+from flexor.model.units import (
+    Angle,
+    AngularStiffness,
+    Length,
+    PositiveAngle,
+    PositiveAngularStiffness,
+    PositiveLength,
+    PositiveStiffness,
+    Stiffness,
+)
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def _axis(value: object) -> object:
+    if isinstance(value, str):
+        if value not in _AXES:
+            raise fault(f'is "{value}": allowed are "x", "y", "z" or a list of three numbers')
+        return _AXES[value]
+    return value
+
+
+def _repeated(count: int) -> BeforeValidator:
+    def repeat(value: object) -> object:
+        if isinstance(value, str):
+            return (value,) * count
+        if isinstance(value, Sequence) and len(value) != count:
+            raise fault(f"has {len(value)} entries: one, or {count} in a list, are needed")
+        return value
+
+    return BeforeValidator(repeat)
+
+
+Axis = Annotated[tuple[Number, Number, Number], BeforeValidator(_axis)]
+_NO_STIFFNESS = units.STIFFNESS.si(0.0)
+_NO_ANGULAR_STIFFNESS = units.ANGULAR_STIFFNESS.si(0.0)
+
+
+class FixedJoint(Table):
+    """No motion between the body and its parent."""
+
+    kind: Literal["fixed"]
+
+
+class RevoluteJoint(Table):
+    """Rotation about one axis.
+
+    Beyond a limit by s, the limit's energy is k s³/(6w) up to s = w and k (s²/2 - w s/2 + w²/6)
+    from there on: twice continuously differentiable, with k the ``limit_stiffness`` and w the
+    ``limit_width``.
+    """
+
+    kind: Literal["revolute"]
+    axis: Axis = (0.0, 1.0, 0.0)
+    stiffness: AngularStiffness = _NO_ANGULAR_STIFFNESS
+    rest: Angle = units.ANGLE.si(0.0)
+    lower: Angle | None = None
+    upper: Angle | None = None
+    limit_stiffness: PositiveAngularStiffness = units.Quantity(10.0, "10 N*m/rad")
+    limit_width: PositiveAngle = units.Quantity(0.017453292519943295, "1 deg")
+
+    @model_validator(mode="after")
+    def _check(self) -> RevoluteJoint:
+        _check_axis(self.axis)
+        _check_limits(self.lower, self.upper)
+        return self
+
+
+class PrismaticJoint(Table):
+    """Translation along one axis; limits as for the revolute joint."""
+
+    kind: Literal["prismatic"]
+    axis: Axis = (1.0, 0.0, 0.0)
+    stiffness: Stiffness = _NO_STIFFNESS
+    rest: Length = units.LENGTH.si(0.0)
+    lower: Length | None = None
+    upper: Length | None = None
+    limit_stiffness: PositiveStiffness = units.Quantity(1e4, "10 N/mm")
+    limit_width: PositiveLength = units.Quantity(1e-3, "1 mm")
+
+    @model_validator(mode="after")
+    def _check(self) -> PrismaticJoint:
+        _check_axis(self.axis)
+        _check_limits(self.lower, self.upper)
+        return self
+
+
+class UniversalJoint(Table):
+    """Rotation about the body's y axis and then about its z axis."""
+
+    kind: Literal["universal"]
+    stiffness: Annotated[tuple[AngularStiffness, AngularStiffness], _repeated(2)] = (
+        _NO_ANGULAR_STIFFNESS,
+    ) * 2
+
+
+class SphericalJoint(Table):
+    """Any rotation, measured by its rotation vector."""
+
+    kind: Literal["spherical"]
+    stiffness: Annotated[
+        tuple[AngularStiffness, AngularStiffness, AngularStiffness], _repeated(3)
+    ] = (_NO_ANGULAR_STIFFNESS,) * 3
+
+
+class FreeJoint(Table):
+    """Any motion, measured by its twist: three rotations and three translations."""
+
+    kind: Literal["free"]
+    stiffness: Annotated[
+        tuple[AngularStiffness, AngularStiffness, AngularStiffness], _repeated(3)
+    ] = (_NO_ANGULAR_STIFFNESS,) * 3
+    linear_stiffness: Annotated[tuple[Stiffness, Stiffness, Stiffness], _repeated(3)] = (
+        _NO_STIFFNESS,
+    ) * 3
+
+
+Joint = Annotated[
+    FixedJoint | RevoluteJoint | PrismaticJoint | UniversalJoint | SphericalJoint | FreeJoint,
+    Field(discriminator="kind"),
+    BeforeValidator(one_of("fixed", "revolute", "prismatic", "universal", "spherical", "free")),
+]
+
+
+def _check_axis(axis: tuple[float, float, float]) -> None:
+    if not any(axis):
+        raise fault("is a list of zeros: it must have a direction", path="axis")
+
+
+def _check_limits(lower: float | None, upper: float | None) -> None:
+    if lower is not None and upper is not None and not lower < upper:
+        low, high = (getattr(limit, "text", limit) for limit in (lower, upper))
+        raise fault(f'is "{low}": it must be below the upper limit, "{high}"', path="lower")

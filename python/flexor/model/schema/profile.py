@@ -1,0 +1,92 @@
+"""How the radius of a body runs along it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from flexor.model.fault import fault
+from flexor.model.schema.table import Table
+from flexor.model.units import PositiveLength
+
+Array = NDArray[np.float64]
+
+
+class Taper(Table):
+    """A radius that runs straight from base to tip, such as ``{ base = "2 cm", tip = "1 cm" }``."""
+
+    base: PositiveLength
+    tip: PositiveLength
+
+
+Samples = Annotated[tuple[PositiveLength, ...], Field(min_length=2)]
+
+
+def _expand(value: object) -> object:
+    """Let a single text stand for a constant radius."""
+    if isinstance(value, str):
+        return {"base": value, "tip": value}
+    if isinstance(value, (int, float)):
+        raise fault(f'is {value!r}: write "1 cm" or {{ base = "1.2 cm", tip = "0.8 cm" }}')
+    return value
+
+
+def _form(value: object) -> str:
+    return "samples" if isinstance(value, (list, tuple)) else "taper"
+
+
+LinkRadius = Annotated[Taper, BeforeValidator(_expand)]
+RodRadius = Annotated[
+    Annotated[Taper, Tag("taper")] | Annotated[Samples, Tag("samples")],
+    Discriminator(_form),
+    BeforeValidator(_expand),
+]
+
+
+def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Array]:
+    """Join equally spaced samples by a monotone cubic, which never leaves their range.
+
+    Parameters
+    ----------
+    samples
+        Values from base (X = 0) to tip (X = 1).
+    points : (P,) array
+        X in [0, 1].
+
+    Returns
+    -------
+    value, slope : (P,) arrays
+        The curve and its derivative by X.
+
+    Notes
+    -----
+    Fritsch and Carlson's monotone cubic interpolation; two samples are joined by a line.
+    """
+    from scipy.interpolate import PchipInterpolator  # slow to import, seldom needed
+
+    curve = PchipInterpolator(np.linspace(0.0, 1.0, len(samples)), np.array(samples, dtype=float))
+    return np.asarray(curve(points)), np.asarray(curve.derivative()(points))
+
+
+def surface(radius: Taper | tuple[float, ...], points: Array) -> tuple[Array, Array]:
+    """Evaluate a rod's radius.
+
+    Parameters
+    ----------
+    radius
+        The radius of a rod [m].
+    points : (P,) array
+        X in [0, 1].
+
+    Returns
+    -------
+    S, slope : (P,) arrays
+        S(X) [m] and dS/dX [m].
+    """
+    if isinstance(radius, Taper):
+        rise = float(radius.tip) - float(radius.base)
+        return float(radius.base) + rise * points, np.full_like(points, rise)
+    return interpolated(radius, points)

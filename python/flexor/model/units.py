@@ -1,0 +1,229 @@
+"""Physical quantities as text with a unit, read into SI.
+
+Units exist only at this boundary: everything behind it computes with plain SI numbers. Decimal
+arithmetic converts, so that ``"1.16 cm"`` is exactly the number ``0.0116``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from flexor.model.fault import fault, shown
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_NUMBER = re.compile(
+    r"\s*(?P<number>[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?:nan|inf(?:inity)?)\b))"
+    r"\s*(?P<unit>.*?)\s*",
+    re.IGNORECASE,
+)
+_EXACT = Context(prec=50, Emax=MAX_EMAX, Emin=MIN_EMIN, traps=[])
+_COMMON = (
+    *("m", "cm", "mm", "um", "Pa", "kPa", "MPa", "GPa", "N", "mN", "kN", "deg", "rad"),
+    *("N/m", "N/mm", "N*m", "N*mm", "N*m/rad", "N*m/deg", "g/cm^3", "kg/m^3", "m/s^2", "1/m"),
+)
+
+
+class Quantity(float):
+    """An SI number that remembers how it was written.
+
+    Writing a model file back then keeps the person's own units.
+
+    Parameters
+    ----------
+    value
+        The number in SI units.
+    text
+        How it was written, such as ``"10 cm"``.
+    """
+
+    __slots__ = ("text",)
+    text: str
+
+    def __new__(cls, value: float, text: str) -> Quantity:
+        """Make the number and attach its text."""
+        quantity = super().__new__(cls, value)
+        quantity.text = text
+        return quantity
+
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+        return (float(self), self.text)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of quantity.
+
+    Parameters
+    ----------
+    name
+        What it is called in a sentence, with its article.
+    unit
+        Its SI unit.
+    example
+        A value that a roboticist would write.
+    """
+
+    name: str
+    unit: str
+    example: str
+
+    @property
+    def hint(self) -> str:
+        """What to write, for the end of an error message."""
+        return f'write {self.name} with its unit, such as "{self.example}"'
+
+    def si(self, value: float) -> Quantity:
+        """Return the quantity of this dimension with this SI value.
+
+        Parameters
+        ----------
+        value
+            The number in SI units.
+        """
+        return Quantity(value, f"{repr(value).removesuffix('.0')} {self.unit}")
+
+    def parse(self, value: object) -> Quantity:
+        """Read a quantity.
+
+        Parameters
+        ----------
+        value
+            Text such as ``"10 cm"``.
+
+        Returns
+        -------
+        Quantity
+            Its value in SI units.
+
+        Raises
+        ------
+        PydanticCustomError
+            If it has no unit, an unknown unit, a unit of another dimension, or is not finite.
+        """
+        if isinstance(value, Quantity):
+            value = value.text
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            raise fault(f"is {value!r}, a number without a unit: {self.hint}")
+        match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
+        if match is None:
+            raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")
+        assert isinstance(value, str)
+        if not match["unit"]:
+            raise fault(f"is {shown(value)}, a number without a unit: {self.hint}")
+        factor = self._factor(value, match["unit"])
+        number = float(_EXACT.multiply(Decimal(match["number"]), factor))
+        if not math.isfinite(number):
+            raise fault(f"is {shown(value)}: it must be a finite number")
+        return Quantity(number, " ".join(value.split()))
+
+    def _factor(self, value: str, unit: str) -> Decimal:
+        factor = _factor(unit, self.unit)
+        if factor == "unknown":
+            near = [common for common in _COMMON if common.lower() == unit.lower()]
+            near += get_close_matches(unit, _COMMON, n=1)
+            meant = f' (did you mean "{near[0]}"?)' if near else ""
+            raise fault(f'is {shown(value)} with the unknown unit "{unit}"{meant}: {self.hint}')
+        if factor == "other":
+            raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")
+        return factor
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    # Importing pint and reading its units takes a third of a second: only when first needed.
+    from pint import UnitRegistry
+
+    return UnitRegistry(non_int_type=Decimal)
+
+
+@cache
+def _factor(unit: str, si: str) -> Decimal | Literal["unknown", "other"]:
+    from pint import DimensionalityError
+
+    try:
+        registry = _registry()
+        factor = registry.Quantity(Decimal(1), registry.parse_units(unit)).to(si).magnitude
+    except DimensionalityError:
+        return "other"
+    except Exception:  # pint's parser raises many kinds, down to AssertionError, at odd text
+        return "unknown"
+    return Decimal(factor)
+
+
+@dataclass(frozen=True)
+class Of:
+    """Pydantic marker: a float read from text of this dimension, restricted in sign.
+
+    Parameters
+    ----------
+    dimension
+        The kind of quantity.
+    sign
+        Which values are allowed.
+    """
+
+    dimension: Dimension
+    sign: Literal["any", "non-negative", "positive"] = "any"
+
+    @property
+    def hint(self) -> str:
+        """What to write, for the end of an error message."""
+        return self.dimension.hint
+
+    def read(self, value: object) -> Quantity:
+        """Read and check a quantity; see `Dimension.parse`."""
+        quantity = self.dimension.parse(value)
+        if self.sign == "positive" and not quantity > 0.0:
+            raise fault(f"is {shown(quantity.text)}: it must be greater than zero")
+        if self.sign == "non-negative" and quantity < 0.0:
+            raise fault(f"is {shown(quantity.text)}: it must not be negative")
+        return quantity
+
+    def __get_pydantic_core_schema__(
+        self, source: type[Any], handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic to read with `read` and to write the text."""
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda q: q.text),
+        )
+
+
+LENGTH = Dimension("a length", "m", "10 cm")
+ANGLE = Dimension("an angle", "rad", "90 deg")
+CURVATURE = Dimension("a curvature", "1/m", "2 1/m")
+MODULUS = Dimension("an elastic modulus", "Pa", "30 kPa")
+STIFFNESS = Dimension("a stiffness", "N/m", "100 N/m")
+ANGULAR_STIFFNESS = Dimension("a joint stiffness", "N*m/rad", "0.04 N*m/rad")
+FORCE = Dimension("a force", "N", "5 N")
+MOMENT = Dimension("a moment", "N*m", "0.1 N*m")
+DENSITY = Dimension("a density", "kg/m^3", "1 g/cm^3")
+ACCELERATION = Dimension("an acceleration", "m/s^2", "-9.81 m/s^2")
+
+Length = Annotated[float, Of(LENGTH)]
+NonNegativeLength = Annotated[float, Of(LENGTH, "non-negative")]
+PositiveLength = Annotated[float, Of(LENGTH, "positive")]
+Angle = Annotated[float, Of(ANGLE)]
+PositiveAngle = Annotated[float, Of(ANGLE, "positive")]
+Curvature = Annotated[float, Of(CURVATURE)]
+PositiveModulus = Annotated[float, Of(MODULUS, "positive")]
+Stiffness = Annotated[float, Of(STIFFNESS, "non-negative")]
+PositiveStiffness = Annotated[float, Of(STIFFNESS, "positive")]
+AngularStiffness = Annotated[float, Of(ANGULAR_STIFFNESS, "non-negative")]
+PositiveAngularStiffness = Annotated[float, Of(ANGULAR_STIFFNESS, "positive")]
+Force = Annotated[float, Of(FORCE)]
+PositiveForce = Annotated[float, Of(FORCE, "positive")]
+Moment = Annotated[float, Of(MOMENT)]
+Density = Annotated[float, Of(DENSITY, "non-negative")]
+Acceleration = Annotated[float, Of(ACCELERATION)]
