@@ -66,7 +66,8 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
         for column, design in enumerate(designs, start=1):
             if planar_model:
                 axes = figure.add_subplot(1, len(designs), column)
-                planar.frame_axes(axes, scenes)
+                planar.frame_axes(axes, scenes, with_key=key > 0.0)
+                figure.set_figheight(planar.height(axes, PAGE / len(designs) - 0.6) + 1.0)
                 planar.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5, depth=2.0)
                 planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0)
                 planar.draw_pushes(axes, design.last, cm_per_newton=cm_per_newton)

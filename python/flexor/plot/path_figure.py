@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_IN_LEGEND = 12
-MOST_IN_ROW = 5
+MOST_IN_ROW = 6
 
 
 def draw_path(
@@ -50,7 +50,8 @@ def draw_path(
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
         if planar_model:
             axes = figure.add_subplot()
-            planar.frame_axes(axes, scenes)
+            planar.frame_axes(axes, scenes, with_key=key > 0.0)
+            figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
                 planar.draw_scene(axes, scene, colour=colour, opacity=0.8, depth=2.0 + step)
                 planar.draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
@@ -62,17 +63,24 @@ def draw_path(
             for scene, colour in zip(scenes, colours, strict=True):
                 spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
                 spatial.draw_pushes(space, scene, cm_per_newton=cm_per_newton, colour=colour)
-        handles = _load_handles(values, colours, load_unit) + _line_handles(scenes)
-        rows = -(-len(handles) // MOST_IN_ROW)
-        columns = -(-len(handles) // rows)
-        figure.legend(
-            handles=[h for column in range(columns) for h in handles[column::columns]],
-            loc="outside upper center",
-            ncols=columns,
-            handlelength=1.1,
-            columnspacing=1.2,
-        )
+        _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
     return figure
+
+
+def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
+    columns = -(-len(loads) // -(-len(loads) // MOST_IN_ROW))
+    # Matplotlib fills column by column; loads read better row by row.
+    by_column = [handle for column in range(columns) for handle in loads[column::columns]]
+    figure.legend(
+        handles=by_column,
+        loc="outside upper center",
+        ncols=columns,
+        handlelength=1.0,
+        handletextpad=0.5,
+        columnspacing=1.0,
+    )
+    if lines:
+        figure.legend(handles=lines, loc="outside lower center", ncols=2, handlelength=1.4)
 
 
 def _load_handles(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 CM = 100.0
+KEY_ROOM = 1.6  # cm, from the lower edge of the axes to the lowest body
 PLANE = (0, 2)
 
 
@@ -51,7 +52,8 @@ def draw_scene(
             edgecolor=LINE if colour == EXOSUIT else colour,
             zorder=depth,
         )
-        axes.plot(*(CM * _flat(link.base)), "o", color=LINE, markersize=1.8, zorder=depth + 0.2)
+        if link.moves:
+            axes.plot(*(CM * _flat(link.base)), "o", color=LINE, markersize=1.8, zorder=depth + 0.2)
     for rod in scene.rods:
         centre, normal = _flat(rod.frames[:, :3, 3]), _flat(rod.frames[:, :3, 2])
         axes.fill(
@@ -124,8 +126,8 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
         Of the arrow.
     """
     left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    x, y = left + 0.04 * (right - left), bottom + 0.07 * (top - bottom)
+    bottom, _ = axes.get_ylim()
+    x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_ROOM
     scene = Scene(pushes=[Push(_deep(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))])
     draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
     axes.annotate(
@@ -138,7 +140,9 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
     )
 
 
-def frame_axes(axes: Axes, scenes: Sequence[Scene], margin: float = 0.6) -> None:
+def frame_axes(
+    axes: Axes, scenes: Sequence[Scene], *, margin: float = 0.6, with_key: bool = False
+) -> None:
     """Give the axes equal scales, centimetres, and room for every scene.
 
     Parameters
@@ -149,12 +153,23 @@ def frame_axes(axes: Axes, scenes: Sequence[Scene], margin: float = 0.6) -> None
         What has to fit.
     margin : float
         Room around it [cm].
+    with_key : bool
+        Leave room for the key of the contact forces below it.
     """
     corners = [scene.extent() for scene in scenes]
     low = CM * np.min([_flat(c[0]) for c in corners], axis=0) - margin
     high = CM * np.max([_flat(c[1]) for c in corners], axis=0) + margin
+    if with_key:
+        low[1] -= KEY_ROOM - margin
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x / cm", ylabel="z / cm")
     axes.set_aspect("equal")
+
+
+def height(axes: Axes, width: float) -> float:
+    """Return how high the axes are if they are so wide; both in one unit."""
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    return width * (top - bottom) / (right - left)
 
 
 def _deep(x: float, z: float) -> NDArray[np.float64]:

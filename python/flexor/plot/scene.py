@@ -42,6 +42,8 @@ class Link:
         Ends of its axis [m].
     radius_base, radius_tip : float
         Radii there [m].
+    moves : bool
+        Whether it has a joint at its base, which is then marked.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Link:
     tip: Array
     radius_base: float
     radius_tip: float
+    moves: bool = True
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,69 @@
+"""Figures to scale: finger and exosuit in place, as PNG, SVG or PDF.
+
+`path` draws one design at every load, `designs` two designs before and after actuation; `save`
+writes either. Matplotlib is imported when the first figure is drawn.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexor.plot.designs_figure import Design, draw_designs
+from flexor.plot.path_figure import draw_path
+from flexor.plot.reading import read_scene
+from flexor.plot.style import save, writable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flexor.model import Path
+
+__all__ = ["designs", "path", "save", "writable"]
+
+
+def path(path: Path) -> Figure:
+    """Draw a design at every load step, to scale.
+
+    Parameters
+    ----------
+    path : Path
+        Equilibria of the design.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As wide as a column: rods and links coloured by load, contact forces as arrows.
+    """
+    scenes = [read_scene(path, step) for step in range(len(path))]
+    return draw_path(scenes, path.force, planar_model=path.model.planar)
+
+
+def designs(
+    start_path: Path, best_path: Path, titles: tuple[str, str] = ("start", "best")
+) -> Figure:
+    """Draw two designs side by side to one scale, each at its first and its last load.
+
+    Parameters
+    ----------
+    start_path, best_path : Path
+        Equilibria of both.
+    titles : tuple of str
+        What to call them.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As wide as a page, the sum of the joint angles at the last load in the titles.
+    """
+    panels = [
+        Design(
+            title=title,
+            first=read_scene(shown, 0),
+            last=read_scene(shown, -1),
+            first_load=float(shown.force[0]),
+            last_load=float(shown.force[-1]),
+            bending=float(shown.joint_angles[-1].sum()) if shown.joint_angles.shape[1] else None,
+        )
+        for title, shown in zip(titles, (start_path, best_path), strict=True)
+    ]
+    return draw_designs(panels, planar_model=start_path.model.planar)
