@@ -1,4 +1,19 @@
-//! Statics of hybrid soft-rigid systems.
+//! Statics of hybrid soft-rigid systems: Cosserat rods with the Geometric Variable Strain
+//! parameterisation, rigid links, joints, pneumatic chambers, cables and sphere contact.
+//!
+//! A [`model::Model`] is built once from a [`model::Description`] and shared; a [`Data`] is the
+//! workspace of one thread: it holds a design (a vector of parameters), a state, and the energy,
+//! residual and tangent there.
+
+mod assembly;
+mod data;
+mod design;
+mod kinematics;
 pub mod lie;
 pub mod linalg;
+pub mod model;
+mod potential;
+mod section;
 pub mod strain;
+
+pub use data::Data;

@@ -1,0 +1,85 @@
+//! The workspace of one thread: a design, a state, and what follows from them.
+
+use crate::assembly::Assembly;
+use crate::design::Design;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::model::Model;
+use crate::potential;
+
+/// A reusable workspace; after it is made, evaluating and solving allocate nothing.
+#[derive(Clone, Debug)]
+pub struct Data<G, const D: usize, const P: usize> {
+    pub(crate) design: Design<G, D, P>,
+    pub(crate) kinematics: Kinematics<G, D, P>,
+    pub(crate) assembly: Assembly<D>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
+    /// A workspace for `model`, holding the model's own parameters and the unstrained state.
+    pub fn new(model: &Model<G, D, P>) -> Self {
+        Self {
+            design: Design::new(model),
+            kinematics: Kinematics::new(model),
+            assembly: Assembly::new(model),
+        }
+    }
+
+    /// Takes over a vector of parameters, in the order of [`Model::layout`].
+    ///
+    /// # Panics
+    /// If the length is not that of the model's parameters.
+    pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) {
+        self.design.parameters.copy_from_slice(parameters);
+        self.design.update(model);
+    }
+
+    /// Computes energy, residual and tangent at the state `q` under `load`.
+    pub fn evaluate(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
+        self.kinematics.update(model, &self.design, q);
+        self.assembly.update(model, &self.design, &self.kinematics, q, load);
+    }
+
+    /// Π [J] at the last state evaluated, without the work of non-conservative loads.
+    pub fn energy(&self) -> f64 {
+        self.assembly.energy
+    }
+
+    /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
+    pub fn residual(&self) -> &[f64] {
+        &self.assembly.gradient
+    }
+
+    /// The derivative of the residual, row-major, at the last state evaluated.
+    pub fn tangent(&self) -> &[f64] {
+        &self.assembly.tangent
+    }
+
+    /// Pose of each frame at the last state evaluated.
+    pub fn poses(&self) -> &[G] {
+        &self.kinematics.pose
+    }
+
+    /// Centre and radius of each sphere at the last state evaluated.
+    pub fn spheres<'a>(&'a self, model: &'a Model<G, D, P>) -> impl Iterator<Item = (Vector<P>, f64)> + 'a {
+        model.spheres.iter().zip(&self.design.radii).map(|(s, r)| (self.kinematics.points[s.point], *r))
+    }
+
+    /// Touching pairs at the last state evaluated: `(first, second, force on the first, overlap)`.
+    pub fn touches(&self, model: &Model<G, D, P>) -> Vec<(usize, usize, Vector<P>, f64)> {
+        let mut pairs = vec![];
+        for contact in &model.contacts {
+            let k = self.design.parameters[contact.stiffness];
+            potential::contact::for_each_touch(model, &self.design, &self.kinematics.points, contact, |t| {
+                pairs.push((t.first, t.second, t.normal * (k * t.overlap), t.overlap));
+            });
+        }
+        pairs
+    }
+
+    /// Length of each actuator's path [m] at the state `q`.
+    pub fn actuator_lengths(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
+        potential::actuator::lengths(model, &self.design, q)
+    }
+}

@@ -1,0 +1,242 @@
+//! One design: everything that follows from a vector of parameters but not from the state.
+
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::model::{Mass, Model, Place, Shape, SphereRadius};
+use crate::section;
+use crate::strain::Mode;
+
+/// Quantities derived from the parameters, refilled in place for each design.
+#[derive(Clone, Debug)]
+pub(crate) struct Design<G, const D: usize, const P: usize> {
+    pub parameters: Vec<f64>,
+    /// Constant offsets between frames: placement and tip of each body.
+    pub rigid: Vec<G>,
+    pub rods: Vec<RodDesign<D>>,
+    /// Values of the rods' stiffness on `model.stiffness_pattern`.
+    pub stiffness: Vec<f64>,
+    pub threads: Vec<ThreadPoint>,
+    pub thread_columns: Vec<ThreadColumn>,
+    /// Local position of each point in its frame.
+    pub points: Vec<Vector<P>>,
+    /// Radius of each sphere.
+    pub radii: Vec<f64>,
+    pub masses: Vec<f64>,
+    /// √K_ii-scaling: a coordinate times its scale has the elastic energy of one unit.
+    pub scale: Vec<f64>,
+    /// The smallest elastic stiffness of an angular coordinate [N·m/rad]: the unit of energy.
+    pub reference_stiffness: f64,
+}
+
+/// Strain of a rod in normalised form: angular components times L, linear components times L.
+#[derive(Clone, Debug)]
+pub(crate) struct RodDesign<const D: usize> {
+    /// From coordinate to normalised strain: 1 for L·κ, L for linear strains.
+    pub axis_scale: Vector<D>,
+    pub reference: Vector<D>,
+}
+
+/// Tangent of an actuator's path at a Gauss point: τ = base + Σ q_c arm_c, dℓ = weight |τ|.
+#[derive(Clone, Debug)]
+pub(crate) struct ThreadPoint {
+    pub base: [f64; 3],
+    pub weight: f64,
+    /// End of its columns in `thread_columns`; they begin where the previous point's end.
+    pub end: usize,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct ThreadColumn {
+    pub dof: usize,
+    pub arm: [f64; 3],
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
+    pub fn new(model: &Model<G, D, P>) -> Self {
+        let count = model.actuators.iter().map(|a| a.tendon.len()).sum();
+        let columns = model.actuators.iter().flat_map(|a| &model.rods[a.rod].gauss);
+        let columns: usize = columns.map(|g| g.columns.len()).sum();
+        let mut design = Self {
+            parameters: model.parameters.clone(),
+            rigid: vec![G::IDENTITY; 2 * model.bodies.len()],
+            rods: vec![RodDesign { axis_scale: Vector::ZERO, reference: Vector::ZERO }; model.rods.len()],
+            stiffness: vec![0.0; model.stiffness_pattern.len()],
+            threads: Vec::with_capacity(count),
+            thread_columns: Vec::with_capacity(columns),
+            points: vec![Vector::ZERO; model.points.len()],
+            radii: vec![0.0; model.spheres.len()],
+            masses: vec![0.0; model.masses.len()],
+            scale: vec![1.0; model.dof],
+            reference_stiffness: 1.0,
+        };
+        design.update(model);
+        design
+    }
+
+    /// Recomputes everything from `self.parameters`, without allocating.
+    pub fn update(&mut self, model: &Model<G, D, P>) {
+        self.place_bodies(model);
+        self.stiffen_rods(model);
+        self.thread_actuators(model);
+        self.place_points(model);
+        self.weigh(model);
+        self.set_scale(model);
+    }
+
+    fn place_bodies(&mut self, model: &Model<G, D, P>) {
+        let p = &self.parameters;
+        for body in &model.bodies {
+            let three = |r: &std::ops::Range<usize>| [p[r.start], p[r.start + 1], p[r.start + 2]];
+            let pose = G::from_spatial(&three(&body.translation), &three(&body.rotation));
+            self.rigid[body.placement] = pose.unwrap_or(G::IDENTITY);
+            if let Shape::Link(link) = &body.shape {
+                let tip = G::from_spatial(&[p[link.length], 0.0, 0.0], &[0.0; 3]);
+                self.rigid[link.tip] = tip.unwrap_or(G::IDENTITY);
+            }
+        }
+    }
+
+    fn stiffen_rods(&mut self, model: &Model<G, D, P>) {
+        self.stiffness.fill(0.0);
+        for (rod, out) in model.rods.iter().zip(&mut self.rods) {
+            let p = &self.parameters;
+            let length = p[rod.length];
+            for (axis, mode) in G::AXES.into_iter().enumerate() {
+                out.axis_scale[axis] = if mode.is_angular() { 1.0 } else { length };
+                out.reference[axis] = length * rod.reference_strain[mode.index()];
+            }
+            let factors = section::factors(rod.section);
+            for entry in &rod.entries {
+                let radius = p[rod.radius.start + rod.gauss[entry.gauss].point];
+                let mode = Mode::ALL[entry.mode];
+                let modulus = section::modulus(mode, p[rod.young_modulus], p[rod.shear_modulus]);
+                // q is L·κ or ε, so the energy density per unit X is EI q²/L or EA L q².
+                let scale = if mode.is_angular() { 1.0 / length } else { length };
+                let stiffness = modulus * factors[entry.mode] * radius.powi(section::power(mode)) * scale;
+                self.stiffness[entry.entry] += stiffness * entry.value;
+            }
+        }
+    }
+
+    fn thread_actuators(&mut self, model: &Model<G, D, P>) {
+        self.threads.clear();
+        self.thread_columns.clear();
+        for actuator in &model.actuators {
+            let (p, rod) = (&self.parameters, &model.rods[actuator.rod]);
+            let length = p[rod.length];
+            for (tendon, gauss) in actuator.tendon.iter().zip(&rod.gauss) {
+                let (s, slope) = (p[rod.radius.start + gauss.point], p[rod.slope.start + gauss.point]);
+                let along = |i: usize, size: f64, fixed: [f64; 2]| fixed[i] + p[actuator.lever + i] * size;
+                let d = [0, 1].map(|i| along(i, s, tendon.offset));
+                let dd = [0, 1].map(|i| along(i, slope, tendon.slope));
+                let mut base = [0.0, dd[0], dd[1]];
+                for mode in Mode::ALL {
+                    let arm = thread_arm(mode, d);
+                    for i in 0..3 {
+                        base[i] += length * rod.reference_strain[mode.index()] * arm[i];
+                    }
+                }
+                for &(dof, mode, phi) in &gauss.columns {
+                    let mode = Mode::ALL[mode];
+                    let scale = if mode.is_angular() { phi } else { phi * length };
+                    self.thread_columns
+                        .push(ThreadColumn { dof, arm: thread_arm(mode, d).map(|a| a * scale) });
+                }
+                let (weight, end) = (gauss.weight, self.thread_columns.len());
+                self.threads.push(ThreadPoint { base, weight, end });
+            }
+        }
+    }
+
+    fn place_points(&mut self, model: &Model<G, D, P>) {
+        for (local, point) in self.points.iter_mut().zip(&model.points) {
+            *local = point.offset;
+            let (body, fraction) = link_fraction(model, &self.parameters, point.place);
+            if let Some(Shape::Link(link)) = body {
+                local[0] += fraction * self.parameters[link.length];
+            }
+        }
+        for (radius, sphere) in self.radii.iter_mut().zip(&model.spheres) {
+            *radius = match sphere.radius {
+                SphereRadius::Parameter(k) => self.parameters[k],
+                SphereRadius::Link(body, place) => {
+                    let (_, f) = link_fraction(model, &self.parameters, place);
+                    let Shape::Link(link) = &model.bodies[body].shape else { continue };
+                    let (a, b) = (self.parameters[link.radius_base], self.parameters[link.radius_tip]);
+                    a + f * (b - a)
+                }
+            };
+        }
+    }
+
+    fn weigh(&mut self, model: &Model<G, D, P>) {
+        let p = &self.parameters;
+        for (value, mass) in self.masses.iter_mut().zip(&model.masses) {
+            *value = match mass {
+                Mass::Rod(_, r, g) => {
+                    let (rod, gauss) = (&model.rods[*r], &model.rods[*r].gauss[*g]);
+                    let area = section::factors(rod.section)[3] * p[rod.radius.start + gauss.point].powi(2);
+                    p[rod.density] * area * p[rod.length] * gauss.weight
+                }
+                Mass::Link(_, b) => {
+                    let Shape::Link(link) = &model.bodies[*b].shape else { continue };
+                    let (a, b) = (p[link.radius_base], p[link.radius_tip]);
+                    let volume = std::f64::consts::PI / 3.0 * p[link.length] * (a * a + a * b + b * b);
+                    p[link.density] * volume
+                }
+            };
+        }
+    }
+
+    fn set_scale(&mut self, model: &Model<G, D, P>) {
+        self.scale.fill(0.0);
+        for (&(i, j), k) in model.stiffness_pattern.iter().zip(&self.stiffness) {
+            if i == j {
+                self.scale[i] += k;
+            }
+        }
+        for joint in &model.joints {
+            self.scale[joint.dof] += self.parameters[joint.stiffness];
+        }
+        let angular_rods = model.rods.iter().flat_map(|r| r.dofs.clone().zip(&r.angular));
+        let angular_joints = model.joints.iter().map(|j| (j.dof, &j.joint.angular));
+        let angular = angular_rods.chain(angular_joints).filter(|(_, angular)| **angular);
+        let smallest = angular.map(|(i, _)| self.scale[i]).filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min);
+        self.reference_stiffness = if smallest.is_finite() { smallest } else { 1.0 };
+        for k in &mut self.scale {
+            // A coordinate without elasticity borrows the reference: only its scaling depends on it.
+            *k = 1.0 / if *k > 0.0 { *k } else { self.reference_stiffness }.sqrt();
+        }
+    }
+}
+
+/// The link of a place and the fraction of its length, when it depends on a link.
+pub(crate) fn link_fraction<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &'a Model<G, D, P>,
+    parameters: &[f64],
+    place: Place,
+) -> (Option<&'a Shape>, f64) {
+    match place {
+        Place::Frame => (None, 0.0),
+        Place::Fraction(body, f) => (Some(&model.bodies[body].shape), f),
+        Place::Centroid(body) => {
+            let shape = &model.bodies[body].shape;
+            let Shape::Link(link) = shape else { return (None, 0.0) };
+            let (a, b) = (parameters[link.radius_base], parameters[link.radius_tip]);
+            let centroid = (a * a + 2.0 * a * b + 3.0 * b * b) / (4.0 * (a * a + a * b + b * b));
+            (Some(shape), centroid)
+        }
+    }
+}
+
+/// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.
+pub(crate) fn thread_arm(mode: Mode, d: [f64; 2]) -> [f64; 3] {
+    match mode {
+        Mode::TwistX => [0.0, -d[1], d[0]],
+        Mode::BendY => [d[1], 0.0, 0.0],
+        Mode::BendZ => [-d[0], 0.0, 0.0],
+        Mode::ExtendX => [1.0, 0.0, 0.0],
+        Mode::ShearY => [0.0, 1.0, 0.0],
+        Mode::ShearZ => [0.0, 0.0, 1.0],
+    }
+}

@@ -1,0 +1,118 @@
+//! Poses of all frames by the recursion of the paper's (4): one motion per frame.
+
+use crate::design::Design;
+use crate::lie::{LieGroup, Stumpff};
+use crate::linalg::{Matrix, Vector};
+use crate::model::{Model, Motion};
+
+/// √3/12: the commutator's factor in the 4th-order Magnus expansion at the Zanna points.
+const ZANNA_COMMUTATOR: f64 = 0.144_337_567_297_406_44;
+
+/// Poses of the frames and world positions of the points at a state.
+#[derive(Clone, Debug)]
+pub(crate) struct Kinematics<G, const D: usize, const P: usize> {
+    pub pose: Vec<G>,
+    /// Ω of each frame's motion; zero for rigid ones.
+    pub omega: Vec<Vector<D>>,
+    pub stumpff: Vec<Stumpff>,
+    /// Normalised strains at the collocation points of each Magnus step.
+    pub strain: Vec<[Vector<D>; 2]>,
+    pub points: Vec<Vector<P>>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
+    pub fn new(model: &Model<G, D, P>) -> Self {
+        let frames = model.frames.len();
+        Self {
+            pose: vec![G::IDENTITY; frames],
+            omega: vec![Vector::ZERO; frames],
+            stumpff: vec![Stumpff::new(0.0); frames],
+            strain: vec![[Vector::ZERO; 2]; model.steps.len()],
+            points: vec![Vector::ZERO; model.points.len()],
+        }
+    }
+
+    /// Moves everything to the state `q`.
+    pub fn update(&mut self, model: &Model<G, D, P>, design: &Design<G, D, P>, q: &[f64]) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let parent = self.pose[frame.parent];
+            let omega = match &frame.motion {
+                Motion::Rigid(i) => {
+                    self.pose[f] = parent.compose(&design.rigid[*i]);
+                    continue;
+                }
+                Motion::Joint(columns) => {
+                    let columns = &model.joint_columns[columns.clone()];
+                    columns.iter().fold(Vector::ZERO, |sum, c| sum + c.twist * q[c.dof])
+                }
+                Motion::Strain(step) => self.magnus(model, design, *step, q),
+            };
+            let stumpff = Stumpff::new(G::angle_squared(&omega));
+            self.pose[f] = parent.compose(&G::exp(&omega, &stumpff));
+            self.omega[f] = omega;
+            self.stumpff[f] = stumpff;
+        }
+        for ((world, local), point) in self.points.iter_mut().zip(&design.points).zip(&model.points) {
+            *world = self.pose[point.frame].act(local);
+        }
+    }
+
+    /// Ω of a Magnus step of order 2 or 4.
+    #[inline]
+    fn magnus(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        step: usize,
+        q: &[f64],
+    ) -> Vector<D> {
+        let magnus = &model.steps[step];
+        let rod = &design.rods[magnus.rod];
+        let mut a = rod.reference;
+        let mut b = rod.reference;
+        for column in &model.strain_columns[magnus.columns.clone()] {
+            let x = q[column.dof] * rod.axis_scale[column.axis];
+            a[column.axis] += column.phi[0] * x;
+            b[column.axis] += column.phi[1] * x;
+        }
+        self.strain[step] = [a, b];
+        let h = magnus.h;
+        if model.rods[magnus.rod].magnus_order == 4 {
+            (a + b) * (0.5 * h) + (G::ad(&a) * b) * (ZANNA_COMMUTATOR * h * h)
+        } else {
+            a * h
+        }
+    }
+
+    /// `(A₁, A₂, κ)` with dΩ = A₁ dξ₁ + A₂ dξ₂ and κ [dξ₁, dξ₂] the second-order part of Ω.
+    #[inline]
+    pub fn magnus_derivative(
+        &self,
+        model: &Model<G, D, P>,
+        step: usize,
+    ) -> (Matrix<D, D>, Matrix<D, D>, f64) {
+        let magnus = &model.steps[step];
+        if model.rods[magnus.rod].magnus_order == 4 {
+            let [a, b] = &self.strain[step];
+            let commutator = ZANNA_COMMUTATOR * magnus.h * magnus.h;
+            let half = Matrix::diagonal(0.5 * magnus.h);
+            (half - G::ad(b) * commutator, half + G::ad(a) * commutator, commutator)
+        } else {
+            (Matrix::diagonal(magnus.h), Matrix::ZERO, 0.0)
+        }
+    }
+
+    /// Accumulated rotation of a planar frame, counting full turns.
+    pub fn planar_angle(&self, model: &Model<G, D, P>, frame: usize) -> f64 {
+        let mut angle = 0.0;
+        let mut f = frame;
+        while f != 0 {
+            angle += match model.frames[f].motion {
+                Motion::Rigid(_) => 0.0,
+                _ => self.omega[f][0],
+            };
+            f = model.frames[f].parent;
+        }
+        angle
+    }
+}

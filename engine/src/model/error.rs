@@ -1,0 +1,45 @@
+//! What can be wrong with a description.
+
+use thiserror::Error;
+
+/// A description that makes no model; the message names the field and says what is allowed.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{field}: {problem}")]
+pub struct ModelError {
+    /// Dotted path of the offending field.
+    pub field: String,
+    /// One clause: what was found and what is allowed.
+    pub problem: String,
+}
+
+impl ModelError {
+    pub(crate) fn new(field: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { field: field.into(), problem: problem.into() }
+    }
+}
+
+/// Checks that `value` is finite and greater than zero.
+pub(crate) fn positive(field: impl Into<String>, value: f64) -> Result<f64, ModelError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(ModelError::new(field, format!("found {value}, a finite number greater than zero is needed")))
+    }
+}
+
+/// Checks that `value` is finite and not negative.
+pub(crate) fn not_negative(field: impl Into<String>, value: f64) -> Result<f64, ModelError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(ModelError::new(field, format!("found {value}, a finite number not below zero is needed")))
+    }
+}
+
+/// Checks that every value is finite.
+pub(crate) fn finite(field: impl Into<String>, values: &[f64]) -> Result<(), ModelError> {
+    match values.iter().find(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(v) => Err(ModelError::new(field, format!("found {v}, finite numbers are needed"))),
+    }
+}

@@ -1,0 +1,155 @@
+//! The constant model: topology, bases and indices, everything that no design changes.
+//!
+//! A model is a tree of frames. Each frame follows from its parent by one motion: a rigid offset, a
+//! joint, or a Magnus step along a rod; the recursion of the paper's (4)–(7) is one loop over frames.
+//! Continuous numbers (lengths, radii, moduli, stiffnesses, poses) are kept apart, as one flat vector
+//! of parameters named by a [`Layout`].
+
+mod actuators;
+mod bodies;
+mod build;
+mod contacts;
+mod description;
+mod error;
+mod layout;
+mod points;
+
+pub use description::*;
+pub use error::ModelError;
+pub use layout::Layout;
+
+pub(crate) use actuators::{Actuator, Tendon};
+pub(crate) use bodies::{Body, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
+pub(crate) use contacts::{Contact, Spring, Wrench};
+pub(crate) use points::{Mass, Place, Point, Sphere, SphereRadius};
+
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use std::ops::Range;
+
+/// A frame and the motion that leads to it from its parent.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    pub parent: usize,
+    pub body: usize,
+    pub motion: Motion,
+    /// Coordinates are `path.start..path.end` at most on the way from the world to this frame.
+    pub path: Range<usize>,
+    /// Its own coordinates' places in the store of world columns.
+    pub columns: Range<usize>,
+}
+
+/// How a frame moves against its parent.
+#[derive(Clone, Debug)]
+pub(crate) enum Motion {
+    /// By the pose `design.rigid[i]`.
+    Rigid(usize),
+    /// By `exp(Σ b_c q_c)` over these joint columns.
+    Joint(Range<usize>),
+    /// By the Magnus step `steps[i]`.
+    Strain(usize),
+}
+
+/// A joint coordinate and its constant twist.
+#[derive(Clone, Debug)]
+pub(crate) struct JointColumn<const D: usize> {
+    pub dof: usize,
+    pub twist: Vector<D>,
+}
+
+/// A rod coordinate as seen by one Magnus step: its axis and its basis function at the step's
+/// collocation points.
+#[derive(Clone, Debug)]
+pub(crate) struct StrainColumn {
+    pub dof: usize,
+    pub axis: usize,
+    pub phi: [f64; 2],
+}
+
+/// A Magnus step over ΔX = `h`.
+#[derive(Clone, Debug)]
+pub(crate) struct MagnusStep {
+    pub rod: usize,
+    pub h: f64,
+    pub columns: Range<usize>,
+}
+
+/// A hybrid soft-rigid system, ready to be solved; built once and shared.
+#[derive(Clone, Debug)]
+pub struct Model<G, const D: usize, const P: usize> {
+    pub(crate) dof: usize,
+    /// `frames[0]` is the world; parents come before children.
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) steps: Vec<MagnusStep>,
+    pub(crate) strain_columns: Vec<StrainColumn>,
+    pub(crate) joint_columns: Vec<JointColumn<D>>,
+    pub(crate) bodies: Vec<Body<P>>,
+    pub(crate) rods: Vec<Rod>,
+    pub(crate) joints: Vec<JointCoordinate>,
+    /// Sparsity of the rods' stiffness: index pairs `i ≤ j`.
+    pub(crate) stiffness_pattern: Vec<(usize, usize)>,
+    pub(crate) points: Vec<Point<P>>,
+    pub(crate) spheres: Vec<Sphere>,
+    pub(crate) masses: Vec<Mass>,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) actuators: Vec<Actuator>,
+    pub(crate) springs: Vec<Spring>,
+    pub(crate) wrenches: Vec<Wrench<P>>,
+    /// Frames whose Jacobian is kept, with their slot in the store.
+    pub(crate) jacobian_slot: Vec<Option<usize>>,
+    /// Frames on the way to a kept one.
+    pub(crate) leads_to_kept: Vec<bool>,
+    /// Coordinates on which the kept frames depend.
+    pub(crate) coupled: Range<usize>,
+    pub(crate) gravity: Vector<P>,
+    pub(crate) layout: Layout,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) coordinates: Vec<String>,
+    pub(crate) inputs: Vec<String>,
+    pub(crate) frame_names: Vec<String>,
+    group: std::marker::PhantomData<G>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+    /// Number of generalised coordinates.
+    pub fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// Names of the coordinates, such as `exosuit.bend_y[3]` or `ph_1.theta`.
+    ///
+    /// Rod coordinates of angular modes are L·κ (dimensionless), those of linear modes are strains.
+    pub fn coordinates(&self) -> &[String] {
+        &self.coordinates
+    }
+
+    /// Names of the load inputs: actuators, then scaled wrenches.
+    pub fn inputs(&self) -> &[String] {
+        &self.inputs
+    }
+
+    /// Names of the frames, the world first.
+    pub fn frame_names(&self) -> &[String] {
+        &self.frame_names
+    }
+
+    /// The flat vector of continuous numbers as described.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
+    /// Names and ranges of the parameters.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Number of spheres, all groups.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Whether every load derives from a potential, so that the tangent is symmetric.
+    pub fn is_conservative(&self) -> bool {
+        self.wrenches.iter().all(Wrench::is_conservative)
+    }
+}

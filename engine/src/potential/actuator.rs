@@ -1,0 +1,93 @@
+//! Chambers and cables: −u ℓ(q), with ℓ the length of a path in the rod's cross-sections.
+//!
+//! The gradient of ℓ is the actuation matrix B(q) of (9): at each Gauss point the unit tangent
+//! τ̂ of the path, τ = ξ_lin + ξ_ang × d + d′ in normalised strains.
+
+use super::CoordinateTerms;
+use crate::design::Design;
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    q: &[f64],
+    load: &[f64],
+    out: &mut CoordinateTerms,
+) {
+    let n = q.len();
+    for_each_point(model, design, q, |actuator, weight, unit, norm, columns| {
+        let tension = -model.actuators[actuator].sign * load[actuator] * weight;
+        out.energy += tension * norm;
+        for (m, a) in columns.iter().enumerate() {
+            let along = dot(&unit, &a.arm);
+            out.gradient[a.dof] += tension * along;
+            let curvature = tension / norm;
+            for b in &columns[..=m] {
+                // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
+                let value = curvature * (dot(&a.arm, &b.arm) - along * dot(&unit, &b.arm));
+                let (row, column) = if a.dof >= b.dof { (a.dof, b.dof) } else { (b.dof, a.dof) };
+                out.half_tangent[row * n + column] += if a.dof == b.dof { 0.5 * value } else { value };
+            }
+        }
+    });
+}
+
+/// Adds `−Σ_a du_a ∂ℓ_a/∂q` to `gradient`: how the residual changes with the load.
+pub(crate) fn add_load_gradient<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    q: &[f64],
+    change: &[f64],
+    gradient: &mut [f64],
+) {
+    for_each_point(model, design, q, |actuator, weight, unit, _, columns| {
+        let tension = -model.actuators[actuator].sign * change[actuator] * weight;
+        for column in columns {
+            gradient[column.dof] += tension * dot(&unit, &column.arm);
+        }
+    });
+}
+
+/// Length of each actuator's path.
+pub(crate) fn lengths<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    q: &[f64],
+) -> Vec<f64> {
+    let mut lengths = vec![0.0; model.actuators.len()];
+    for_each_point(model, design, q, |actuator, weight, _, norm, _| lengths[actuator] += weight * norm);
+    lengths
+}
+
+/// Visits each Gauss point of each actuator with (actuator, weight, τ̂, |τ|, columns).
+#[inline]
+fn for_each_point<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    q: &[f64],
+    mut visit: impl FnMut(usize, f64, [f64; 3], f64, &[crate::design::ThreadColumn]),
+) {
+    let (mut point, mut start) = (0, 0);
+    for (index, actuator) in model.actuators.iter().enumerate() {
+        for thread in &design.threads[point..point + actuator.tendon.len()] {
+            let columns = &design.thread_columns[start..thread.end];
+            start = thread.end;
+            let mut tau = thread.base;
+            for column in columns {
+                for i in 0..3 {
+                    tau[i] += q[column.dof] * column.arm[i];
+                }
+            }
+            // A path collapsed to a point has no direction; a tiny floor keeps the tangent finite.
+            let norm = dot(&tau, &tau).sqrt().max(1e-9 * thread.base[0].abs());
+            visit(index, thread.weight, tau.map(|t| t / norm), norm, columns);
+        }
+        point += actuator.tendon.len();
+    }
+}
+
+#[inline]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

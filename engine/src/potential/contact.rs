@@ -1,0 +1,69 @@
+//! Sphere–sphere contact (8): ½ k max(d, 0)², d = R_f + R(X) − ‖r_c‖.
+
+use super::FrameTerms;
+use crate::design::Design;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::model::{Contact, Model};
+
+/// A touching pair: sphere indices, unit vector from the second to the first, overlap d.
+#[derive(Clone, Debug)]
+pub(crate) struct Touch<const P: usize> {
+    pub first: usize,
+    pub second: usize,
+    pub normal: Vector<P>,
+    pub overlap: f64,
+    pub distance: f64,
+}
+
+pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    points: &[Vector<P>],
+    out: &mut FrameTerms<D>,
+) {
+    for contact in &model.contacts {
+        let k = design.parameters[contact.stiffness];
+        for_each_touch(model, design, points, contact, |touch| {
+            let [a, b] = [touch.first, touch.second].map(|s| model.spheres[s].point);
+            out.energy += 0.5 * k * touch.overlap * touch.overlap;
+            let frames = [model.points[a].frame, model.points[b].frame];
+            let force = touch.normal * (-k * touch.overlap);
+            let tangential = -k * touch.overlap / touch.distance;
+            out.add_pair::<G, P>(frames, [&points[a], &points[b]], &force, &touch.normal, k, tangential);
+        });
+    }
+}
+
+/// Visits the touching pairs of a contact, in the order of the first group.
+#[inline]
+pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    points: &[Vector<P>],
+    contact: &Contact,
+    mut visit: impl FnMut(Touch<P>),
+) {
+    for first in contact.first.clone() {
+        let (p, radius) = (points[model.spheres[first].point], design.radii[first]);
+        // A pair of a group with itself counts once.
+        let second = if contact.is_self() {
+            first + contact.skip.max(1)..contact.second.end
+        } else {
+            contact.second.clone()
+        };
+        for second in second {
+            let r = p - points[model.spheres[second].point];
+            let reach = radius + design.radii[second];
+            let squared = r.dot(&r);
+            if squared < reach * reach {
+                let distance = squared.sqrt();
+                // Coincident centres push nowhere in particular; any fixed direction will do.
+                let normal =
+                    if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
+                let distance = distance.max(1e-12 * reach);
+                visit(Touch { first, second, normal, overlap: reach - distance, distance });
+            }
+        }
+    }
+}
