@@ -185,3 +185,7 @@ def test_unknown_names_and_missing_gradients_are_refused() -> None:
         objective("tip-force").residual(paths())
     with pytest.raises(InputError, match="the model has no contact"):
         objective("f_bc").value(replace(paths(), spheres=0))
+    with pytest.raises(InputError, match="the model has no contact"):
+        objective("f_exo").value(replace(paths(), spheres=0))
+    with pytest.raises(InputError, match="needs joints, but the model has none"):
+        objective("f_b").value(replace(paths(), joint_angles=np.zeros((N, STEPS, 0))))

@@ -166,9 +166,12 @@ def test_budget_of_evaluations_is_kept_to_the_design() -> None:
             calls.append(len(x))
             return rosenbrock(x)
 
+        told: list[Progress] = []
         found = PatternSearch().minimize(
-            counting, LOWER, UPPER, [-1.2, 1.0], budget=Budget(evaluations=limit)
+            counting, LOWER, UPPER, [-1.2, 1.0], 0, Budget(evaluations=limit), told.append
         )
+        assert (told[-1].evaluations, told[-1].remaining) == (limit, 0)
+        assert told[-1].value == found.value
         assert sum(calls) == found.evaluations == limit
         assert found.reason == f"the budget of {limit} evaluations is spent"
 
@@ -195,6 +198,15 @@ def test_progress_is_told_and_may_stop_the_search() -> None:
     assert told[0].design.tolist() == [1.9, 1.9]
     assert np.all(np.diff([at.value for at in told]) <= 0)
     assert told[1].detail.startswith("mesh ")
+
+
+def test_what_remains_on_a_plateau_is_foretold() -> None:
+    told: list[Progress] = []
+    done = PatternSearch(starts=2).minimize(
+        lambda x: np.zeros(len(x)), LOWER, UPPER, [[0.1, 0.2], [0.7, -0.3]], progress=told.append
+    )
+    foretold = [at.evaluations + (at.remaining or 0) for at in told]
+    assert foretold == [done.evaluations] * len(told)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexor.errors import InputError
 from flexor.objective.base import Objective, norm
 from flexor.objective.paths import FloatArray, PathGradient, Paths
 
@@ -43,7 +44,15 @@ class Bending(Objective):
 
 
 def unbent(paths: Paths) -> FloatArray:
-    """q_b = pi - theta at the last load [rad], (n, j)."""
+    """q_b = pi - theta at the last load [rad], (n, j).
+
+    Raises
+    ------
+    InputError
+        If the model has no joints.
+    """
+    if paths.joint_angles.shape[2] == 0:
+        raise InputError("an objective of bending needs joints, but the model has none.")
     return np.pi - paths.joint_angles[:, -1, :]
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexor.errors import InputError
 from flexor.objective.base import Objective
 from flexor.objective.paths import FloatArray, PathGradient, Paths
 
@@ -24,7 +25,17 @@ class TipForce(Objective):
     unit: str = "N"
 
     def value(self, paths: Paths) -> FloatArray:
-        """-F_t [N], (n,)."""
+        """-F_t [N], (n,).
+
+        Raises
+        ------
+        InputError
+            If the model has no contact.
+        """
+        if paths.spheres < 1:
+            raise InputError(
+                f'objective "{self.name}" is a contact force, but the model has no contact.'
+            )
         return 0.0 - paths.tip_force[:, -1]
 
     def shown(self, paths: Paths) -> FloatArray:

@@ -67,9 +67,9 @@ class Counted:
             self._evaluate(designs, fresh)
         return np.array([self._known[key] for key in keys])
 
-    def progress(self, iteration: int, detail: str) -> Progress:
+    def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""
-        return Progress(iteration, self.evaluations, self.design, self.value, detail)
+        return Progress(iteration, self.evaluations, self.design, self.value, detail, remaining)
 
     def result(self, iterations: int, reason: str) -> SearchResult:
         """Return what the search found."""

@@ -63,6 +63,8 @@ class Progress:
         Its value; +inf while every design has failed.
     detail : str
         In the method's own words, for example ``"mesh 0.0625"``.
+    remaining : int or None
+        Evaluations still to come if nothing better is found any more, where the method knows.
     """
 
     iteration: int
@@ -70,6 +72,7 @@ class Progress:
     design: FloatArray
     value: float
     detail: str
+    remaining: int | None = None
 
 
 ProgressCallback = Callable[[Progress], None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -121,9 +122,12 @@ class PatternSearch:
             for iteration, polls in enumerate(self.iterate(counted, lower, upper, start, seed)):
                 if progress is not None:
                     widest = max(poll.mesh for poll in polls)
-                    progress(counted.progress(iteration, f"mesh {widest:.3g}"))
+                    left = sum(self._remaining(poll) for poll in polls)
+                    progress(counted.progress(iteration, f"mesh {widest:.3g}", left))
         except BudgetSpent as spent:
             reason = str(spent)
+            if progress is not None:
+                progress(counted.progress(iteration + 1, reason, 0))
         return counted.result(iteration, reason)
 
     def iterate(
@@ -176,6 +180,11 @@ class PatternSearch:
             poll.mesh = min(poll.mesh * self.expansion, self.largest_mesh)
         else:
             poll.mesh *= self.contraction
+
+    def _remaining(self, poll: Poll) -> int:
+        """Count the evaluations of a start that finds nothing better any more."""
+        halvings = math.log(poll.mesh / self.tolerance) / -math.log(self.contraction)
+        return 2 * poll.design.size * max(math.floor(halvings) + 1, 0)
 
 
 def _without_nan(values: FloatArray) -> FloatArray:

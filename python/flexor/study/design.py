@@ -1,0 +1,96 @@
+"""One evaluated design of a study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexor.study.outcomes import FloatArray, Outcomes
+from flexor.study.problem import Problem
+
+if TYPE_CHECKING:
+    from flexor.model import Path
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A design and what became of it.
+
+    Attributes
+    ----------
+    problem : Problem
+        What it is a design of.
+    vector : (k,) array
+        Parameters, SI, in the order of the set's labels.
+    value : float
+        Value of the objective; +inf if the design failed.
+    shown : float
+        The objective's quantity for display; NaN if failed.
+    reason : str
+        Empty, or why it failed.
+    joint_angles : (steps, j) array
+        Along the path [rad].
+    tip_force : (steps,) array
+        [N].
+    touching : (steps,) array
+        Spheres of the exosuit that touch.
+    events, iterations : int
+        Snaps and Newton iterations along the path.
+    """
+
+    problem: Problem
+    vector: FloatArray
+    value: float
+    shown: float
+    reason: str
+    joint_angles: FloatArray
+    tip_force: FloatArray
+    touching: FloatArray
+    events: int
+    iterations: int
+
+    @classmethod
+    def of(cls, problem: Problem, vector: FloatArray, outcomes: Outcomes, row: int = 0) -> Design:
+        """Take one design out of outcomes."""
+        return cls(
+            problem=problem,
+            vector=vector,
+            value=float(outcomes.value[row]),
+            shown=float(outcomes.shown[row]),
+            reason=str(outcomes.reason[row]),
+            joint_angles=outcomes.joint_angles[row],
+            tip_force=outcomes.tip_force[row],
+            touching=outcomes.touching[row].astype(np.float64),
+            events=int(outcomes.events[row]),
+            iterations=int(outcomes.iterations[row]),
+        )
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Parameters by label, SI."""
+        return dict(zip(self.problem.parameters.labels, self.vector.tolist(), strict=True))
+
+    @property
+    def bending(self) -> float:
+        """Sum of the joint angles at the last load [rad]."""
+        return float(sum(self.joint_angles[-1].tolist()))
+
+    @cached_property
+    def path(self) -> Path:
+        """The whole path of equilibria, followed anew."""
+        return self.problem.path(self.vector)
+
+    def __repr__(self) -> str:
+        chosen = self.problem.parameters
+        shown = ", ".join(
+            f"{label} = {value / scale:.4g}{'' if unit == '1' else ' ' + unit}"
+            for label, value, scale, unit in zip(
+                chosen.labels, self.vector, chosen.scale, chosen.units, strict=True
+            )
+        )
+        objective = self.problem.objective
+        said = self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
+        return f"<Design {shown}: {said}>"

@@ -1,0 +1,232 @@
+"""Run an optimisation as a study, or go on with one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError
+from flexor.objective import Objective
+from flexor.objective import objective as named_objective
+from flexor.search import Budget, Search
+from flexor.search import method as named_method
+from flexor.study import folder as folders
+from flexor.study.executor import Executor
+from flexor.study.lock import Lock
+from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+from flexor.study.progress import StudyCallback
+from flexor.study.record import Record
+from flexor.study.reopen import reopened
+from flexor.study.run import run
+from flexor.study.settings import Settings
+from flexor.study.study import Study
+
+if TYPE_CHECKING:
+    from flexor.model import Model
+
+
+def optimize(
+    model: Model,
+    parameters: str | ParameterSet = "L+R01",
+    objective: str | Objective = "bending",
+    method: str | Search = "pattern-search",
+    *,
+    start: ArrayLike | str | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    force: ArrayLike | None = None,
+    seed: int = 0,
+    budget: int | Budget | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    progress: StudyCallback | None = None,
+    executor: Executor | None = None,
+    method_options: Mapping[str, Any] | None = None,
+    engine_options: Mapping[str, float] | None = None,
+) -> Study:
+    """Find the design of the exosuit that an objective likes best.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with a ``[design]``.
+    parameters : str or ParameterSet
+        What may be changed, for example ``"L+R01"``.
+    objective : str or Objective
+        What is minimised, for example ``"bending"`` (f_b).
+    method : str or Search
+        How.
+    start : (k,) or (s, k) array or "random", optional
+        Where the search begins, SI; the parameter set's own start (the model's exosuit) by
+        default, and drawn from the seed if ``"random"``.
+    bounds : dict, optional
+        Other bounds by label, SI.
+    force : (steps,) array, optional
+        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+    seed : int
+        Of everything drawn at random.
+    budget : int or Budget, optional
+        Distinct designs to evaluate at most, or a `Budget`.
+    folder : path, optional
+        Where to keep the study; in memory by default.
+    resume : bool
+        Go on with the study in ``folder``, whose settings must be these (the budget may differ).
+    progress : callable, optional
+        Told a `StudyProgress` after each iteration.
+    executor : Executor, optional
+        Where designs are evaluated; in this process, on all cores, by default.
+    method_options, engine_options : dict, optional
+        Options of a method given by name, and of the engine's solver.
+
+    Returns
+    -------
+    Study
+        Its ``best`` design and the record of all.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, a start lies outside the bounds, or the folder cannot be used.
+
+    Notes
+    -----
+    Each batch is recorded before the search sees its values. Resuming is running the search again
+    with known designs answered from the record: a process that was killed loses the batch it was
+    in. KeyboardInterrupt passes through and leaves a study that can be resumed.
+    """
+    chosen = parameter_set(parameters, model.design) if isinstance(parameters, str) else parameters
+    chosen = chosen.on(model.design)
+    if bounds:
+        chosen = chosen.with_bounds(bounds)
+    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    if force is not None:
+        wanted = wanted.at(force)
+    if isinstance(method, str):
+        search = named_method(method, **(method_options or {}))
+    elif method_options:
+        raise InputError("options of a method are given with its name, not with a ready method.")
+    else:
+        search = method
+    limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
+    problem = Problem(model, chosen, wanted, dict(engine_options or {}))
+    first = _start(chosen, start)
+    settings = Settings.of(problem, search, first, seed, limit)
+    if folder is None:
+        if resume:
+            raise InputError("resuming a study needs its folder.")
+        sizes = (chosen.size, problem.force.size, len(model.joints))
+        study = Study(problem, settings, Record(None, sizes))
+        study.result = run(study, search, first, seed, limit, progress, executor)
+        return study
+    place = Path(folder)
+    if resume:
+        kept = Settings.read(place)
+        kept.check_same(settings, place)
+        settings = kept.with_budget(limit)
+    else:
+        folders.create(place, settings, problem)
+    lock = Lock(place)
+    try:
+        study = Study(problem, settings, folders.open_record(place, problem, write=True), place)
+        try:
+            if resume:
+                _check_reproduces(study)
+                settings.write(place)
+            study.record.note("finished", None)
+            study.result = run(study, search, first, seed, limit, progress, executor)
+            study.record.note("finished", study.result.reason)
+        except BaseException:
+            study.close()
+            raise
+    finally:
+        lock.release()
+    return study
+
+
+def resume(
+    folder: str | Path,
+    *,
+    budget: int | Budget | None = None,
+    progress: StudyCallback | None = None,
+    executor: Executor | None = None,
+    model: Model | None = None,
+    parameters: ParameterSet | None = None,
+    objective: Objective | None = None,
+    method: Search | None = None,
+) -> Study:
+    """Go on with a study, knowing only its folder.
+
+    Parameters
+    ----------
+    folder : path
+        The study folder.
+    budget : int or Budget, optional
+        In place of the one it was begun with.
+    progress, executor : optional
+        As for `optimize`.
+    model, parameters, objective, method : optional
+        In place of those that the folder names; needed for a user's own.
+
+    Returns
+    -------
+    Study
+        The study, at the end of its search.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a study, is damaged or in use, or names something not known.
+    """
+    place = Path(folder)
+    settings = Settings.read(place)
+    values = settings.values
+    problem = reopened(place, settings, model, parameters, objective)
+    return optimize(
+        problem.model,
+        problem.parameters,
+        problem.objective,
+        method if method is not None else values["method"]["name"],
+        start="random" if values["start"] is None else values["start"],
+        seed=values["seed"],
+        budget=budget if budget is not None else Budget(**values["budget"]),
+        folder=place,
+        resume=True,
+        progress=progress,
+        executor=executor,
+        method_options=None if method is not None else values["method"]["options"],
+        engine_options=problem.options,
+    )
+
+
+def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:
+    if isinstance(start, str):
+        if start.strip().casefold() != "random":
+            raise InputError(f'start is "{start}": give numbers, or "random".')
+        return None
+    designs: FloatArray = np.atleast_2d(
+        np.asarray(chosen.start if start is None else start, dtype=np.float64)
+    )
+    chosen.check_inside(designs, "the model's own exosuit as start" if start is None else "start")
+    return designs + 0.0
+
+
+def _check_reproduces(study: Study) -> None:
+    """Refuse to go on if a recorded design no longer gives what was recorded.
+
+    The settings cannot tell whether a user's own set or objective is still the same function.
+    """
+    vector = study.record.best()
+    if vector is None:
+        return
+    recorded = study.record.outcomes(vector).value[0]
+    found = study.problem.evaluate(vector[None, :]).value[0]
+    if not np.isclose(found, recorded, rtol=1e-9, atol=1e-12):
+        raise InputError(
+            f'the study "{study.folder}" recorded {recorded:.9g} for its best design, which now '
+            f"gives {found:.9g}: its objective, parameter set or engine has changed."
+        )

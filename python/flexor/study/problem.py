@@ -1,0 +1,107 @@
+"""What a study evaluates: designs of a parameter set on a model, judged by an objective."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexor.design import Geometry, ParameterSet
+from flexor.objective import Objective, PathArrays, judge
+from flexor.study.outcomes import FloatArray, Outcomes
+
+if TYPE_CHECKING:
+    from flexor.model import Batch, Model, Path
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A model, what may be changed of it, and what is wanted.
+
+    Searches, grids and comparisons all evaluate designs through this one function; an `Executor`
+    says where that happens.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    parameters : ParameterSet
+        What is designed, on the model's own rod.
+    objective : Objective
+        What is minimised.
+    options : dict
+        Settings of the engine's solver.
+    """
+
+    model: Model
+    parameters: ParameterSet
+    objective: Objective
+    options: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def force(self) -> FloatArray:
+        """Actuation forces [N] of every path, (steps,): the objective's or else the model's."""
+        if self.objective.force is not None:
+            return np.array(self.objective.force)
+        return np.asarray(self.model.evaluation_forces, dtype=np.float64)
+
+    def geometry(self, designs: FloatArray) -> Geometry:
+        """Geometry of designs (n, k) at the model's sample points."""
+        return self.parameters.geometry(designs, self.model.design.points)
+
+    def evaluate(self, designs: FloatArray, threads: int = 0) -> Outcomes:
+        """Follow and judge the paths of n designs.
+
+        Parameters
+        ----------
+        designs : (n, k) array
+            Designs, SI.
+        threads : int
+            Threads of the engine, 0 for one per core. The outcomes do not depend on it.
+
+        Returns
+        -------
+        Outcomes
+            In the order of the designs. A design whose surface is not positive, or whose path
+            did not converge, is marked failed with the reason.
+        """
+        geometry = self.geometry(designs)
+        sound = np.isfinite(geometry.length) & (geometry.length > 0.0)
+        sound &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
+        sound &= np.all(np.isfinite(geometry.slope), axis=1)
+        if sound.all():
+            return self._follow(geometry, threads)
+        rows = np.flatnonzero(sound)
+        part = Geometry(geometry.length[rows], geometry.radius[rows], geometry.slope[rows])
+        joints = len(self.model.joints)
+        outcomes = Outcomes.failed(
+            len(designs), self.force.size, joints, "has a length or radius that is not positive"
+        )
+        if rows.size:
+            outcomes.fill(rows, self._follow(part, threads))
+        return outcomes
+
+    def path(self, design: FloatArray) -> Path:
+        """Follow the path of one design (k,) and keep all of it."""
+        return self.model.equilibrium(
+            self.force, design=self.geometry(design[None, :]), **self.options
+        )
+
+    def _follow(self, geometry: Geometry, threads: int) -> Outcomes:
+        batch: Batch = self.model.evaluate(geometry, self.force, threads, **self.options)
+        paths = PathArrays.of(batch)
+        judged = judge(self.objective, paths, lambda design, step: batch[design].status[step])
+        return Outcomes(
+            value=judged.value,
+            shown=judged.shown,
+            reason=np.array(judged.reason, dtype=object),
+            joint_angles=paths.joint_angles,
+            tip_force=paths.tip_force,
+            touching=paths.touching.astype(np.int32),
+            converged=paths.converged,
+            stable=paths.stable,
+            events=np.bincount(batch.events["design"], minlength=len(paths)).astype(np.int64),
+            iterations=np.asarray(batch.iterations).sum(axis=1).astype(np.int64),
+        )

@@ -1,0 +1,57 @@
+"""The batch function of a study: evaluates what is not in the record and records it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexor.study.executor import Executor
+from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+from flexor.study.record import Record
+
+# Designs are evaluated and recorded in parts of this size, so that an interruption of a large
+# batch costs little and each part still keeps every core busy.
+PART = 1024
+
+
+class Recorded:
+    """From designs (n, k) to values (n,), through the record.
+
+    Known designs (by their exact bytes) are answered from the record, the others are evaluated and
+    appended in one transaction per ``PART``. A deterministic search that is simply run again
+    therefore finds its way to where it was interrupted without evaluating anything twice.
+
+    Attributes
+    ----------
+    evaluated, replayed : int
+        Designs evaluated now, and designs answered from what an earlier run had recorded.
+    """
+
+    def __init__(self, problem: Problem, record: Record, executor: Executor) -> None:
+        self._problem, self._record, self._executor = problem, record, executor
+        self._known = record.known()
+        self._earlier = set(self._known)
+        self.evaluated = 0
+        self.replayed = 0
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """Values of designs (n, k); +inf for those that failed."""
+        designs = np.ascontiguousarray(designs, dtype="<f8") + 0.0  # one kind of zero
+        keys = [row.tobytes() for row in designs]
+        fresh: dict[bytes, int] = {}
+        for row, key in enumerate(keys):
+            if key in self._known:
+                if key in self._earlier:
+                    self._earlier.remove(key)
+                    self.replayed += 1
+            else:
+                fresh.setdefault(key, row)
+        rows = np.array(list(fresh.values()), dtype=np.intp)
+        for first in range(0, rows.size, PART):
+            part = designs[rows[first : first + PART]]
+            outcomes = self._executor.evaluate(self._problem, part)
+            self._record.append(part, outcomes)
+            for row, value in zip(part, outcomes.value.tolist(), strict=True):
+                self._known[row.tobytes()] = value
+            self.evaluated += len(part)
+        return np.array([self._known[key] for key in keys])

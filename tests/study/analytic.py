@@ -1,0 +1,109 @@
+"""A model whose paths are a formula: what studies need of a model, without mechanics.
+
+Run as a program it is a study that takes its time and can be killed.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from flexor.design import DesignSpace, Geometry
+from flexor.objective import OnePath
+
+
+@dataclass(frozen=True)
+class Space(DesignSpace):
+    points: Any = None
+
+
+@dataclass
+class AnalyticBatch:
+    force: np.ndarray
+    joint_angles: np.ndarray
+    tip_force: np.ndarray
+    touching: np.ndarray
+    converged: np.ndarray
+    stable: np.ndarray
+    iterations: np.ndarray
+    events: dict[str, np.ndarray]
+    spheres: int = 42
+
+    def __getitem__(self, i: int) -> Any:
+        words = tuple("converged" if good else "iteration limit" for good in self.converged[i])
+        path = OnePath(
+            self.force,
+            self.joint_angles[i],
+            self.tip_force[i],
+            self.touching[i],
+            self.converged[i],
+            self.stable[i],
+        )
+        return SimpleNamespace(status=words, **vars(path))
+
+
+class AnalyticModel:
+    """Bends most at L = 11 cm, R_0 = 0.65 cm, R_1 = 0.8 cm; fails where R_1 < 0.45 cm."""
+
+    name = "analytic"
+    joints = ("a", "b", "c")
+
+    def __init__(self, pause: float = 0.0, hash: str = "0123") -> None:
+        self.hash = hash
+        self.pause = pause
+        self.calls: list[int] = []
+        self.before_batch: Any = lambda model: None
+        self.design = Space(points=np.linspace(0.0, 1.0, 5))
+        self.evaluation_forces = np.arange(6.0)
+        self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
+
+    def evaluate(
+        self, geometry: Geometry, force: Any, threads: int = 0, **options: float
+    ) -> AnalyticBatch:
+        self.before_batch(self)
+        self.calls.append(len(geometry.length))
+        time.sleep(self.pause)
+        u = np.asarray(force, dtype=float) / 5.0
+        base, tip = geometry.radius[:, 0], geometry.radius[:, -1]
+        away = (
+            ((geometry.length - 0.11) / 0.04) ** 2
+            + ((base - 0.0065) / 0.004) ** 2
+            + 0.5 * ((tip - 0.008) / 0.004) ** 2
+            + 0.05 * np.cos(40.0 * (base / 0.004 - tip / 0.003))
+        )
+        bend = 0.6 * np.exp(-away)
+        angles = bend[:, None, None] * u[None, :, None] * np.array([1.0, 0.8, 0.6])
+        good = np.broadcast_to((tip >= 0.0045)[:, None], angles.shape[:2]).copy()
+        good[:, u < 0.5] = True
+        angles[~good] = np.nan
+        return AnalyticBatch(
+            force=np.asarray(force, dtype=float),
+            joint_angles=angles,
+            tip_force=0.3 * bend[:, None] * u,
+            touching=np.broadcast_to((20 * base[:, None] / 0.012).astype(np.uint32), good.shape),
+            converged=good,
+            stable=good.copy(),
+            iterations=np.full(good.shape, 5, dtype=np.uint32),
+            events={"design": np.flatnonzero(base < 0.005).astype(np.uint32)},
+        )
+
+    def equilibrium(self, force: Any, design: Geometry, **options: float) -> Any:
+        return self.evaluate(design, force)[0]
+
+
+if __name__ == "__main__":
+    from flexor.study import optimize
+
+    optimize(
+        AnalyticModel(pause=0.004),  # type: ignore[arg-type]
+        seed=3,
+        method_options={"starts": 4},
+        folder=sys.argv[1],
+        resume="--resume" in sys.argv,
+    )
+    print("done")
