@@ -13,7 +13,16 @@ __all__ = ["InputError", "alternatives", "unknown", "unknown_name"]
 
 
 class InputError(ValueError):
-    """Input that cannot be used, explained in one sentence."""
+    """Input that cannot be used, explained in one sentence.
+
+    Parameters
+    ----------
+    sentence
+        The explanation; what a terminal cannot show on one line becomes blanks.
+    """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__("".join(sign if sign.isprintable() else " " for sign in sentence))
 
 
 def alternatives(name: str, allowed: Iterable[str]) -> str:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from flexor.model.batch import Batch
 from flexor.model.geometry import DesignSpace, Geometry
+from flexor.model.loading import load
 from flexor.model.loads import forces
-from flexor.model.model import Model, load
-from flexor.model.path import ContactForces, Event, Path
+from flexor.model.model import Model
+from flexor.model.path import Event, Path
 from flexor.model.presets import presets
 from flexor.model.reading import parse, read
 from flexor.model.schema import ModelFile
+from flexor.model.state import ContactForces
 
 __all__ = [
     "Batch",

@@ -52,7 +52,10 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
 
 
 def _located(document: Document, keys: list[str], source: str) -> list[str]:
-    things = {name: table for table in reversed(_NAMED) for name in document.get(table, {})}
+    things: dict[str, str] = {}
+    for table in _NAMED:
+        for name in document.get(table, {}):
+            things.setdefault(name, table)
     if keys[0] not in ModelFile.model_fields:
         if keys[0] not in things:
             allowed = (*things, *ModelFile.model_fields)

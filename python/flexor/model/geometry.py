@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexor.errors import InputError
 from flexor.model.lowering import dorsal, points
-from flexor.model.schema import ModelFile, Rod
+from flexor.model.schema import ModelFile
 from flexor.model.schema.profile import surface
 
 Array = NDArray[np.float64]
@@ -82,8 +82,7 @@ class DesignSpace:
         """
         if file.design is None:
             raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
-        rod = file.bodies[file.design.rod]
-        assert isinstance(rod, Rod)
+        rod = file.rod(file.design.rod)
         ends, _ = surface(rod.radius, np.array([0.0, 1.0]))
         return cls(
             rod=file.design.rod,
@@ -131,8 +130,7 @@ def slot_values(
     InputError
         If the geometry is not given at the rod's sample points.
     """
-    rod = file.bodies[name]
-    assert isinstance(rod, Rod)
+    rod = file.rod(name)
     length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
     radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
     slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))

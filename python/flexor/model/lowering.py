@@ -2,36 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import sample_points
+from flexor.model.interactions import (
+    Json,
+    lower_actuator,
+    lower_contact,
+    lower_spring,
+    lower_wrench,
+    sphere_group,
+)
 from flexor.model.schema import (
-    Actuator,
-    Attachment,
     Body,
-    Contact,
     FixedJoint,
     FreeJoint,
-    Ground,
     Joint,
     Link,
     ModelFile,
     PrismaticJoint,
     RevoluteJoint,
     Rod,
-    SphereGroup,
-    Spring,
-    Station,
-    Wrench,
 )
 from flexor.model.schema.profile import surface
 from flexor.model.schema.strain import MODES
 
 Array = NDArray[np.float64]
-Json = dict[str, Any]
 
 
 def lower(file: ModelFile) -> Json:
@@ -49,22 +46,22 @@ def lower(file: ModelFile) -> Json:
         each rod at its sample points.
     """
     bodies = {name: file.bodies[name] for name in parents_first(file.bodies)}
-    spheres = {name: _spheres(group, bodies) for name, group in file.spheres.items()}
+    spheres = {name: sphere_group(group, bodies) for name, group in file.spheres.items()}
     return {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
         "bodies": [_body(name, body) for name, body in bodies.items()],
         "spheres": [{"name": name, "spheres": group} for name, group in spheres.items()],
         "contacts": [
-            _contact(name, contact, len(spheres[contact.first]))
+            lower_contact(name, contact, len(spheres[contact.first]))
             for name, contact in file.contacts.items()
         ],
         "actuators": [
-            _actuator(name, actuator, bodies[actuator.rod])
+            lower_actuator(name, actuator, points(file.rod(actuator.rod)))
             for name, actuator in file.actuators.items()
         ],
-        "springs": [_spring(name, spring, bodies) for name, spring in file.springs.items()],
-        "wrenches": [_wrench(name, wrench, bodies) for name, wrench in file.wrenches.items()],
+        "springs": [lower_spring(name, spring, bodies) for name, spring in file.springs.items()],
+        "wrenches": [lower_wrench(name, wrench, bodies) for name, wrench in file.wrenches.items()],
     }
 
 
@@ -187,88 +184,3 @@ def _joint(joint: Joint) -> Json:
     if isinstance(joint, FreeJoint):
         stiffness += [float(value) for value in joint.linear_stiffness]
     return {"kind": joint.kind, "stiffness": stiffness, "rest": [0.0] * len(stiffness)}
-
-
-def _spheres(group: SphereGroup, bodies: dict[str, Body]) -> list[Json]:
-    spheres: list[Json] = []
-    for name in group.bodies:
-        body = bodies[name]
-        if isinstance(body, Rod):
-            stations: list[Any] = [{"point": 0}]
-            stations += [{"point": index} for index in range(body.sample_count)]
-        else:
-            stations = [{"fraction": 0.0}, "centroid"]
-        spheres += [{"body": name, "station": station} for station in stations]
-    return spheres + [_place(station, bodies) for station in group.points]
-
-
-def _contact(name: str, contact: Contact, count: int) -> Json:
-    tip = 0 if contact.first == contact.second else 1
-    tip = min(count, tip if contact.tip_spheres is None else contact.tip_spheres)
-    return {
-        "name": name,
-        "first": contact.first,
-        "second": contact.second,
-        "stiffness": float(contact.stiffness),
-        "skip": contact.skip,
-        "tip_spheres": list(range(count - tip, count)),
-    }
-
-
-def _actuator(name: str, actuator: Actuator, rod: Body) -> Json:
-    assert isinstance(rod, Rod)
-    path, slope = actuator.path.sampled(points(rod))
-    return {
-        "name": name,
-        "kind": actuator.kind,
-        "rod": actuator.rod,
-        "path": path.tolist(),
-        "path_slope": slope.tolist(),
-        "lever": [actuator.lever.y, actuator.lever.z],
-    }
-
-
-def _spring(name: str, spring: Spring, bodies: dict[str, Body]) -> Json:
-    if isinstance(spring.second, Ground):
-        second: Json = {"world": list(spring.second.world.components)}
-    else:
-        second = _attachment(spring.second, bodies)
-    return {
-        "name": name,
-        "first": _attachment(spring.first, bodies),
-        "second": second,
-        "stiffness": float(spring.stiffness),
-        "rest_length": float(spring.rest_length),
-        "slack": spring.slack,
-    }
-
-
-def _wrench(name: str, wrench: Wrench, bodies: dict[str, Body]) -> Json:
-    return {
-        "name": name,
-        "at": _attachment(wrench, bodies),
-        "force": list(wrench.force.components),
-        "moment": list(wrench.moment.components),
-        "frame": wrench.frame,
-        "input": wrench.input,
-    }
-
-
-def _attachment(attachment: Attachment, bodies: dict[str, Body]) -> Json:
-    return {**_place(attachment, bodies), "offset": list(attachment.offset.components)}
-
-
-def _place(station: Station, bodies: dict[str, Body]) -> Json:
-    return {"body": station.body, "station": _station(station, bodies[station.body])}
-
-
-def _station(station: Station, body: Body) -> Any:
-    if station.at == "centroid":
-        return "centroid"
-    if station.point is not None:
-        return {"point": station.point}
-    assert station.at is not None
-    fraction = {"base": 0.0, "tip": 1.0}.get(str(station.at), station.at)
-    if isinstance(body, Rod):
-        return {"point": body.point_at(float(fraction))}
-    return {"fraction": float(fraction)}

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from flexor import _engine
 from flexor.errors import InputError
@@ -19,9 +17,7 @@ from flexor.model.batch import Batch
 from flexor.model.geometry import DesignSpace, Geometry, slot_values
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
-from flexor.model.path import ContactForces, Path
-from flexor.model.presets import locate
-from flexor.model.reading import check, read
+from flexor.model.path import Path
 from flexor.model.schema import ModelFile, Rod
 
 Array = NDArray[np.float64]
@@ -105,10 +101,16 @@ class Model:
         return tuple(self.engine.coordinates[column] for column in self.joint_columns)
 
     @cached_property
+    def sphere_groups(self) -> dict[str, int]:
+        """Number of spheres of each group."""
+        groups = json.loads(self._description)["spheres"]
+        return {group["name"]: len(group["spheres"]) for group in groups}
+
+    @cached_property
     def first_spheres(self) -> int:
         """Number of spheres of the contacts' first groups."""
         groups = {contact.first for contact in self.file.contacts.values()}
-        return sum(len(self._groups[name]) for name in groups)
+        return sum(self.sphere_groups[name] for name in groups)
 
     @cached_property
     def design(self) -> DesignSpace:
@@ -222,46 +224,6 @@ class Model:
             indices, values = self.geometry_slots(design)
         return self._follow(indices, values, force, 1, options)[0]
 
-    def frames(self, q: ArrayLike, parameters: Array | None = None) -> dict[str, Array]:
-        """Return the frames along each body in a state; see `Path.frames`."""
-        frames = self.engine.frames(self._parameters(parameters), q)
-        bodies: dict[str, list[int]] = {}
-        for row, name in enumerate(self.engine.frame_names()):
-            bodies.setdefault(re.split(r"[.\[]", name)[0], []).append(row)
-        return {body: frames[rows] for body, rows in bodies.items()}
-
-    def spheres(self, q: ArrayLike, parameters: Array | None = None) -> dict[str, Array]:
-        """Return the contact spheres in a state; see `Path.spheres`."""
-        spheres = self.engine.spheres(self._parameters(parameters), q)
-        ends = np.cumsum([len(group) for group in self._groups.values()])
-        return dict(zip(self._groups, np.split(spheres, ends[:-1]), strict=True))
-
-    def contact_forces(self, q: ArrayLike, parameters: Array | None = None) -> ContactForces:
-        """Return the contact forces in a state; see `Path.contact_forces`."""
-        parameters = self._parameters(parameters)
-        spheres = self.engine.spheres(parameters, q)
-        found = self.engine.contacts(parameters, q)
-        first, second, depth = spheres[found["first"]], spheres[found["second"]], found["depth"]
-        between = first[:, :3] - second[:, :3]
-        apart = np.linalg.norm(between, axis=1, keepdims=True)
-        inward = between / np.where(apart > 0.0, apart, 1.0)
-        reach = (second[:, 3] - 0.5 * depth)[:, None]
-        return ContactForces(
-            first=found["first"],
-            second=found["second"],
-            force=found["force"],
-            point=second[:, :3] + reach * inward,
-            depth=depth,
-        )
-
-    @cached_property
-    def _groups(self) -> dict[str, list[Any]]:
-        groups = json.loads(self._description)["spheres"]
-        return {group["name"]: group["spheres"] for group in groups}
-
-    def _parameters(self, parameters: Array | None) -> Array:
-        return self.parameters if parameters is None else parameters
-
     def _follow(
         self,
         indices: NDArray[np.intp],
@@ -303,37 +265,3 @@ class Model:
         if not self.inputs:
             return np.zeros((1, 0))
         return loads(self.evaluation_forces, self.inputs)
-
-
-def load(
-    model: str | os.PathLike[str] | ModelFile,
-    constants: str | None = None,
-    changes: Mapping[str, object] | None = None,
-) -> Model:
-    """Load a model.
-
-    Parameters
-    ----------
-    model
-        Path of a model file, name of a preset (see `presets`), or a `ModelFile`.
-    constants
-        Which of the file's sets of constants to put in force, if not the one it says.
-    changes
-        Values to put in place of the file's, by dotted path such as ``"exosuit.length"``.
-
-    Raises
-    ------
-    InputError
-        If there is no such model, or the file does not describe one.
-
-    Examples
-    --------
-    >>> flexor.load("finger").dof
-    25
-    >>> flexor.load("finger", constants="printed", changes={"exosuit.length": "8 cm"}).dof
-    25
-    """
-    if isinstance(model, ModelFile):
-        return Model(check(model.to_document(), use=constants, changes=changes, source=model.name))
-    path = locate(model)
-    return Model(read(path, use=constants, changes=changes), source=str(path))

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import EVENTS, STATUS
+from flexor.model import state
+from flexor.model.state import ContactForces
 
 if TYPE_CHECKING:
     from flexor.model.batch import Batch
@@ -39,29 +41,6 @@ class Event:
     force: float
     angles_before: Array
     angles_after: Array
-
-
-@dataclass(frozen=True, eq=False)
-class ContactForces:
-    """Contact forces in one state; m pairs of spheres touch.
-
-    Attributes
-    ----------
-    first, second : (m,) arrays
-        Indices of the spheres in `Path.spheres`.
-    force : (m, 3) array
-        Force on the first sphere [N]; the second feels its opposite.
-    point : (m, 3) array
-        Middle of the overlap of the two spheres [m].
-    depth : (m,) array
-        Overlap d of (8) [m].
-    """
-
-    first: NDArray[np.uint32]
-    second: NDArray[np.uint32]
-    force: Array
-    point: Array
-    depth: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +149,7 @@ class Path:
             By body: homogeneous matrices (1) in the world [m], of a rod at its sample points, of a
             link at its joint and its tip.
         """
-        return self.model.frames(self.q[step], self.parameters)
+        return state.frames(self.model.engine, self.parameters, self.q[step])
 
     def spheres(self, step: int = -1) -> dict[str, Array]:
         """Return the contact spheres.
@@ -185,7 +164,8 @@ class Path:
         dict of (m, 4) arrays
             By group: centre x, y, z and radius [m].
         """
-        return self.model.spheres(self.q[step], self.parameters)
+        groups = self.model.sphere_groups
+        return state.spheres(self.model.engine, self.parameters, self.q[step], groups)
 
     def contact_forces(self, step: int = -1) -> ContactForces:
         """Return the contact forces (8).
@@ -195,7 +175,7 @@ class Path:
         step
             A step of the path.
         """
-        return self.model.contact_forces(self.q[step], self.parameters)
+        return state.contact_forces(self.model.engine, self.parameters, self.q[step])
 
     def to_dict(self) -> dict[str, Any]:
         """Return what ``flexor simulate --json`` prints: plain lists with one entry per step.

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from flexor.model.schema.actuator import Actuator
-from flexor.model.schema.body import Body
+from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.checks import check_names, check_references, check_tree
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.planar import check_planar
@@ -47,6 +47,19 @@ class ModelFile(Table):
         if self.planar:
             check_planar(self)
         return self
+
+    def rod(self, name: str) -> Rod:
+        """Return a body that is known to be a rod.
+
+        Parameters
+        ----------
+        name
+            Its name.
+        """
+        body = self.bodies[name]
+        if not isinstance(body, Rod):
+            raise TypeError(f"{name} is a {body.kind}")
+        return body
 
     def to_document(self) -> dict[str, Any]:
         """Return the file's tables as TOML has them, each quantity as it was written."""

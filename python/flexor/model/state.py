@@ -1,0 +1,104 @@
+"""A model in one state: where its bodies and spheres are, and how they touch."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from flexor import _engine
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """Contact forces in one state; m pairs of spheres touch.
+
+    Attributes
+    ----------
+    first, second : (m,) arrays
+        Indices of the spheres, counted through all groups.
+    force : (m, 3) array
+        Force on the first sphere [N]; the second feels its opposite.
+    point : (m, 3) array
+        Middle of the overlap of the two spheres [m].
+    depth : (m,) array
+        Overlap d of (8) [m].
+    """
+
+    first: NDArray[np.uint32]
+    second: NDArray[np.uint32]
+    force: Array
+    point: Array
+    depth: Array
+
+
+def frames(engine: _engine.Model, parameters: Array, q: Array) -> dict[str, Array]:
+    """Return the frames along each body, base to tip.
+
+    Parameters
+    ----------
+    engine
+        The engine's model.
+    parameters, q : (P,) and (dof,) arrays
+        The design and the state.
+
+    Returns
+    -------
+    dict of (m, 4, 4) arrays
+        By body: homogeneous matrices (1) in the world [m].
+    """
+    found = engine.frames(parameters, q)
+    bodies: dict[str, list[int]] = {}
+    for row, name in enumerate(engine.frame_names()):
+        bodies.setdefault(re.split(r"[.\[]", name)[0], []).append(row)
+    return {body: found[rows] for body, rows in bodies.items()}
+
+
+def spheres(
+    engine: _engine.Model, parameters: Array, q: Array, groups: Mapping[str, int]
+) -> dict[str, Array]:
+    """Return the contact spheres.
+
+    Parameters
+    ----------
+    engine, parameters, q
+        As for `frames`.
+    groups
+        Number of spheres of each group.
+
+    Returns
+    -------
+    dict of (m, 4) arrays
+        By group: centre x, y, z and radius [m].
+    """
+    parts = np.split(engine.spheres(parameters, q), np.cumsum(list(groups.values())))
+    return dict(zip(groups, parts, strict=False))  # after the last group comes an empty part
+
+
+def contact_forces(engine: _engine.Model, parameters: Array, q: Array) -> ContactForces:
+    """Return the contact forces (8).
+
+    Parameters
+    ----------
+    engine, parameters, q
+        As for `frames`.
+    """
+    found, every = engine.contacts(parameters, q), engine.spheres(parameters, q)
+    first, second, depth = every[found["first"]], every[found["second"]], found["depth"]
+    between = first[:, :3] - second[:, :3]
+    apart = np.linalg.norm(between, axis=1, keepdims=True)
+    reach = (second[:, 3] - 0.5 * depth)[:, None]
+    return ContactForces(
+        first=found["first"],
+        second=found["second"],
+        force=found["force"],
+        point=second[:, :3] + reach * between / np.where(apart > 0.0, apart, 1.0),
+        depth=depth,
+    )

@@ -1,0 +1,105 @@
+"""Forces as people write them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexor.errors import InputError
+from flexor.model.loads import forces, loads
+
+
+@pytest.mark.parametrize(
+    ("force", "expected"),
+    [
+        ([0, 1, 2.5], [0.0, 1.0, 2.5]),
+        (np.array([0.0, 2.0]), [0.0, 2.0]),
+        (["0 N", "500 mN", 1], [0.0, 0.5, 1.0]),
+        ("0:5:1", [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
+        ("0:3", [0.0, 1.0, 2.0, 3.0]),
+        ("1 N:2 N:0.5 N", [1.0, 1.5, 2.0]),
+        ("0:5:2", [0.0, 2.0, 4.0]),
+        ("3:3:1", [3.0]),
+        ("0, 1, 2 N", [0.0, 1.0, 2.0]),
+        ("5", [5.0]),
+        (5, [5.0]),
+        ([2, 2], [2.0, 2.0]),
+        ([-1, 0], [-1.0, 0.0]),
+    ],
+)
+def test_forces(force: object, expected: list[float]) -> None:
+    assert forces(force).tolist() == expected  # type: ignore[arg-type]
+
+
+def test_fine_steps_hold_the_coarse_ones_exactly() -> None:
+    assert set(forces("0:5:1")) <= set(forces("0:5:0.1"))
+    assert len(forces("0:5:0.1")) == 51
+
+
+NEWTON = 'write a force with its unit, such as "5 N"'
+
+
+@pytest.mark.parametrize(
+    ("force", "message"),
+    [
+        (
+            [],
+            "force is an empty list: give at least one force in N, such as [0, 1, 2] or 0:5:1.",
+        ),
+        ([0, 2, 1], "force[2] is 1 N after 2 N: the forces of a path must not decrease."),
+        ([0, float("nan")], "force[1] is nan: it must be a finite number."),
+        ([float("inf")], "force[0] is inf: it must be a finite number."),
+        (["0 N", "3 kg"], f'force[1] is "3 kg", which is not a force: {NEWTON}.'),
+        ([None], "force[0] is of type NoneType: a force in N is needed."),
+        ([True], "force[0] is true: a force in N is needed."),
+        ("", f'force is "", which is not a force: {NEWTON}.'),
+        ("five", f'force is "five", which is not a force: {NEWTON}.'),
+        ("5:0:1", 'force is "5:0:1": the forces of a path must not decrease.'),
+        ("0:5:0", 'force is "0:5:0": the step must be greater than zero.'),
+        ("0:5:-1", 'force is "0:5:-1": the step must be greater than zero.'),
+        ("0:5:x", 'force is "0:5:x": write start:stop:step in N, such as 0:5:1.'),
+        ("0:nan:1", 'force is "0:nan:1": write start:stop:step in N, such as 0:5:1.'),
+        ("0:5:1:2", 'force is "0:5:1:2": write start:stop:step in N, such as 0:5:1.'),
+        ("0:5:1e-9", 'force is "0:5:1e-9": a path has at most 1,000,000 steps.'),
+    ],
+)
+def test_bad_forces(force: object, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        forces(force)  # type: ignore[arg-type]
+    assert str(caught.value) == message
+
+
+def test_one_input_takes_a_plain_list() -> None:
+    assert loads([0, 1], ["chamber"]).tolist() == [[0.0], [1.0]]
+
+
+def test_several_inputs_are_named_and_held() -> None:
+    found = loads({"b": "0:2:1", "a": 3}, ["a", "b", "c"])
+    assert found.tolist() == [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 2.0, 0.0]]
+
+
+def test_no_input_takes_only_zeros() -> None:
+    assert loads([0, 0], []).shape == (2, 0)
+    with pytest.raises(InputError, match="a model that has no actuator: leave it out"):
+        loads([0, 1], [])
+
+
+@pytest.mark.parametrize(
+    ("force", "message"),
+    [
+        ([0, 1], 'force must say which input it drives: a table with "left", "right".'),
+        (
+            {"lfet": [0, 1]},
+            'unknown input "lfet" (did you mean "left"?): allowed are "left", "right".',
+        ),
+        (
+            {"left": [0, 1, 2], "right": [0, 1]},
+            'force has 2 steps for "right" and 3 for another input: give as many for each, or one '
+            "to be held.",
+        ),
+    ],
+)
+def test_bad_loads(force: object, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        loads(force, ["left", "right"])  # type: ignore[arg-type]
+    assert str(caught.value) == message
