@@ -95,9 +95,10 @@ def test_the_mesh_doubles_on_success_and_halves_on_failure() -> None:
 
 
 def test_same_seed_same_search_and_another_seed_another() -> None:
-    one = PatternSearch(starts=4).minimize(rosenbrock, LOWER, UPPER, seed=5)
-    two = PatternSearch(starts=4).minimize(rosenbrock, LOWER, UPPER, seed=5)
-    other = PatternSearch(starts=4).minimize(rosenbrock, LOWER, UPPER, seed=6)
+    search, few = PatternSearch(starts=4), Budget(evaluations=1000)
+    one = search.minimize(rosenbrock, LOWER, UPPER, seed=5, budget=few)
+    two = search.minimize(rosenbrock, LOWER, UPPER, seed=5, budget=few)
+    other = search.minimize(rosenbrock, LOWER, UPPER, seed=6, budget=few)
     assert same(one, two)
     assert not same(one, other)
 

@@ -100,9 +100,9 @@ if __name__ == "__main__":
     from flexor.study import optimize
 
     optimize(
-        AnalyticModel(pause=0.004),  # type: ignore[arg-type]
+        AnalyticModel(pause=0.01),  # type: ignore[arg-type]
         seed=3,
-        method_options={"starts": 4},
+        method_options={"starts": 4, "tolerance": 1e-3},
         folder=sys.argv[1],
         resume="--resume" in sys.argv,
     )

@@ -23,7 +23,7 @@ from flexor.search import Budget
 from flexor.study import Record, Study, StudyProgress, optimize, resume
 from flexor.study.lock import Lock
 
-OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4}}
+OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4, "tolerance": 1e-3}}
 
 
 def content(study: Study) -> tuple[Any, ...]:
@@ -61,14 +61,14 @@ def test_interrupted_anywhere_it_ends_in_the_same_record(
     began, calls, rounds = False, 0, 0
     while True:
         model = analytic.AnalyticModel()
-        model.before_batch = interrupt_at(int(random.integers(0, 40)))
+        model.before_batch = interrupt_at(int(random.integers(0, 15)))
         try:
             pieces = optimize(model, folder=tmp_path / "pieces", resume=began, **OPTIONS)
             break
         except Killed:
             began, rounds = True, rounds + 1
             calls += sum(model.calls)
-    assert rounds > 2
+    assert rounds >= 2
     assert content(pieces) == content(whole)
 
 
@@ -166,7 +166,10 @@ def test_two_processes_cannot_run_one_study(analytic: ModuleType, tmp_path: Path
     ("changed", "said"),
     [
         ({"seed": 4}, "was made with seed = 3, not 4"),
-        ({"method_options": {"starts": 5}}, "was made with method.options.starts = 4, not 5"),
+        (
+            {"method_options": {"starts": 5, "tolerance": 1e-3}},
+            "was made with method.options.starts = 4, not 5",
+        ),
         ({"parameters": "R01"}, 'was made with parameters.name = "L+R01", not "R01"'),
         ({"objective": "f_exo"}, 'was made with objective.name = "bending", not "tip-force"'),
         ({"bounds": {"L": (0.05, 0.2)}}, "was made with parameters.lower = "),

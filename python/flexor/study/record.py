@@ -112,30 +112,23 @@ class Record:
         InputError
             If the file can no longer be written, or a design is in it already.
         """
-        now = time.time()
-        exact = designs.astype("<f8")
-        angles, forces = outcomes.joint_angles.astype("<f8"), outcomes.tip_force.astype("<f8")
-        touching = outcomes.touching.astype("<i4")
-        converged, stable = outcomes.converged.astype("u1"), outcomes.stable.astype("u1")
         good = np.isfinite(outcomes.value)
-        rows = [
-            (
-                now,
-                exact[i].tobytes(),
-                json.dumps(designs[i].tolist()),
-                float(outcomes.value[i]) if good[i] else None,
-                float(outcomes.shown[i]) if good[i] else None,
-                outcomes.reason[i],
-                int(outcomes.events[i]),
-                int(outcomes.iterations[i]),
-                angles[i].tobytes(),
-                forces[i].tobytes(),
-                touching[i].tobytes(),
-                converged[i].tobytes(),
-                stable[i].tobytes(),
-            )
-            for i in range(len(designs))
-        ]
+        columns = (
+            [time.time()] * len(designs),
+            _blobs(designs, "<f8"),
+            [str(design) for design in designs.tolist()],
+            np.where(good, outcomes.value.astype(object), None).tolist(),
+            np.where(good, outcomes.shown.astype(object), None).tolist(),
+            outcomes.reason.tolist(),
+            outcomes.events.tolist(),
+            outcomes.iterations.tolist(),
+            _blobs(outcomes.joint_angles, "<f8"),
+            _blobs(outcomes.tip_force, "<f8"),
+            _blobs(outcomes.touching, "<i4"),
+            _blobs(outcomes.converged, "u1"),
+            _blobs(outcomes.stable, "u1"),
+        )
+        rows = list(zip(*columns, strict=True))
         with self._explained():
             self._sql.execute("BEGIN IMMEDIATE")
             try:
@@ -223,3 +216,10 @@ class Record:
                 raise
             where = "in memory" if self._path is None else f'"{self._path}"'
             raise InputError(f"the record {where} cannot be used: {error}.") from error
+
+
+def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
+    """Bytes of each row."""
+    whole = np.ascontiguousarray(array, dtype=kind).tobytes()
+    size = len(whole) // max(len(array), 1)
+    return [whole[i * size : (i + 1) * size] for i in range(len(array))]
