@@ -41,11 +41,12 @@ def read_scene(path: Path, step: int = -1) -> Scene:
             rods[name] = Rod(name, frames[name], height, (body.section.ratio or 1.0) * height)
         else:
             base, tip = frames[name][0, :3, 3], frames[name][-1, :3, 3]
-            radii = [
+            r_base, r_tip = (
                 float(model.slot(f"{name}.radius_{end}", path.parameters)[0])
                 for end in ("base", "tip")
-            ]
-            links.append(Link(name, base, tip, *radii, moves=body.joint.kind != "fixed"))
+            )
+            moves = body.joint.kind != "fixed"
+            links.append(Link(name, base, tip, r_base, r_tip, moves))
     lines = [
         _line(path, name, actuator, rods[actuator.rod])
         for name, actuator in model.file.actuators.items()

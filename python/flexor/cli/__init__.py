@@ -1,0 +1,1 @@
+"""The `flexor` command: one file per sub-command, registered in `app.py`."""

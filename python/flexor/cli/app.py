@@ -1,0 +1,74 @@
+"""The command line as a whole: which commands there are, and how they end."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from flexor.cli import optimize, presets, sets, simulate
+from flexor.cli.console import complain
+from flexor.errors import InputError
+
+app = typer.Typer(
+    name="flexor",
+    help="Design soft exosuits with the wearer in the loop.",
+    epilog="Start with: flexor simulate finger --plot finger.png",
+    add_completion=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+# A new command is one file and one line here.
+app.command("simulate")(simulate.simulate)
+app.command("optimize")(optimize.optimize)
+app.command("presets")(presets.presets)
+app.command("sets")(sets.sets)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        import flexor
+
+        print(f"flexor {flexor.__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    context: typer.Context,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Design soft exosuits with the wearer in the loop."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit code.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        What follows `flexor`; by default what the shell gave.
+
+    Notes
+    -----
+    Exit codes: 0 done, 1 done but something did not work out (a load step without equilibrium), 2
+    input that cannot be used, 130 interrupted.
+    """
+    try:
+        code = app(args=arguments, prog_name="flexor", standalone_mode=False)
+    except InputError as error:
+        complain(str(error))
+        code = 2
+    except typer.TyperException as error:
+        complain(error.format_message())
+        code = error.exit_code
+    except (KeyboardInterrupt, typer.Abort):
+        complain("interrupted.")
+        code = 130
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,191 @@
+"""`flexor optimize`: find the design of the exosuit that an objective likes best."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexor.cli.changes import load_changed
+from flexor.cli.console import complain, err
+from flexor.cli.simulate import Constants, Set
+from flexor.errors import InputError
+
+if TYPE_CHECKING:
+    from flexor.study import Study
+
+STUDIES = FilePath("studies")
+
+
+def optimize(
+    model: Annotated[
+        str | None,
+        typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
+    ] = None,
+    parameters: Annotated[
+        str, typer.Option("--parameters", "-p", help="What may change (see `flexor sets`).")
+    ] = "L+R01",
+    objective: Annotated[
+        str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
+    ] = "bending",
+    method: Annotated[str, typer.Option(help="How to search.")] = "pattern-search",
+    options: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--option", metavar="KEY=VALUE", help="An option of the method, such as `starts=8`."
+        ),
+    ] = None,
+    start: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Where to begin: `random`, values in the set's order such as `10 cm, 0.7 cm, "
+            "0.8 cm`, or `R_0=0.7 cm`; may be repeated. The model's own exosuit by default."
+        ),
+    ] = None,
+    force: Annotated[
+        str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    budget: Annotated[int | None, typer.Option(help="Evaluate at most so many designs.")] = None,
+    folder: Annotated[
+        FilePath | None,
+        typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
+    ] = None,
+    resume: Annotated[
+        FilePath | None, typer.Option(help="Go on with the study in this folder.")
+    ] = None,
+    threads: Annotated[
+        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
+    ] = 0,
+    constants: Constants = None,
+    changes: Set = None,
+    plot: Annotated[
+        FilePath | None, typer.Option(help="Draw both designs into this PNG, SVG or PDF as well.")
+    ] = None,
+    show: Annotated[
+        bool, typer.Option("--open", help="Open the figure at the end, where there is a desktop.")
+    ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+    ] = False,
+) -> int:
+    """Find the design of the exosuit that an objective likes best.
+
+    Every design that is evaluated is kept in the study folder at once, so a study can be
+    interrupted (Ctrl-C) at any moment and resumed; resumed studies end as if never interrupted.
+
+    For example:
+
+    * `flexor optimize finger --parameters L+R01 --objective bending`
+    * `flexor optimize finger -p RLP --option starts=8 --budget 5000`
+    * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
+    * `flexor optimize --resume studies/press`
+
+    In the JSON object parameters are in SI units and angles in rad.
+    """
+    from flexor import study as studies
+    from flexor.cli import outcome
+    from flexor.cli.progress import SearchProgress
+
+    if plot is not None:
+        from flexor.plot import writable
+
+        writable(plot)
+    if model is None and resume is None:
+        raise InputError("give a MODEL to optimise, or --resume FOLDER to go on with a study.")
+    if resume is not None and folder is not None:
+        raise InputError("--out makes a new study and --resume goes on with one: give one of them.")
+    executor = studies.Threads(threads)
+    began = time.monotonic()
+    place = resume
+    try:
+        with SearchProgress() as progress:
+            if model is None:
+                assert resume is not None
+                study = studies.resume(resume, budget=budget, progress=progress, executor=executor)
+            else:
+                loaded = load_changed(model, constants, changes or [])
+                settings = _settings(loaded, parameters, method, options or [], start or [], force)
+                place = (
+                    resume or folder or _free(loaded.name, settings["parameters"].name, objective)
+                )
+                study = studies.optimize(
+                    loaded,
+                    objective=objective,
+                    seed=seed,
+                    budget=budget,
+                    folder=place,
+                    resume=resume is not None,
+                    progress=progress,
+                    executor=executor,
+                    **settings,
+                )
+    except KeyboardInterrupt:
+        return _interrupted(place)
+    seconds = time.monotonic() - began
+    if as_json:
+        print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
+    else:
+        outcome.tell(study, seconds)
+    outcome.draw(study, plot, quiet=as_json)
+    if show:
+        _open(study)
+    return 0
+
+
+def _settings(
+    model: Any,
+    parameters: str,
+    method: str,
+    options: list[str],
+    start: list[str],
+    force: str | None,
+) -> dict[str, Any]:
+    from flexor import design, search
+    from flexor.cli.start import starts
+    from flexor.cli.values import numbers
+    from flexor.model import forces
+
+    chosen = design.parameter_set(parameters, model.design)
+    return {
+        "parameters": chosen,
+        "method": search.method(method, **numbers("--option", options)),
+        "start": starts(start, chosen),
+        "force": None if force is None else forces(force),
+    }
+
+
+def _free(model: str, parameters: str, objective: str) -> FilePath:
+    name = re.sub(r"[^\w.+-]", "-", f"{model}-{parameters}-{objective}")
+    names = [name, *(f"{name}-{count}" for count in range(2, 10_000))]
+    return STUDIES / next(n for n in names if not (STUDIES / n).exists())
+
+
+def _interrupted(place: FilePath | None) -> int:
+    if place is None or not (place / "settings.json").exists():
+        complain("interrupted before the first design.")
+        return 130
+    import shlex
+
+    err.print(
+        "interrupted; every design evaluated so far is kept. To go on:\n"
+        f"  flexor optimize --resume {shlex.quote(str(place))}",
+        markup=False,
+        soft_wrap=True,
+    )
+    return 130
+
+
+def _open(study: Study) -> None:
+    import os
+    import sys
+
+    desktop = sys.platform in ("win32", "darwin") or any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    )
+    if desktop and sys.stdout.isatty() and study.folder is not None:
+        typer.launch(str((study.folder / "designs.png").resolve()))

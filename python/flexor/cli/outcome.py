@@ -1,0 +1,158 @@
+"""What a finished search is told in: a table, a sentence, a figure, a JSON object."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+from flexor.cli.console import err, out
+from flexor.cli.progress import duration
+from flexor.cli.table import number, table
+
+if TYPE_CHECKING:
+    from flexor.study import Study
+
+
+def tell(study: Study, seconds: float) -> None:
+    """Print the start beside the optimum, the gain, and what it took.
+
+    Parameters
+    ----------
+    study : Study
+        A study whose search has ended.
+    seconds : float
+        How long it took [s].
+    """
+    rows = []
+    for line in study.comparison():
+        unit = f" / {line.unit}" if line.unit and line.unit != "1" else ""
+        rows.append(
+            (
+                f"{line.label}{unit}",
+                number(line.start),
+                number(line.best),
+                _change(line.start, line.best),
+            )
+        )
+    out.print(table(("", beginning(study), "optimum", "change"), rows))
+    out.print(_gain(study), markup=False, soft_wrap=True)
+    reason = study.finished or (study.result.reason if study.result else "")
+    out.print(
+        f"{study.evaluations:,} designs in {duration(seconds)}: {reason}.",
+        markup=False,
+        soft_wrap=True,
+    )
+
+
+def beginning(study: Study) -> str:
+    """Return what to call the design that the search began from.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    """
+    own = study.problem.parameters.start
+    return "default" if list(study.start.vector) == list(own) else "start"
+
+
+def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
+    """Draw both designs into the study folder, and say where.
+
+    Parameters
+    ----------
+    study : Study
+        A study whose search has ended.
+    also : pathlib.Path or None
+        One more file to write the figure to.
+    quiet : bool
+        Do not say where.
+    """
+    from flexor import plot
+
+    with err.status("drawing both designs"):
+        figure = plot.designs(study.start.path, study.best.path, (beginning(study), "optimum"))
+        files = [also] if also is not None else []
+        if study.folder is not None:
+            files += [study.folder / "designs.png", study.folder / "designs.svg"]
+        for file in files:
+            plot.save(figure, file)
+    if quiet:
+        return
+    if study.folder is not None:
+        out.print(f"study:  {study.folder}", markup=False, soft_wrap=True)
+    for file in files:
+        out.print(f"figure: {file}", markup=False, soft_wrap=True)
+
+
+def as_json(study: Study, seconds: float) -> dict[str, Any]:
+    """Return the outcome as one JSON object.
+
+    Parameters
+    ----------
+    study : Study
+        A study whose search has ended.
+    seconds : float
+        How long it took [s].
+
+    Returns
+    -------
+    dict
+        `start` and `best` (each `parameters` in SI, `value`, `bending` [rad], `joint_angles` at
+        the last load [rad], `tip_force` [N]), `evaluations`, `seconds`, `reason` and `folder`.
+    """
+    return {
+        "objective": study.problem.objective.name,
+        "force": float(study.problem.force[-1]),
+        **{
+            name: {
+                "parameters": design.parameters,
+                "value": _finite(design.value),
+                "bending": _finite(design.bending),
+                "joint_angles": [_finite(angle) for angle in design.joint_angles[-1].tolist()],
+                "tip_force": _finite(float(design.tip_force[-1])),
+            }
+            for name, design in (("start", study.start), ("best", study.best))
+        },
+        "evaluations": study.evaluations,
+        "seconds": seconds,
+        "reason": study.finished or (study.result.reason if study.result else ""),
+        "folder": None if study.folder is None else str(study.folder),
+    }
+
+
+def _gain(study: Study) -> str:
+    start, best, first = study.start, study.best, beginning(study)
+    force, objective = f"{study.problem.force[-1]:g} N", study.problem.objective
+    if not math.isfinite(start.value):
+        return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
+    if objective.quantity != "bending":
+        return (
+            f"At {force} the optimum's {objective.quantity} is {number(best.shown)} "
+            f"{objective.unit}, the {first}'s {number(start.shown)} {objective.unit}"
+            f"{_times(start.shown, best.shown)}."
+        )
+    return (
+        f"At {force} the optimum bends {_degrees(best.bending)}, "
+        f"the {first} {_degrees(start.bending)}{_times(start.bending, best.bending)}."
+    )
+
+
+def _times(start: float, best: float) -> str:
+    return f": {best / start:.2f} times as much" if start > 0.0 and best > start else ""
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.1f}°"
+
+
+def _change(start: float, best: float) -> str:
+    change = best - start
+    if not math.isfinite(change):
+        return ""
+    return number(change, 3) if change <= 0.0 else f"+{number(change, 3)}"
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

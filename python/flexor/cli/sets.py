@@ -1,0 +1,43 @@
+"""`flexor sets`: what can be optimised, and for what."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from flexor.cli.console import out
+from flexor.cli.table import number, table
+
+MODEL_HELP = "Show the bounds and the start for this model file or preset."
+
+
+def sets(
+    model: Annotated[str | None, typer.Argument(metavar="[MODEL]", help=MODEL_HELP)] = None,
+) -> None:
+    """List the parameter sets with their bounds, and the objectives.
+
+    Sets are joined with `+`: `flexor optimize finger --parameters L+R01`.
+    """
+    from flexor import design, objective
+
+    space: design.Space = design.DesignSpace()
+    if model is not None:
+        import flexor
+
+        space = flexor.load(model).design
+    rows = []
+    for name in design.names():
+        chosen = design.parameter_set(name, space)
+        for i, label in enumerate(chosen.labels):
+            low, start, high = (
+                number(values[i] / chosen.scale[i])
+                for values in (chosen.lower, chosen.start, chosen.upper)
+            )
+            unit = "" if chosen.units[i] == "1" else chosen.units[i]
+            rows.append((name if i == 0 else "", label, unit, low, start, high))
+    headings = ("set", "parameter", "unit", "lowest", "start", "highest")
+    out.print(table(headings, rows, left=3))
+    shown = [(name, objective.objective(name)) for name in objective.names()]
+    cells = [(name, f"{found.quantity} / {found.unit}") for name, found in shown]
+    out.print(table(("objective", "shown as"), cells, left=2))

@@ -1,0 +1,135 @@
+"""`flexor simulate`: follow a model's equilibrium as its actuation rises."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from flexor.cli.changes import load_changed
+from flexor.cli.console import err, out
+from flexor.cli.table import number, table
+
+if TYPE_CHECKING:
+    from flexor.model import Event, Path
+
+Model = Annotated[
+    str,
+    typer.Argument(
+        metavar="MODEL", help="A model file, or the name of a preset (see `flexor presets`)."
+    ),
+]
+Constants = Annotated[
+    str | None, typer.Option(help="The file's set of constants to use, such as `printed`.")
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a field of the file; may be repeated."),
+]
+
+
+def simulate(
+    model: Model,
+    force: Annotated[
+        str | None,
+        typer.Option(help="Forces in N: `first:last:step`, or a list such as `0,1,2.5`."),
+    ] = None,
+    constants: Constants = None,
+    changes: Set = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+    ] = False,
+    plot: Annotated[
+        FilePath | None,
+        typer.Option(help="Draw every load step to scale into this PNG, SVG or PDF."),
+    ] = None,
+) -> int:
+    """Follow a model's equilibrium as its actuation rises.
+
+    Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
+    tip, and whether the equilibrium is stable; then every snap on the way.
+
+    Examples
+    --------
+    * `flexor simulate finger`
+    * `flexor simulate examples/finger.toml --force 0:10:2 --plot finger.svg`
+    * `flexor simulate finger --constants printed --json`
+    * `flexor simulate finger --set exosuit.length="8 cm"`
+
+    In the JSON object every list has one entry per load step; angles are in rad, forces in N.
+    """
+    if plot is not None:
+        from flexor.plot import writable
+
+        writable(plot)
+    path = load_changed(model, constants, changes or []).equilibrium(force)
+    if as_json:
+        print(json.dumps(path.to_dict(), allow_nan=False))
+    else:
+        report(path)
+    if plot is not None:
+        from flexor import plot as figures
+
+        figures.save(figures.path(path), plot)
+        err.print(f"figure: {plot}", markup=False, soft_wrap=True)
+    return 0 if bool(path.converged.all()) else 1
+
+
+def report(path: Path) -> None:
+    """Print a path as a table, and its events.
+
+    Parameters
+    ----------
+    path : Path
+        What to print.
+    """
+    angular = [name for name in path.model.joints if _angular(name)]
+    columns = [path.model.joints.index(name) for name in angular]
+    angles = np.degrees(path.joint_angles[:, columns])
+    headings = ["force / N", *(f"{name.removesuffix('.theta')} / °" for name in angular)]
+    if len(angular) > 1:
+        headings.append("sum / °")
+    tips = [] if angular else list(path.model.rods)
+    headings += [f"{rod} tip x, y, z / cm" for rod in tips]
+    headings += ["contacts", "tip force / N", "state", "events"]
+    rows = []
+    for step in range(len(path)):
+        cells = [number(float(path.force[step])), *(f"{angle:.2f}" for angle in angles[step])]
+        if len(angular) > 1:
+            cells.append(f"{angles[step].sum():.2f}")
+        for rod in tips:
+            x, y, z = 100.0 * path.frames(step)[rod][-1, :3, 3]
+            cells.append(f"{x:.2f}, {y:.2f}, {z:.2f}")
+        cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
+        cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
+        rows.append(cells)
+    out.print(table(headings, rows, left=0))
+    for event in path.events:
+        out.print(_tell(event, path.model.joints), markup=False, soft_wrap=True)
+
+
+def _angular(coordinate: str) -> bool:
+    return coordinate.rpartition(".")[2].startswith("theta")
+
+
+def _state(path: Path, step: int) -> str:
+    if not path.converged[step]:
+        return path.status[step].replace("_", " ")
+    return "stable" if path.stable[step] else "unstable"
+
+
+def _count(events: list[Event]) -> str:
+    return ", ".join(event.kind.replace("_", " ") for event in events)
+
+
+def _tell(event: Event, joints: tuple[str, ...]) -> str:
+    turns = (
+        f"{name.removesuffix('.theta')} {np.degrees(before):.2f}° to {np.degrees(after):.2f}°"
+        for name, before, after in zip(joints, event.angles_before, event.angles_after, strict=True)
+        if _angular(name)
+    )
+    kind = event.kind.replace("_", " ")
+    return f"{kind} at {event.force:.4g} N: {', '.join(turns) or 'no joint moves'}"

@@ -1,0 +1,67 @@
+"""Values as people type them on the command line."""
+
+from __future__ import annotations
+
+from flexor.errors import InputError
+
+
+def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
+    """Read `key=value` pairs.
+
+    Parameters
+    ----------
+    option : str
+        Which option they were given to, for messages.
+    pairs : list of str
+        What was given, such as `["exosuit.length=8 cm"]`.
+    example : str
+        A pair that would be right, for messages.
+
+    Returns
+    -------
+    dict
+        Value as text by key.
+
+    Raises
+    ------
+    InputError
+        If one has no key or no value, or a key comes twice.
+    """
+    found: dict[str, str] = {}
+    for pair in pairs:
+        key, equals, value = (part.strip() for part in pair.partition("="))
+        if not (key and equals and value):
+            raise InputError(f'{option} is "{pair}": give key=value, such as "{example}".')
+        if key in found:
+            raise InputError(f'{option} gives "{key}" twice: once is allowed.')
+        found[key] = value
+    return found
+
+
+def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
+    """Read `key=number` pairs.
+
+    Parameters
+    ----------
+    option : str
+        Which option they were given to, for messages.
+    pairs : list of str
+        What was given, such as `["starts=8"]`.
+
+    Returns
+    -------
+    dict
+        Whole or other number by key.
+
+    Raises
+    ------
+    InputError
+        If one is not a key with a number, or a key comes twice.
+    """
+    found: dict[str, int | float] = {}
+    for key, text in assignments(option, pairs, "starts=8").items():
+        try:
+            found[key] = int(text) if text.lstrip("+-").isdigit() else float(text)
+        except ValueError:
+            raise InputError(f'{option} has {key} = "{text}": a number is needed.') from None
+    return found

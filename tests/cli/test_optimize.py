@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from flexor.study import Study
+
+SMALL = ("optimize", "finger", "--parameters", "R01", "--budget", "30")
+
+
+def test_the_outcome_is_told_in_table_folder_and_figure(flexor, tmp_path) -> None:
+    ran = flexor(*SMALL)
+    assert ran.code == 0
+    for words in ("default", "optimum", "R_0 / cm", "bending / rad", "At 5 N the optimum bends"):
+        assert words in ran.out
+    folder = tmp_path / "studies" / "finger-R01-bending"
+    assert f"study:  {folder.relative_to(tmp_path)}" in ran.out
+    assert (folder / "designs.png").stat().st_size > 10_000
+    assert (folder / "designs.svg").stat().st_size > 10_000
+    study = Study.open(folder)
+    assert study.evaluations == 30
+    assert study.best.bending > study.start.bending
+
+
+def test_json_is_one_object_with_the_gain(flexor) -> None:
+    ran = flexor(*SMALL, "--json")
+    assert ran.code == 0
+    told = json.loads(ran.out)
+    study = Study.open(told["folder"])
+    assert told["best"]["parameters"] == study.best.parameters
+    assert told["best"]["bending"] == pytest.approx(sum(told["best"]["joint_angles"]))
+    assert told["best"]["bending"] > told["start"]["bending"]
+
+
+def test_a_second_study_gets_a_folder_of_its_own(flexor, tmp_path) -> None:
+    flexor(*SMALL, "--json")
+    flexor(*SMALL, "--json")
+    names = {place.name for place in (tmp_path / "studies").iterdir()}
+    assert names == {"finger-R01-bending", "finger-R01-bending-2"}
+
+
+def test_a_budget_is_resumed_to_the_same_end(flexor) -> None:
+    whole = json.loads(flexor(*SMALL, "--out", "whole", "--json").out)
+    flexor(*SMALL[:-1], "10", "--out", "parts", "--json")
+    parts = json.loads(flexor("optimize", "--resume", "parts", "--budget", "30", "--json").out)
+    assert parts["best"] == whole["best"]
+    assert parts["evaluations"] == whole["evaluations"] == 30
+
+
+@pytest.mark.parametrize(
+    "start", ["0.7 cm, 0.75 cm", "0.7,7.5 mm", "R_1=0.75 cm,R_0=0.007 m", "R_1 = 0.75, R_0 = 0.7"]
+)
+def test_a_start_is_read_in_any_form(flexor, start: str) -> None:
+    told = json.loads(flexor(*SMALL[:-1], "1", "--start", start, "--json").out)
+    read = [told["start"]["parameters"][label] for label in ("R_0", "R_1")]
+    np.testing.assert_allclose(read, [0.007, 0.0075], rtol=1e-12)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
+    command = [sys.executable, "-c", "from flexor.cli.app import main; main()"]
+    # Twenty starts down to the last bit: long enough to be interrupted on any machine.
+    options = ["--option", "starts=20", "--option", "tolerance=1e-14", "--out", "my study"]
+    process = subprocess.Popen(
+        [*command, "optimize", "finger", "--parameters", "RLP", *options],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "COLUMNS": "200"},
+    )
+    record = tmp_path / "my study" / "record.sqlite"
+    until = time.monotonic() + 60.0
+    while not record.exists() and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert out == ""
+    assert "Traceback" not in err
+    resuming = shlex.split(err.strip().splitlines()[-1])
+    assert resuming == ["flexor", "optimize", "--resume", "my study"]
+    before = Study.open(tmp_path / "my study").evaluations
+    assert before > 0
+    subprocess.run(
+        [*command, *resuming[1:], "--budget", str(before + 5), "--json"], cwd=tmp_path, check=True
+    )
+    assert Study.open(tmp_path / "my study").evaluations == before + 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "MODEL"),
+        (["fingr"], 'did you mean "finger"'),
+        (["finger", "--parameters", "R02"], "unknown parameter set"),
+        (["finger", "--objective", "bendin"], 'did you mean "bending"'),
+        (["finger", "--method", "patern-search"], 'did you mean "pattern-search"'),
+        (["finger", "--option", "start=8"], 'did you mean "starts"'),
+        (["finger", "--option", "starts=many"], "a number is needed"),
+        (["finger", "--start", "L=20 cm"], "outside its bounds"),
+        (["finger", "--start", "L=9 kg"], "a finite number in m, cm, mm is needed"),
+        (["finger", "--start", "9,1"], "needs 3 values"),
+        (["finger", "--start", "M=9"], "unknown parameter"),
+        (["finger", "--force", "5,3"], "must not decrease"),
+        (["finger", "--budget", "0"], "budget"),
+        (["--resume", "nowhere"], "is not a study"),
+        (["finger", "--resume", "a", "--out", "b"], "one of them"),
+        (["finger", "--plot", "no/where.png"], "no folder"),
+        (["exosuit-alone", "--constants", "prined"], 'did you mean "printed"'),
+    ],
+)
+def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
+    ran = flexor("optimize", *arguments)
+    assert ran.code == 2
+    assert ran.out == ""
+    assert ran.err.startswith("error: ")
+    assert ran.err.count("\n") == 1
+    assert words in ran.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unreadable_study_is_refused(flexor, tmp_path) -> None:
+    flexor(*SMALL, "--out", "study", "--json")
+    (tmp_path / "study" / "settings.json").write_text("{")
+    ran = flexor("optimize", "--resume", "study")
+    assert ran.code == 2
+    assert ran.err.count("\n") == 1 and "damaged" in ran.err
+
+
+def test_settings_must_fit_the_study_that_is_resumed(flexor) -> None:
+    flexor(*SMALL, "--out", "study", "--json")
+    ran = flexor("optimize", "finger", "--parameters", "L", "--resume", "study")
+    assert ran.code == 2
+    assert "was made with" in ran.err

@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import flexor as package
+from flexor.cli.changes import load_changed
+from flexor.design import parameter_set
+
+
+def test_json_is_one_object_with_the_path(flexor) -> None:
+    ran = flexor("simulate", "finger", "--force", "0:5:1", "--json")
+    assert ran.code == 0
+    path = json.loads(ran.out)
+    assert set(path) == {
+        *("force", "joint_angles", "converged", "stable", "contacts", "tip_force", "events")
+    }
+    assert path["force"] == [0, 1, 2, 3, 4, 5]
+    expected = package.load("finger").equilibrium([0, 1, 2, 3, 4, 5])
+    np.testing.assert_array_equal(path["joint_angles"], expected.joint_angles)
+    assert all(path["converged"]) and all(path["stable"])
+
+
+def test_the_table_shows_the_angles_of_the_path(flexor) -> None:
+    ran = flexor("simulate", "finger", "--force", "0,2.5,5")
+    assert ran.code == 0
+    rows = [line.split() for line in ran.out.splitlines() if line.split()[:1] == ["2.5"]]
+    angles = np.degrees(package.load("finger").equilibrium([0, 2.5, 5]).joint_angles[1])
+    np.testing.assert_allclose([float(cell) for cell in rows[0][1:4]], angles, atol=0.005)
+    assert float(rows[0][4]) == pytest.approx(angles.sum(), abs=0.005)
+
+
+def test_a_model_without_joints_shows_where_its_tip_is(flexor) -> None:
+    ran = flexor("simulate", "exosuit-alone", "--force", "0")
+    assert ran.code == 0
+    assert "10.00, 0.00," in ran.out
+
+
+def test_constants_change_the_result(flexor) -> None:
+    command = ("simulate", "finger", "--force", "0:1:1", "--json", "--constants")
+    printed, calibrated = (
+        json.loads(flexor(*command, name).out)["joint_angles"][1]
+        for name in ("printed", "calibrated")
+    )
+    assert printed != calibrated
+
+
+@pytest.mark.parametrize("key", ["exosuit.length", "bodies.exosuit.length"])
+def test_set_changes_a_field(flexor, key: str) -> None:
+    ran = flexor("simulate", "finger", "--set", f"{key}=8 cm", "--force", "0:2:1", "--json")
+    model = package.load("finger")
+    shorter = parameter_set("L", model.design).geometry([[0.08]], model.design.points)
+    expected = model.equilibrium([0, 1, 2], design=shorter).joint_angles
+    np.testing.assert_allclose(json.loads(ran.out)["joint_angles"], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("constants", [None, "printed"])
+def test_set_wins_over_the_set_of_constants(constants: str | None) -> None:
+    changed = load_changed("finger", constants, ["exosuit.young_modulus=20 MPa"])
+    assert changed.slot("exosuit.young_modulus").tolist() == [20e6]
+    assert changed.file.use == (constants or package.load("finger").file.use)
+
+
+def test_plot_draws_a_figure(flexor, tmp_path) -> None:
+    ran = flexor("simulate", "finger", "--force", "0:5:1", "--plot", "finger.png")
+    assert ran.code == 0
+    assert "finger.png" in ran.err
+    assert (tmp_path / "finger.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.toml"], "no such file"),
+        (["finger", "--force", ""], "force"),
+        (["finger", "--force", "0:5:0"], "step"),
+        (["finger", "--force", "5,3"], "must not decrease"),
+        (["finger", "--force", "0,nan"], "finite"),
+        (["finger", "--constants", "calibrate"], 'did you mean "calibrated"'),
+        (["finger", "--set", "exosuit.length=30 kg"], "30 kg"),
+        (["finger", "--set", "exosuit.length=-3 cm"], "exosuit.length"),
+        (["finger", "--set", "exosuit.lenght=3 cm"], 'did you mean "length"'),
+        (["finger", "--set", "exosiut.length=3 cm"], 'did you mean "exosuit"'),
+        (["finger", "--set", "length"], "key=value"),
+        (["finger", "--plot", "finger.jpeg"], "must end in"),
+    ],
+)
+def test_bad_input_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
+    ran = flexor("simulate", *arguments)
+    assert ran.code == 2
+    assert ran.out == ""
+    assert ran.err.startswith("error: ")
+    assert ran.err.count("\n") == 1
+    assert words in ran.err
