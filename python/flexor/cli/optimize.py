@@ -130,7 +130,7 @@ def optimize(
     if as_json:
         print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
     else:
-        outcome.tell(study, seconds)
+        outcome.tell(study, seconds, resumed=resume is not None)
     outcome.draw(study, plot, quiet=as_json)
     if show:
         _open(study)

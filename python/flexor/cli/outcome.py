@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexor.study import Study
 
 
-def tell(study: Study, seconds: float) -> None:
+def tell(study: Study, seconds: float, resumed: bool = False) -> None:
     """Print the start beside the optimum, the gain, and what it took.
 
     Parameters
@@ -23,6 +23,8 @@ def tell(study: Study, seconds: float) -> None:
         A study whose search has ended.
     seconds : float
         How long it took [s].
+    resumed : bool
+        Whether that is only the time since it was resumed.
     """
     rows = []
     for line in study.comparison():
@@ -39,7 +41,8 @@ def tell(study: Study, seconds: float) -> None:
     out.print(_gain(study), markup=False, soft_wrap=True)
     reason = study.finished or (study.result.reason if study.result else "")
     out.print(
-        f"{study.evaluations:,} designs in {duration(seconds)}: {reason}.",
+        f"{study.evaluations:,} designs in {'all, resumed for ' if resumed else ''}"
+        f"{duration(seconds)}: {reason}.",
         markup=False,
         soft_wrap=True,
     )
