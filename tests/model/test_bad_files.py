@@ -265,6 +265,11 @@ def test_the_good_file_is_good() -> None:
         ),
         (
             "elements = 4",
+            "elements = 100000000",
+            "bodies.suit.elements is 100000000: it must be at most 1000.",
+        ),
+        (
+            "elements = 4",
             "elements = 4.5",
             "bodies.suit.elements is 4.5: a whole number is needed.",
         ),
@@ -415,8 +420,8 @@ def test_the_good_file_is_good() -> None:
         (
             'kind = "revolute", stiffness = "0.04 N*m/rad", lower = "-5 deg", upper = "90 deg"',
             'kind = "spherical"',
-            'bodies.bone.joint.kind is "spherical": planar models have fixed, revolute and '
-            "prismatic joints.",
+            'bodies.bone.joint.kind is "spherical": planar models have fixed, revolute, '
+            "prismatic and free joints.",
         ),
         (
             'length = "4 cm"',

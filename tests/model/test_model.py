@@ -300,6 +300,8 @@ joint = {{ kind = "{joint}" }}
         "spherical": 3,
         "free": 6,
     }
+    planar = Model(parse('name = "x"\nplanar = true\n' + link("a", "free")))
+    assert planar.joints == ("a.theta_y", "a.x", "a.z")
     for kind, count in kinds.items():
         model = Model(parse('name = "x"\n' + link("a", kind)))
         assert model.dof == count

@@ -50,7 +50,7 @@ def lower(file: ModelFile) -> Json:
     return {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
-        "bodies": [_body(name, body) for name, body in bodies.items()],
+        "bodies": [_body(name, body, file.planar) for name, body in bodies.items()],
         "spheres": [{"name": name, "spheres": group} for name, group in spheres.items()],
         "contacts": [
             lower_contact(name, contact, len(spheres[contact.first]))
@@ -112,7 +112,7 @@ def dorsal(body: Body) -> Array:
     return np.asarray(along + np.cos(angle) * (up - along) + np.sin(angle) * np.cross(axis, up))
 
 
-def _body(name: str, body: Body) -> Json:
+def _body(name: str, body: Body, planar: bool) -> Json:
     place = body.placement
     translation = np.array([place.x, place.y, place.z], dtype=float)
     if isinstance(body, Rod):
@@ -129,7 +129,7 @@ def _body(name: str, body: Body) -> Json:
             "translation": translation.tolist(),
             "rotation": list(place.rotation.components),
         },
-        "joint": _joint(body.joint),
+        "joint": _joint(body.joint, planar),
         "shape": shape,
     }
 
@@ -166,7 +166,7 @@ def _link(link: Link) -> Json:
     }
 
 
-def _joint(joint: Joint) -> Json:
+def _joint(joint: Joint, planar: bool) -> Json:
     if isinstance(joint, FixedJoint):
         return {"kind": "fixed"}
     if isinstance(joint, (RevoluteJoint, PrismaticJoint)):
@@ -183,4 +183,6 @@ def _joint(joint: Joint) -> Json:
     stiffness = [float(value) for value in joint.stiffness]
     if isinstance(joint, FreeJoint):
         stiffness += [float(value) for value in joint.linear_stiffness]
+        if planar:
+            stiffness = [stiffness[1], stiffness[3], stiffness[5]]
     return {"kind": joint.kind, "stiffness": stiffness, "rest": [0.0] * len(stiffness)}

@@ -101,6 +101,14 @@ class Model:
         return tuple(self.engine.coordinates[column] for column in self.joint_columns)
 
     @cached_property
+    def frame_counts(self) -> dict[str, int]:
+        """Number of frames along each body: sample points of a rod, both ends of a link."""
+        return {
+            name: body.sample_count if isinstance(body, Rod) else 2
+            for name, body in self.file.bodies.items()
+        }
+
+    @cached_property
     def sphere_groups(self) -> dict[str, int]:
         """Number of spheres of each group."""
         groups = json.loads(self._description)["spheres"]

@@ -149,7 +149,8 @@ class Path:
             By body: homogeneous matrices (1) in the world [m], of a rod at its sample points, of a
             link at its joint and its tip.
         """
-        return state.frames(self.model.engine, self.parameters, self.q[step])
+        counts = self.model.frame_counts
+        return state.frames(self.model.engine, self.parameters, self.q[step], counts)
 
     def spheres(self, step: int = -1) -> dict[str, Array]:
         """Return the contact spheres.

@@ -39,7 +39,9 @@ class ContactForces:
     depth: Array
 
 
-def frames(engine: _engine.Model, parameters: Array, q: Array) -> dict[str, Array]:
+def frames(
+    engine: _engine.Model, parameters: Array, q: Array, counts: Mapping[str, int]
+) -> dict[str, Array]:
     """Return the frames along each body, base to tip.
 
     Parameters
@@ -48,6 +50,9 @@ def frames(engine: _engine.Model, parameters: Array, q: Array) -> dict[str, Arra
         The engine's model.
     parameters, q : (P,) and (dof,) arrays
         The design and the state.
+    counts
+        Number of frames of each body; those that the engine has before them, at which the body is
+        placed and its joint turns, are left out.
 
     Returns
     -------
@@ -55,10 +60,9 @@ def frames(engine: _engine.Model, parameters: Array, q: Array) -> dict[str, Arra
         By body: homogeneous matrices (1) in the world [m].
     """
     found = engine.frames(parameters, q)
-    bodies: dict[str, list[int]] = {}
-    for row, name in enumerate(engine.frame_names()):
-        bodies.setdefault(re.split(r"[.\[]", name)[0], []).append(row)
-    return {body: found[rows] for body, rows in bodies.items()}
+    owners = [re.split(r"[.\[]", name)[0] for name in engine.frame_names()]
+    rows = {body: [row for row, owner in enumerate(owners) if owner == body] for body in counts}
+    return {body: found[rows[body][-count:]] for body, count in counts.items()}
 
 
 def spheres(

@@ -78,8 +78,8 @@ class Rod(Table):
     density: Density = units.DENSITY.si(0.0)
     strain: Strain
     reference_strain: ReferenceStrain = ReferenceStrain()
-    elements: Count = 1
-    gauss_points: Count
+    elements: Annotated[Count, Field(le=1000)] = 1
+    gauss_points: Annotated[Count, Field(le=30)]
     magnus_order: Annotated[Literal[2, 4], BeforeValidator(_magnus)] = 4
 
     @model_validator(mode="after")

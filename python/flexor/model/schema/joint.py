@@ -116,7 +116,10 @@ class SphericalJoint(Table):
 
 
 class FreeJoint(Table):
-    """Any motion, measured by its twist: three rotations and three translations."""
+    """Any motion, measured by its twist: three rotations and three translations.
+
+    In a planar model one rotation, about y, and two translations.
+    """
 
     kind: Literal["free"]
     stiffness: Annotated[

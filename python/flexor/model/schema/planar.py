@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from flexor.model.fault import fault
 from flexor.model.schema.actuator import Actuator, Curve
 from flexor.model.schema.body import Body, Rod
-from flexor.model.schema.joint import FixedJoint, Joint, PrismaticJoint, RevoluteJoint
+from flexor.model.schema.joint import FixedJoint, FreeJoint, Joint, PrismaticJoint, RevoluteJoint
 from flexor.model.schema.points import Attachment
 from flexor.model.schema.strain import PLANAR_MODES
 from flexor.model.schema.vector import Vector
@@ -60,7 +60,7 @@ def _check_body(body: Body, path: str) -> None:
 
 
 def _check_joint(joint: Joint, path: str) -> None:
-    if isinstance(joint, FixedJoint):
+    if isinstance(joint, (FixedJoint, FreeJoint)):
         return
     if isinstance(joint, RevoluteJoint):
         if joint.axis[0] != 0.0 or joint.axis[2] != 0.0:
@@ -70,7 +70,7 @@ def _check_joint(joint: Joint, path: str) -> None:
             tail = f"is {list(joint.axis)}: in a planar model it must lie in the x-z plane"
             raise fault(tail, f"{path}.axis")
     else:
-        tail = f'is "{joint.kind}": planar models have fixed, revolute and prismatic joints'
+        tail = f'is "{joint.kind}": planar models have fixed, revolute, prismatic and free joints'
         raise fault(tail, f"{path}.kind")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.errors import unknown_name
 from flexor.model import units
@@ -34,7 +34,7 @@ class ModeBasis(Table):
     """
 
     basis: Annotated[Basis, Choice(*BASES)]
-    order: Index | None = None
+    order: Annotated[Index, Field(le=50)] | None = None
 
     @model_validator(mode="after")
     def _check(self) -> ModeBasis:
