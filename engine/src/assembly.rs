@@ -304,6 +304,24 @@ impl<const D: usize> Assembly<D> {
         }
     }
 
+    /// Adds Jᵀw for a frame whose Jacobian is kept.
+    pub fn add_generalised_force<G: LieGroup<D, P>, const P: usize>(
+        &self,
+        model: &Model<G, D, P>,
+        frame: usize,
+        wrench: &Vector<D>,
+        out: &mut [f64],
+    ) {
+        let Some(slot) = model.jacobian_slot[frame] else { return };
+        let n = model.dof;
+        for d in 0..D {
+            let row = &self.kept[(slot * D + d) * n..(slot * D + d + 1) * n];
+            for (o, j) in out.iter_mut().zip(row) {
+                *o += j * wrench[d];
+            }
+        }
+    }
+
     fn symmetrise(&mut self, n: usize) {
         let half = &self.coordinates.half_tangent;
         for i in 0..n {

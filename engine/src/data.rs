@@ -8,6 +8,17 @@ use crate::linalg::Vector;
 use crate::model::Model;
 use crate::potential;
 
+/// The contacts of a state, in brief.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSummary {
+    /// Touching pairs of spheres.
+    pub pairs: u32,
+    /// Spheres of the contacts' first groups that touch.
+    pub touching: u32,
+    /// Magnitude of the resultant contact force on the tip spheres [N].
+    pub tip_force: f64,
+}
+
 /// A reusable workspace; after it is made, evaluating and solving allocate nothing.
 #[derive(Clone, Debug)]
 pub struct Data<G, const D: usize, const P: usize> {
@@ -78,8 +89,44 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         pairs
     }
 
+    /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
+    pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
+        let mut summary = ContactSummary::default();
+        let mut tip = Vector::<P>::ZERO;
+        for contact in &model.contacts {
+            let k = self.design.parameters[contact.stiffness];
+            let mut last = usize::MAX;
+            potential::contact::for_each_touch(model, &self.design, &self.kinematics.points, contact, |t| {
+                summary.pairs += 1;
+                summary.touching += u32::from(t.first != last);
+                last = t.first;
+                if contact.tip[t.first - contact.first.start] {
+                    tip += t.normal * (k * t.overlap);
+                }
+            });
+        }
+        summary.tip_force = tip.norm();
+        summary
+    }
+
     /// Length of each actuator's path [m] at the state `q`.
     pub fn actuator_lengths(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
         potential::actuator::lengths(model, &self.design, q)
+    }
+
+    /// Adds the derivative of the residual along a change of load, at the state evaluated last.
+    pub(crate) fn add_load_gradient(
+        &self,
+        model: &Model<G, D, P>,
+        q: &[f64],
+        change: &[f64],
+        out: &mut [f64],
+    ) {
+        potential::actuator::add_load_gradient(model, &self.design, q, change, out);
+        for wrench in &model.wrenches {
+            let Some(input) = wrench.input else { continue };
+            let w = potential::wrench::world_wrench(wrench, &self.design, &self.kinematics);
+            self.assembly.add_generalised_force(model, wrench.frame, &(w * -change[input]), out);
+        }
     }
 }

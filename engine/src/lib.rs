@@ -6,8 +6,10 @@
 //! residual and tangent there.
 
 mod assembly;
+mod batch;
 mod data;
 mod design;
+pub mod equilibrium;
 mod kinematics;
 pub mod lie;
 pub mod linalg;
@@ -16,4 +18,5 @@ mod potential;
 mod section;
 pub mod strain;
 
-pub use data::Data;
+pub use batch::{Batch, BatchEvent, BatchResult};
+pub use data::{ContactSummary, Data};

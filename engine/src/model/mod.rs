@@ -6,6 +6,7 @@
 //! of parameters named by a [`Layout`].
 
 mod actuators;
+mod admissible;
 mod bodies;
 mod build;
 mod contacts;

@@ -1,0 +1,208 @@
+//! Many designs at once: one path per design, in parallel, results independent of the thread count.
+
+use crate::equilibrium::{Event, EventKind, Options, PathSink, Solver, Status, StepReport};
+use crate::lie::LieGroup;
+use crate::model::Model;
+use rayon::prelude::*;
+
+/// Designs that differ in some parameters, all taken along the same loads.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'a> {
+    /// The parameters common to all designs.
+    pub base: &'a [f64],
+    /// Indices of the parameters that vary.
+    pub varied: &'a [usize],
+    /// Their values, one row of `varied.len()` per design.
+    pub values: &'a [f64],
+    /// Number of designs (also when nothing varies).
+    pub designs: usize,
+    /// Loads, one row of `model.inputs().len()` per step; the path starts at the first.
+    pub loads: &'a [f64],
+    /// Number of load steps.
+    pub steps: usize,
+}
+
+/// What a batch returns: row-major arrays over (design, step).
+#[derive(Clone, Debug, Default)]
+pub struct BatchResult {
+    /// States, `dof` numbers per step.
+    pub q: Vec<f64>,
+    /// Status codes.
+    pub status: Vec<u8>,
+    /// Iterations used.
+    pub iterations: Vec<u32>,
+    /// Largest dimensionless residuals.
+    pub residual: Vec<f64>,
+    /// Π [J].
+    pub energy: Vec<f64>,
+    /// Touching sphere pairs.
+    pub pairs: Vec<u32>,
+    /// Spheres of first groups that touch.
+    pub touching: Vec<u32>,
+    /// Resultant contact force on the tip spheres [N].
+    pub tip_force: Vec<f64>,
+    /// Events of all designs, in order.
+    pub events: Vec<BatchEvent>,
+}
+
+/// An event of one design.
+#[derive(Clone, Debug)]
+pub struct BatchEvent {
+    /// Index of the design.
+    pub design: usize,
+    /// Index of the load step being approached.
+    pub step: usize,
+    /// What happened.
+    pub kind: EventKind,
+    /// Load at which it happened.
+    pub load: Vec<f64>,
+    /// State before.
+    pub before: Vec<f64>,
+    /// State after.
+    pub after: Vec<f64>,
+}
+
+/// The rows of one design.
+struct Row<'a> {
+    design: usize,
+    dof: usize,
+    q: &'a mut [f64],
+    status: &'a mut [u8],
+    iterations: &'a mut [u32],
+    residual: &'a mut [f64],
+    energy: &'a mut [f64],
+    pairs: &'a mut [u32],
+    touching: &'a mut [u32],
+    tip_force: &'a mut [f64],
+    events: Vec<BatchEvent>,
+}
+
+/// Row plus what the summary of contacts needs.
+struct RowSink<'a, 'b, G, const D: usize, const P: usize> {
+    row: &'b mut Row<'a>,
+    model: &'b Model<G, D, P>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for RowSink<'_, '_, G, D, P> {
+    fn step(&mut self, index: usize, report: StepReport, solver: &Solver<G, D, P>) {
+        let row = &mut *self.row;
+        row.status[index] = report.status as u8;
+        row.iterations[index] = report.iterations as u32;
+        if !report.status.is_equilibrium() {
+            return;
+        }
+        row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
+        row.residual[index] = report.residual;
+        row.energy[index] = solver.data().energy();
+        let contact = solver.data().contact_summary(self.model);
+        row.pairs[index] = contact.pairs;
+        row.touching[index] = contact.touching;
+        row.tip_force[index] = contact.tip_force;
+    }
+
+    fn event(&mut self, event: Event) {
+        let (load, before, after) = (event.load.to_vec(), event.before.to_vec(), event.after.to_vec());
+        let design = self.row.design;
+        self.row.events.push(BatchEvent { design, step: event.step, kind: event.kind, load, before, after });
+    }
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+    /// Solves all designs of a batch on `threads` threads (0: all there are).
+    ///
+    /// What does not exist is NaN (states, energies) or zero (contacts); its status says why.
+    ///
+    /// # Panics
+    /// If the lengths of the batch's arrays do not fit together.
+    pub fn solve_batch(&self, batch: Batch, options: Options, threads: usize) -> BatchResult {
+        let (dof, steps, inputs) = (self.dof, batch.steps, self.inputs.len());
+        assert_eq!(batch.base.len(), self.parameters.len(), "base parameters");
+        assert_eq!(batch.values.len(), batch.designs * batch.varied.len(), "values");
+        assert_eq!(batch.loads.len(), steps * inputs, "loads");
+        assert!(batch.varied.iter().all(|i| *i < self.parameters.len()), "varied parameters");
+        let loads: Vec<&[f64]> = (0..steps).map(|s| &batch.loads[s * inputs..(s + 1) * inputs]).collect();
+        let count = batch.designs * steps;
+        let mut result = BatchResult {
+            q: vec![f64::NAN; count * dof],
+            status: vec![Status::InvalidDesign as u8; count],
+            iterations: vec![0; count],
+            residual: vec![f64::NAN; count],
+            energy: vec![f64::NAN; count],
+            pairs: vec![0; count],
+            touching: vec![0; count],
+            tip_force: vec![0.0; count],
+            events: vec![],
+        };
+        let mut rows = split_rows(&mut result, dof, steps);
+        let solve = |rows: &mut [Row]| {
+            let mut solver = Solver::new(self, options);
+            let mut parameters = batch.base.to_vec();
+            let rest = vec![0.0; dof];
+            for row in rows {
+                let values = &batch.values[row.design * batch.varied.len()..][..batch.varied.len()];
+                for (i, v) in batch.varied.iter().zip(values) {
+                    parameters[*i] = *v;
+                }
+                if solver.set_parameters(self, &parameters) {
+                    solver.follow(self, &loads, &rest, &mut RowSink { row, model: self });
+                }
+            }
+        };
+        // Chunks are small enough to balance and large enough to share one workspace.
+        let chunk = 16;
+        match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Ok(pool) if threads != 1 => pool.install(|| rows.par_chunks_mut(chunk).for_each(solve)),
+            _ => solve(&mut rows),
+        }
+        let events: Vec<BatchEvent> = rows.into_iter().flat_map(|r| r.events).collect();
+        result.events = events;
+        result
+    }
+}
+
+fn split_rows(result: &mut BatchResult, dof: usize, steps: usize) -> Vec<Row<'_>> {
+    let mut q = result.q.chunks_mut((dof * steps).max(1));
+    let mut status = result.status.chunks_mut(steps.max(1));
+    let mut iterations = result.iterations.chunks_mut(steps.max(1));
+    let mut residual = result.residual.chunks_mut(steps.max(1));
+    let mut energy = result.energy.chunks_mut(steps.max(1));
+    let mut pairs = result.pairs.chunks_mut(steps.max(1));
+    let mut touching = result.touching.chunks_mut(steps.max(1));
+    let mut tip_force = result.tip_force.chunks_mut(steps.max(1));
+    let mut rows = vec![];
+    while let (
+        Some(q),
+        Some(status),
+        Some(iterations),
+        Some(residual),
+        Some(energy),
+        Some(pairs),
+        Some(touching),
+        Some(tip_force),
+    ) = (
+        q.next(),
+        status.next(),
+        iterations.next(),
+        residual.next(),
+        energy.next(),
+        pairs.next(),
+        touching.next(),
+        tip_force.next(),
+    ) {
+        let design = rows.len();
+        rows.push(Row {
+            design,
+            dof,
+            q,
+            status,
+            iterations,
+            residual,
+            energy,
+            pairs,
+            touching,
+            tip_force,
+            events: vec![],
+        });
+    }
+    rows
+}

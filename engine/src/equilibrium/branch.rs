@@ -1,0 +1,87 @@
+//! One sub-step along a branch: predictor, Newton corrector, and the test that it is the same branch.
+
+use super::solver::{Solver, largest, norm};
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// Corrector iterations of one sub-step.
+const CORRECTIONS: usize = 12;
+/// Longest predictor, in radians of the softest angular coordinate.
+const LONGEST_PREDICTION: f64 = 2.0;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
+    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless, into `velocity[which]`.
+    ///
+    /// Needs the factor of the tangent at the equilibrium evaluated last.
+    pub(super) fn set_velocity(&mut self, model: &Model<G, D, P>, rate: &[f64], which: usize) {
+        self.work.fill(0.0);
+        self.data.add_load_gradient(model, &self.q, rate, &mut self.work);
+        let unit_energy = self.data.design.reference_stiffness;
+        for (v, (w, unit)) in self.velocity[which].iter_mut().zip(self.work.iter().zip(&self.unit)) {
+            *v = -w * unit / unit_energy;
+        }
+        self.factor.solve(&mut self.velocity[which]);
+    }
+
+    /// Tries to move from the equilibrium in `start`, with velocity `velocity[0]`, by `h` along the
+    /// load rate. On success the state, factor and `velocity[1]` are those of the new equilibrium.
+    pub(super) fn follow_branch(&mut self, model: &Model<G, D, P>, rate: &[f64], h: f64) -> bool {
+        let predicted = h * norm(&self.velocity[0]);
+        if !(predicted <= LONGEST_PREDICTION) {
+            return false;
+        }
+        for ((q, s), (v, u)) in
+            self.q.iter_mut().zip(&self.start).zip(self.velocity[0].iter().zip(&self.unit))
+        {
+            *q = s + h * v * u;
+        }
+        if !self.correct(model, predicted) {
+            return false;
+        }
+        self.set_velocity(model, rate, 1);
+        self.is_consistent(h)
+    }
+
+    /// Newton's method with full steps; fails as soon as the tangent is not positive definite.
+    fn correct(&mut self, model: &Model<G, D, P>, predicted: f64) -> bool {
+        let mut size = self.evaluate(model);
+        let mut previous = f64::INFINITY;
+        for _ in 0..CORRECTIONS {
+            if !size.is_finite() || !self.factorise(0.0) {
+                return false;
+            }
+            if size <= self.options.tolerance {
+                return true;
+            }
+            self.newton_step();
+            let length = largest(&self.step);
+            if length <= 1e-11 {
+                return true;
+            }
+            // A corrector that wanders off does not belong to the predictor's branch.
+            if length > predicted.max(1e-3) || length > 2.0 * previous {
+                return false;
+            }
+            previous = length;
+            Self::advance(&mut self.q, &self.step, &self.unit);
+            size = self.evaluate(model);
+        }
+        false
+    }
+
+    /// Whether the displacement agrees with the velocities at both ends.
+    ///
+    /// On one branch with a change of contact the path is nearly two straight pieces, so the
+    /// displacement lies between the two tangents; a jump to another branch does not.
+    fn is_consistent(&mut self, h: f64) -> bool {
+        let (mut error, mut bend, mut reach) = (0.0, 0.0, 0.0);
+        let [v0, v1] = &self.velocity;
+        for (((q, s), u), (a, b)) in self.q.iter().zip(&self.start).zip(&self.unit).zip(v0.iter().zip(v1)) {
+            let moved = (q - s) / u;
+            error += (moved - 0.5 * h * (a + b)).powi(2);
+            bend += (h * (b - a)).powi(2);
+            reach += (0.5 * h * (a.abs() + b.abs())).powi(2);
+        }
+        error.sqrt() <= 0.6 * bend.sqrt() + 0.02 * reach.sqrt() + 1e-9 && norm(v1).is_finite()
+    }
+}

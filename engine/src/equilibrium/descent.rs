@@ -1,0 +1,66 @@
+//! Trust-region Newton: from any state down to a local minimum of Π at fixed load.
+
+use super::solver::{Solver, largest, norm};
+use super::status::Status;
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// Dimensionless radii: one unit is one radian of the softest angular coordinate.
+const LARGEST_RADIUS: f64 = 4.0;
+/// Below this, a Newton step no longer changes the state.
+const NEGLIGIBLE_STEP: f64 = 1e-11;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
+    /// Minimises Π from `self.q` under `self.load`; the energy never rises along accepted steps.
+    pub(super) fn descend(&mut self, model: &Model<G, D, P>, mut radius: f64) -> Status {
+        let first = self.iterations;
+        let mut size = self.evaluate(model);
+        let mut energy = self.data.energy();
+        loop {
+            if !size.is_finite() {
+                return Status::Diverged;
+            }
+            if self.iterations - first > self.options.max_iterations {
+                return Status::IterationLimit;
+            }
+            if size <= self.options.tolerance && self.factorise(0.0) {
+                return Status::Converged;
+            }
+            let Some((decrease, definite)) = self.trust_region_step(radius) else { return Status::Diverged };
+            let length = norm(&self.step);
+            if definite && largest(&self.step) <= NEGLIGIBLE_STEP {
+                return Status::Converged;
+            }
+            if radius < 1e-13 {
+                return Status::Stalled;
+            }
+            self.trial.copy_from_slice(&self.q);
+            Self::advance(&mut self.q, &self.step, &self.unit);
+            let trial_size = self.evaluate(model);
+            let trial_energy = self.data.energy();
+            let unit_energy = self.data.design.reference_stiffness;
+            let actual = (energy - trial_energy) / unit_energy;
+            // Close to the minimum the energy is lost in rounding: there the residual decides.
+            let noise = 1e-13 * (1.0 + energy.abs() / unit_energy);
+            let accepted = if decrease > noise {
+                actual > 1e-4 * decrease
+            } else {
+                trial_size < size || (!definite && actual >= -noise)
+            };
+            let ratio = if decrease > noise { actual / decrease } else { 1.0 };
+            if accepted && trial_size.is_finite() {
+                if ratio > 0.75 && length > 0.8 * radius {
+                    radius = (2.0 * radius).min(LARGEST_RADIUS);
+                } else if ratio < 0.25 {
+                    radius = 0.25 * length;
+                }
+                size = trial_size;
+                energy = trial_energy;
+            } else {
+                self.q.copy_from_slice(&self.trial);
+                radius = 0.25 * length.min(radius);
+                size = self.evaluate(model);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Following an equilibrium along a list of loads.
+
+use super::solver::Solver;
+use super::status::Status;
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// What happened to a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum EventKind {
+    /// The branch ended; the system fell to another equilibrium.
+    Snap = 0,
+}
+
+impl EventKind {
+    /// All kinds, by code.
+    pub const ALL: [EventKind; 1] = [EventKind::Snap];
+
+    /// The name used in results and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::Snap => "snap",
+        }
+    }
+}
+
+/// An event between two load steps.
+#[derive(Clone, Debug)]
+pub struct Event<'a> {
+    /// Index of the load step being approached.
+    pub step: usize,
+    /// What happened.
+    pub kind: EventKind,
+    /// Load at which it happened.
+    pub load: &'a [f64],
+    /// State before.
+    pub before: &'a [f64],
+    /// State after.
+    pub after: &'a [f64],
+}
+
+/// The state at one of the listed loads.
+#[derive(Clone, Copy, Debug)]
+pub struct StepReport<'a> {
+    /// How the step ended.
+    pub status: Status,
+    /// State; meaningful for equilibria only.
+    pub q: &'a [f64],
+    /// Iterations (evaluations of the tangent) used for this step.
+    pub iterations: usize,
+    /// Largest dimensionless residual.
+    pub residual: f64,
+}
+
+/// Receives the results of a path as they come.
+pub trait PathSink<G, const D: usize, const P: usize> {
+    /// A listed load has been dealt with; the solver still holds the state.
+    fn step(&mut self, index: usize, report: StepReport, solver: &Solver<G, D, P>);
+    /// The branch ended on the way.
+    fn event(&mut self, event: Event);
+}
+
+/// A displacement below this (dimensionless) across the smallest sub-step is no jump.
+const SMALLEST_JUMP: f64 = 1e-3;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
+    /// Solves at `loads[0]` from the state `q0` and follows the equilibrium to each further load.
+    ///
+    /// Every load gets a report. After a failure the rest are [`Status::NotReached`].
+    ///
+    /// # Panics
+    /// If a load or `q0` has the wrong length.
+    pub fn follow(
+        &mut self,
+        model: &Model<G, D, P>,
+        loads: &[&[f64]],
+        q0: &[f64],
+        sink: &mut impl PathSink<G, D, P>,
+    ) {
+        let reach = loads.iter().flat_map(|l| l.iter()).fold(0.0f64, |m, u| m.max(u.abs()));
+        self.q.copy_from_slice(q0);
+        let mut status = Status::Converged;
+        for (index, target) in loads.iter().enumerate() {
+            let before = self.iterations;
+            if status.is_equilibrium() {
+                status = if index == 0 {
+                    self.load.copy_from_slice(target);
+                    self.descend(model, 1.0)
+                } else {
+                    self.follow_segment(model, target, index, reach, sink)
+                };
+            } else {
+                status = Status::NotReached;
+            }
+            let residual = super::solver::largest(&self.residual);
+            let report = StepReport { status, q: &self.q, iterations: self.iterations - before, residual };
+            sink.step(index, report, self);
+        }
+    }
+
+    /// From the equilibrium at `self.load` to the one at `target`.
+    fn follow_segment(
+        &mut self,
+        model: &Model<G, D, P>,
+        target: &[f64],
+        index: usize,
+        reach: f64,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        let first = self.iterations;
+        self.start_load.copy_from_slice(&self.load);
+        let mut rate = std::mem::take(&mut self.rate);
+        for ((r, t), s) in rate.iter_mut().zip(target).zip(&self.start_load) {
+            *r = t - s;
+        }
+        let span = rate.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        let status = if span == 0.0 {
+            Status::Converged
+        } else {
+            let smallest = (self.options.min_step * reach / span).min(1.0);
+            self.advance_along(model, &rate, smallest, index, first, sink)
+        };
+        self.rate = rate;
+        status
+    }
+
+    fn advance_along(
+        &mut self,
+        model: &Model<G, D, P>,
+        rate: &[f64],
+        smallest: f64,
+        index: usize,
+        first: usize,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        let (mut lambda, mut h) = (0.0, 1.0f64);
+        // The factor at hand belongs to the equilibrium just found.
+        self.set_velocity(model, rate, 0);
+        self.start.copy_from_slice(&self.q);
+        while lambda < 1.0 {
+            if self.iterations - first > self.options.max_iterations {
+                return Status::IterationLimit;
+            }
+            let next = if lambda + h > 1.0 - 1e-9 { 1.0 } else { lambda + h };
+            self.set_load(rate, next);
+            if self.follow_branch(model, rate, next - lambda) {
+                lambda = next;
+                h *= 2.0;
+            } else if h > smallest {
+                h = (0.5 * h).max(smallest);
+                continue;
+            } else {
+                self.q.copy_from_slice(&self.start);
+                let status = self.descend(model, 0.1);
+                if status != Status::Converged {
+                    return status;
+                }
+                if self.displacement() > SMALLEST_JUMP {
+                    let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
+                    sink.event(Event { step: index, kind: EventKind::Snap, load, before, after });
+                }
+                lambda = next;
+                h = smallest * 4.0;
+                self.set_velocity(model, rate, 1);
+            }
+            self.velocity.swap(0, 1);
+            self.start.copy_from_slice(&self.q);
+        }
+        Status::Converged
+    }
+
+    fn set_load(&mut self, rate: &[f64], lambda: f64) {
+        for ((u, s), r) in self.load.iter_mut().zip(&self.start_load).zip(rate) {
+            *u = s + lambda * r;
+        }
+    }
+
+    /// Largest dimensionless move since `self.start`.
+    fn displacement(&self) -> f64 {
+        let moved = self.q.iter().zip(&self.start).zip(&self.unit).map(|((q, s), u)| ((q - s) / u).abs());
+        moved.fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,139 @@
+//! The solver of one thread: workspace, scaling and the evaluation of a state.
+
+use crate::Data;
+use crate::lie::LieGroup;
+use crate::linalg::Cholesky;
+use crate::model::Model;
+
+/// Tolerances and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Largest dimensionless residual of an equilibrium.
+    pub tolerance: f64,
+    /// Iterations allowed for one load step, all its sub-steps together.
+    pub max_iterations: usize,
+    /// Smallest sub-step along the load, as a fraction of the largest load of the path.
+    pub min_step: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { tolerance: 1e-9, max_iterations: 2000, min_step: 1e-4 }
+    }
+}
+
+/// Finds and follows equilibria; owns all memory it needs.
+#[derive(Clone, Debug)]
+pub struct Solver<G, const D: usize, const P: usize> {
+    pub(super) data: Data<G, D, P>,
+    pub(super) options: Options,
+    pub(super) factor: Cholesky,
+    /// The current state and load.
+    pub(super) q: Vec<f64>,
+    pub(super) load: Vec<f64>,
+    /// From dimensionless to actual coordinates.
+    pub(super) unit: Vec<f64>,
+    /// Dimensionless residual at the current state.
+    pub(super) residual: Vec<f64>,
+    /// A dimensionless step.
+    pub(super) step: Vec<f64>,
+    pub(super) trial: Vec<f64>,
+    /// Scratch of the linear solves.
+    pub(super) work: Vec<f64>,
+    /// dq/dλ (dimensionless) at both ends of a sub-step.
+    pub(super) velocity: [Vec<f64>; 2],
+    pub(super) start: Vec<f64>,
+    pub(super) start_load: Vec<f64>,
+    /// Change of the load over the current segment.
+    pub(super) rate: Vec<f64>,
+    pub(super) iterations: usize,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
+    /// A solver for `model`, holding the model's own parameters.
+    pub fn new(model: &Model<G, D, P>, options: Options) -> Self {
+        let (n, inputs) = (model.dof(), model.inputs().len());
+        let zeros = || vec![0.0; n];
+        let mut solver = Self {
+            data: Data::new(model),
+            options,
+            factor: Cholesky::new(n),
+            q: zeros(),
+            load: vec![0.0; inputs],
+            unit: zeros(),
+            residual: zeros(),
+            step: zeros(),
+            trial: zeros(),
+            work: zeros(),
+            velocity: [zeros(), zeros()],
+            start: zeros(),
+            start_load: vec![0.0; inputs],
+            rate: vec![0.0; inputs],
+            iterations: 0,
+        };
+        solver.set_units();
+        solver
+    }
+
+    /// Takes over a vector of parameters; `false` when they are not admissible.
+    pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) -> bool {
+        if !model.is_admissible(parameters) {
+            return false;
+        }
+        self.data.set_parameters(model, parameters);
+        self.set_units();
+        true
+    }
+
+    fn set_units(&mut self) {
+        let root = self.data.design.reference_stiffness.sqrt();
+        for (unit, scale) in self.unit.iter_mut().zip(&self.data.design.scale) {
+            *unit = scale * root;
+        }
+    }
+
+    /// The workspace, at the state evaluated last.
+    pub fn data(&self) -> &Data<G, D, P> {
+        &self.data
+    }
+
+    /// The current state.
+    pub fn state(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Evaluates Π, residual and tangent at the current state; returns the largest dimensionless
+    /// residual, NaN or infinite when the state is out of reach.
+    pub(super) fn evaluate(&mut self, model: &Model<G, D, P>) -> f64 {
+        self.data.evaluate(model, &self.q, &self.load);
+        self.iterations += 1;
+        let unit_energy = self.data.design.reference_stiffness;
+        let mut largest = 0.0f64;
+        for ((r, g), unit) in self.residual.iter_mut().zip(self.data.residual()).zip(&self.unit) {
+            *r = g * unit / unit_energy;
+            // `max` would drop a NaN.
+            largest = if r.abs() <= largest { largest } else { r.abs() };
+        }
+        if self.data.energy().is_finite() { largest } else { f64::NAN }
+    }
+
+    /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite.
+    pub(super) fn factorise(&mut self, shift: f64) -> bool {
+        self.factor.factorise(self.data.tangent(), &self.data.design.scale, shift)
+    }
+
+    /// Adds the dimensionless `step` to `q`.
+    pub(super) fn advance(q: &mut [f64], step: &[f64], unit: &[f64]) {
+        for ((q, s), u) in q.iter_mut().zip(step).zip(unit) {
+            *q += s * u;
+        }
+    }
+}
+
+pub(super) fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+pub(super) fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
+}

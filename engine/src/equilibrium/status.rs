@@ -1,0 +1,52 @@
+//! How the search for an equilibrium ended.
+
+/// Every way a load step can end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// A stable equilibrium: residual below tolerance and tangent positive definite.
+    Converged = 0,
+    /// An equilibrium whose tangent is not positive definite.
+    Unstable = 1,
+    /// The allowed number of iterations was used up.
+    IterationLimit = 2,
+    /// No step lowers the energy any more, yet the residual is above tolerance.
+    Stalled = 3,
+    /// The energy is not a finite number, or the state ran away.
+    Diverged = 4,
+    /// The parameters are not admissible: not finite, or a length, radius or modulus is not positive.
+    InvalidDesign = 5,
+    /// An earlier load step failed.
+    NotReached = 6,
+}
+
+impl Status {
+    /// All statuses, by code.
+    pub const ALL: [Status; 7] = [
+        Status::Converged,
+        Status::Unstable,
+        Status::IterationLimit,
+        Status::Stalled,
+        Status::Diverged,
+        Status::InvalidDesign,
+        Status::NotReached,
+    ];
+
+    /// The name used in results and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Converged => "converged",
+            Status::Unstable => "unstable",
+            Status::IterationLimit => "iteration-limit",
+            Status::Stalled => "stalled",
+            Status::Diverged => "diverged",
+            Status::InvalidDesign => "invalid-design",
+            Status::NotReached => "not-reached",
+        }
+    }
+
+    /// Whether the state is an equilibrium.
+    pub fn is_equilibrium(self) -> bool {
+        matches!(self, Status::Converged | Status::Unstable)
+    }
+}

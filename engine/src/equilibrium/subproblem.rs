@@ -1,0 +1,134 @@
+//! The trust-region subproblem: minimise gᵀp + ½ pᵀHp over ‖p‖ ≤ Δ (Moré and Sorensen, 1983).
+
+use super::solver::{Solver, norm};
+use crate::lie::LieGroup;
+
+/// Factorisations allowed for one step.
+const ATTEMPTS: usize = 30;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
+    /// Leaves the step in `self.step`; returns the decrease of the quadratic model, in units of the
+    /// reference energy, and whether the tangent was positive definite.
+    pub(super) fn trust_region_step(&mut self, radius: f64) -> Option<(f64, bool)> {
+        let definite = self.factorise(0.0);
+        if definite {
+            self.newton_step();
+            if norm(&self.step) <= radius {
+                return Some((self.model_decrease(), true));
+            }
+        }
+        // The multiplier λ lies between these bounds, with H + λ positive definite and ‖p(λ)‖ = Δ.
+        let (lowest_diagonal, size) = self.tangent_bounds();
+        let steepest = norm(&self.residual) / radius;
+        let mut low = if definite { 0.0 } else { (-lowest_diagonal).max(0.0) };
+        let mut high = steepest + size;
+        let mut shift = if definite { self.secular_update(0.0, radius) } else { (1e-3 * high).max(low) };
+        let mut best = None;
+        for _ in 0..ATTEMPTS {
+            if !(shift > low && shift < high) {
+                shift = (low * high).sqrt().max(low + 0.01 * (high - low));
+            }
+            if !self.factorise(shift) {
+                low = low.max(shift);
+                shift = 0.0;
+                continue;
+            }
+            self.newton_step();
+            let length = norm(&self.step);
+            if !length.is_finite() {
+                return None;
+            }
+            if (length - radius).abs() <= 0.1 * radius {
+                best = Some(shift);
+                break;
+            }
+            if length < radius {
+                if !definite && high - low < 1e-3 * high {
+                    self.add_negative_curvature(radius);
+                    best = Some(shift);
+                    break;
+                }
+                high = shift;
+                best = Some(shift);
+            } else {
+                low = low.max(shift);
+            }
+            shift = self.secular_update(shift, radius);
+        }
+        best?;
+        let length = norm(&self.step);
+        if length > radius {
+            self.step.iter_mut().for_each(|s| *s *= radius / length);
+        }
+        Some((self.model_decrease(), definite))
+    }
+
+    /// p = −(H + λ)⁻¹ g with the factor at hand.
+    pub(super) fn newton_step(&mut self) {
+        for (s, r) in self.step.iter_mut().zip(&self.residual) {
+            *s = -r;
+        }
+        self.factor.solve(&mut self.step);
+    }
+
+    /// Newton's step for 1/‖p(λ)‖ = 1/Δ.
+    fn secular_update(&mut self, shift: f64, radius: f64) -> f64 {
+        self.work.copy_from_slice(&self.step);
+        self.factor.solve_lower(&mut self.work);
+        let (p, w) = (norm(&self.step), norm(&self.work));
+        shift + (p / w).powi(2) * (p - radius) / radius
+    }
+
+    /// −(gᵀp + ½ pᵀHp), by a product with the tangent.
+    fn model_decrease(&mut self) -> f64 {
+        let n = self.step.len();
+        let tangent = self.data.tangent();
+        let unit_energy = self.data.design.reference_stiffness;
+        for (w, (s, u)) in self.work.iter_mut().zip(self.step.iter().zip(&self.unit)) {
+            *w = s * u;
+        }
+        let mut quadratic = 0.0;
+        for i in 0..n {
+            let row: f64 = tangent[i * n..(i + 1) * n].iter().zip(&self.work).map(|(h, w)| h * w).sum();
+            quadratic += row * self.work[i];
+        }
+        let linear: f64 = self.residual.iter().zip(&self.step).map(|(r, s)| r * s).sum();
+        -(linear + 0.5 * quadratic / unit_energy)
+    }
+
+    /// Smallest diagonal entry and largest absolute row sum of the dimensionless tangent.
+    fn tangent_bounds(&self) -> (f64, f64) {
+        let n = self.step.len();
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
+        let mut lowest = f64::INFINITY;
+        let mut size = 0.0f64;
+        for i in 0..n {
+            let row = &tangent[i * n..(i + 1) * n];
+            lowest = lowest.min(row[i] * scale[i] * scale[i]);
+            size = size.max(row.iter().zip(scale).map(|(h, s)| (h * s).abs()).sum::<f64>() * scale[i]);
+        }
+        (lowest, size)
+    }
+
+    /// The hard case: follows the eigenvector of the lowest eigenvalue to the boundary.
+    fn add_negative_curvature(&mut self, radius: f64) {
+        // Inverse iteration with the nearly singular factor; the start is fixed, so the sign is too.
+        for (i, w) in self.work.iter_mut().enumerate() {
+            *w = 1.0 + 0.1 * ((i + 1) as f64).sin();
+        }
+        for _ in 0..4 {
+            let length = norm(&self.work);
+            self.work.iter_mut().for_each(|w| *w /= length);
+            self.factor.solve(&mut self.work);
+        }
+        let length = norm(&self.work);
+        self.work.iter_mut().for_each(|w| *w /= length);
+        let along: f64 = self.step.iter().zip(&self.work).map(|(s, w)| s * w).sum();
+        let short = norm(&self.step);
+        let reach = ((along * along + radius * radius - short * short).max(0.0)).sqrt();
+        let tau = if along >= 0.0 { reach - along } else { -reach - along };
+        for (s, w) in self.step.iter_mut().zip(&self.work) {
+            *s += tau * w;
+        }
+    }
+}
