@@ -112,13 +112,13 @@ class Record:
         InputError
             If the file can no longer be written, or a design is in it already.
         """
-        good = np.isfinite(outcomes.value)
+        failed = ~np.isfinite(outcomes.value)
         columns = (
             [time.time()] * len(designs),
             _blobs(designs, "<f8"),
             [str(design) for design in designs.tolist()],
-            np.where(good, outcomes.value.astype(object), None).tolist(),
-            np.where(good, outcomes.shown.astype(object), None).tolist(),
+            _numbers(outcomes.value, failed),
+            _numbers(outcomes.shown, failed),
             outcomes.reason.tolist(),
             outcomes.events.tolist(),
             outcomes.iterations.tolist(),
@@ -223,3 +223,8 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     whole = np.ascontiguousarray(array, dtype=kind).tobytes()
     size = len(whole) // max(len(array), 1)
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
+
+
+def _numbers(values: FloatArray, failed: NDArray[np.bool_]) -> list[float | None]:
+    """Values of the designs that did not fail."""
+    return [None if bad else x for x, bad in zip(values.tolist(), failed.tolist(), strict=True)]
