@@ -72,6 +72,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         &self.kinematics.pose
     }
 
+    /// Homogeneous matrix of each frame at the last state evaluated.
+    pub fn homogeneous_frames(&self) -> Vec<[[f64; 4]; 4]> {
+        self.kinematics.pose.iter().map(G::to_homogeneous).collect()
+    }
+
     /// Centre and radius of each sphere at the last state evaluated.
     pub fn spheres<'a>(&'a self, model: &'a Model<G, D, P>) -> impl Iterator<Item = (Vector<P>, f64)> + 'a {
         model.spheres.iter().zip(&self.design.radii).map(|(s, r)| (self.kinematics.points[s.point], *r))

@@ -1,0 +1,71 @@
+//! Planar and spatial models behind one type.
+
+use flexor_engine::Data;
+use flexor_engine::lie::{SE2, SE3};
+use flexor_engine::model::{Description, Model, ModelError};
+
+/// A model of either group.
+pub enum AnyModel {
+    Planar(Box<Model<SE2, 3, 2>>),
+    Spatial(Box<Model<SE3, 6, 3>>),
+}
+
+/// Runs the same code on whichever model it is.
+macro_rules! on_model {
+    ($any:expr, $model:ident => $body:expr) => {
+        match $any {
+            $crate::dispatch::AnyModel::Planar($model) => $body,
+            $crate::dispatch::AnyModel::Spatial($model) => $body,
+        }
+    };
+}
+pub(crate) use on_model;
+
+impl AnyModel {
+    pub fn new(description: &Description) -> Result<Self, ModelError> {
+        Ok(if description.planar {
+            Self::Planar(Box::new(Model::new(description)?))
+        } else {
+            Self::Spatial(Box::new(Model::new(description)?))
+        })
+    }
+}
+
+/// What a single state is asked for.
+pub struct State {
+    pub energy: f64,
+    pub residual: Vec<f64>,
+    pub tangent: Vec<f64>,
+    pub lengths: Vec<f64>,
+    pub frames: Vec<[[f64; 4]; 4]>,
+    pub spheres: Vec<[f64; 4]>,
+    pub touches: Vec<(usize, usize, [f64; 3], f64)>,
+}
+
+impl AnyModel {
+    /// Evaluates one state of one design.
+    pub fn state(&self, parameters: &[f64], q: &[f64], load: &[f64]) -> State {
+        on_model!(self, model => {
+            let mut data = Data::new(model);
+            data.set_parameters(model, parameters);
+            data.evaluate(model, q, load);
+            State {
+                energy: data.energy(),
+                residual: data.residual().to_vec(),
+                tangent: data.tangent().to_vec(),
+                lengths: data.actuator_lengths(model, q),
+                frames: data.homogeneous_frames(),
+                spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
+                touches: data.touches(model).iter().map(|(a, b, f, d)| (*a, *b, spatial(&f.0), *d)).collect(),
+            }
+        })
+    }
+}
+
+/// A planar (x, z) or spatial (x, y, z) point in space.
+fn spatial(p: &[f64]) -> [f64; 3] {
+    match p {
+        [x, z] => [*x, 0.0, *z],
+        _ => [p[0], p[1], p[2]],
+    }
+}

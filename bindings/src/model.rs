@@ -1,0 +1,251 @@
+//! The class `Model`.
+
+use crate::dispatch::{AnyModel, State, on_model};
+use flexor_engine::equilibrium::{Options, Status};
+use flexor_engine::model::Description;
+use flexor_engine::{Batch, BatchEvent};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// A built model: immutable, shared by all threads.
+#[pyclass(frozen, module = "flexor._engine")]
+pub struct Model {
+    inner: AnyModel,
+}
+
+fn refuse<T>(sentence: impl std::fmt::Display) -> PyResult<T> {
+    Err(PyValueError::new_err(sentence.to_string()))
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    fn new(description: &str) -> PyResult<Self> {
+        let description: Description = match serde_json::from_str(description) {
+            Ok(d) => d,
+            Err(error) => return refuse(error),
+        };
+        match AnyModel::new(&description) {
+            Ok(inner) => Ok(Self { inner }),
+            Err(error) => refuse(error),
+        }
+    }
+
+    #[getter]
+    fn planar(&self) -> bool {
+        matches!(self.inner, AnyModel::Planar(_))
+    }
+
+    #[getter]
+    fn dof(&self) -> usize {
+        on_model!(&self.inner, m => m.dof())
+    }
+
+    #[getter]
+    fn coordinates(&self) -> Vec<String> {
+        on_model!(&self.inner, m => m.coordinates().to_vec())
+    }
+
+    #[getter]
+    fn inputs(&self) -> Vec<String> {
+        on_model!(&self.inner, m => m.inputs().to_vec())
+    }
+
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        on_model!(&self.inner, m => m.parameters().to_pyarray(py))
+    }
+
+    #[getter]
+    fn slots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let slots = PyDict::new(py);
+        on_model!(&self.inner, m => {
+            for (name, range) in m.layout().iter() {
+                slots.set_item(name, (range.start, range.end))?;
+            }
+        });
+        Ok(slots)
+    }
+
+    fn frame_names(&self) -> Vec<String> {
+        on_model!(&self.inner, m => m.frame_names().to_vec())
+    }
+
+    fn energy(
+        &self,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+        u: PyReadonlyArray1<f64>,
+    ) -> PyResult<f64> {
+        Ok(self.state(&parameters, &q, Some(&u))?.energy)
+    }
+
+    fn residual<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+        u: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, Some(&u))?.residual.into_pyarray(py))
+    }
+
+    fn tangent<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+        u: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let n = self.dof();
+        self.state(&parameters, &q, Some(&u))?.tangent.into_pyarray(py).reshape([n, n])
+    }
+
+    fn actuator_lengths<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.lengths.into_pyarray(py))
+    }
+
+    fn frames<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let frames = self.state(&parameters, &q, None)?.frames;
+        let flat: Vec<f64> = frames.iter().flatten().flatten().copied().collect();
+        Ok(flat.into_pyarray(py).reshape([frames.len(), 4, 4])?.into_any())
+    }
+
+    fn spheres<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let spheres = self.state(&parameters, &q, None)?.spheres;
+        spheres.as_flattened().to_pyarray(py).reshape([spheres.len(), 4])
+    }
+
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: PyReadonlyArray1<f64>,
+        q: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let touches = self.state(&parameters, &q, None)?.touches;
+        let forces: Vec<f64> = touches.iter().flat_map(|t| t.2).collect();
+        let out = PyDict::new(py);
+        out.set_item("first", touches.iter().map(|t| t.0).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("second", touches.iter().map(|t| t.1).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("force", forces.into_pyarray(py).reshape([touches.len(), 3])?)?;
+        out.set_item("depth", touches.iter().map(|t| t.3).collect::<Vec<_>>().into_pyarray(py))?;
+        Ok(out)
+    }
+
+    /// Solves a batch of designs along a list of loads.
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=2000, min_step=1e-4, base=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn path<'py>(
+        &self,
+        py: Python<'py>,
+        slot_indices: PyReadonlyArray1<i64>,
+        values: PyReadonlyArray2<f64>,
+        loads: PyReadonlyArray2<f64>,
+        threads: usize,
+        tolerance: f64,
+        max_iterations: usize,
+        min_step: f64,
+        base: Option<PyReadonlyArray1<f64>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let default = on_model!(&self.inner, m => m.parameters().to_vec());
+        let base = base.map_or(default, |b| b.as_array().to_vec());
+        let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
+        let varied: Vec<usize> =
+            slot_indices.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect();
+        let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
+        let [steps, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
+        if base.len() != slots {
+            return refuse(format!("base: found {} parameters, the model has {slots}", base.len()));
+        }
+        if columns != varied.len() {
+            return refuse(format!("values: found {columns} columns for {} slots", varied.len()));
+        }
+        if let Some(i) = varied.iter().find(|i| **i >= slots) {
+            return refuse(format!("slot_indices: found {i}, the model has {slots} parameters"));
+        }
+        if load_inputs != inputs {
+            return refuse(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
+        }
+        if loads.as_array().iter().any(|u| !u.is_finite()) {
+            return refuse("loads: finite numbers are needed");
+        }
+        let values: Vec<f64> = values.as_array().iter().copied().collect();
+        let loads: Vec<f64> = loads.as_array().iter().copied().collect();
+        let batch = Batch { base: &base, varied: &varied, values: &values, designs, loads: &loads, steps };
+        let options = Options { tolerance, max_iterations, min_step };
+        let result = py.detach(|| on_model!(&self.inner, m => m.solve_batch(batch, options, threads)));
+
+        let out = PyDict::new(py);
+        let shape = [designs, steps];
+        let stable: Vec<bool> = result.status.iter().map(|s| *s == Status::Converged as u8).collect();
+        out.set_item("q", result.q.into_pyarray(py).reshape([designs, steps, self.dof()])?)?;
+        out.set_item("status", result.status.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("stable", stable.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("iterations", result.iterations.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("residual", result.residual.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("energy", result.energy.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("tip_force", result.tip_force.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("events", events(py, &result.events, inputs, self.dof())?)?;
+        Ok(out)
+    }
+}
+
+impl Model {
+    fn state(
+        &self,
+        parameters: &PyReadonlyArray1<f64>,
+        q: &PyReadonlyArray1<f64>,
+        u: Option<&PyReadonlyArray1<f64>>,
+    ) -> PyResult<State> {
+        let parameters = parameters.as_array().to_vec();
+        let q = q.as_array().to_vec();
+        let (slots, inputs) = on_model!(&self.inner, m => (m.parameters().len(), m.inputs().len()));
+        let load = u.map_or(vec![0.0; inputs], |u| u.as_array().to_vec());
+        let lengths =
+            [("parameters", parameters.len(), slots), ("q", q.len(), self.dof()), ("u", load.len(), inputs)];
+        for (name, found, needed) in lengths {
+            if found != needed {
+                return refuse(format!("{name}: found {found} numbers, the model has {needed}"));
+            }
+        }
+        Ok(self.inner.state(&parameters, &q, &load))
+    }
+}
+
+fn events<'py>(
+    py: Python<'py>,
+    events: &[BatchEvent],
+    inputs: usize,
+    dof: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    let count = events.len();
+    let rows =
+        |pick: fn(&BatchEvent) -> &[f64]| events.iter().flat_map(|e| pick(e).to_vec()).collect::<Vec<f64>>();
+    out.set_item("design", events.iter().map(|e| e.design).collect::<Vec<_>>().into_pyarray(py))?;
+    out.set_item("step", events.iter().map(|e| e.step).collect::<Vec<_>>().into_pyarray(py))?;
+    out.set_item("kind", events.iter().map(|e| e.kind as u8).collect::<Vec<_>>().into_pyarray(py))?;
+    out.set_item("load", rows(|e| &e.load).into_pyarray(py).reshape([count, inputs])?)?;
+    out.set_item("before", rows(|e| &e.before).into_pyarray(py).reshape([count, dof])?)?;
+    out.set_item("after", rows(|e| &e.after).into_pyarray(py).reshape([count, dof])?)?;
+    Ok(out)
+}
