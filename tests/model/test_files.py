@@ -187,6 +187,25 @@ def test_deep_nesting_is_refused_and_not_a_crash() -> None:
         parse("a = " + "[" * 100_000)
 
 
+@pytest.mark.parametrize("number", ["9" * 5000, "0x" + "f" * 5000])
+@pytest.mark.parametrize(
+    "line",
+    [
+        'length = "10 in"',
+        "skip = 3",
+        "poisson_ratio = 0.3",
+        "elements = 2",
+        "magnus_order = 2",
+        "lever = { y = 0.5, z = -0.5 }",
+    ],
+)
+def test_endless_numbers_are_refused_and_not_a_crash(line: str, number: str) -> None:
+    assert EVERYTHING.count(line) == 1
+    with pytest.raises(InputError) as caught:
+        parse(EVERYTHING.replace(line, f"{line.split()[0]} = {number}"))
+    assert len(str(caught.value)) < 300
+
+
 def test_unknown_suggests_whatever_the_capitals() -> None:
     assert str(unknown("parameter set", "l+r01", ["L", "R01", "L+R01"])) == (
         'unknown parameter set "l+r01" (did you mean "L+R01"?): allowed are "L", "R01", "L+R01".'

@@ -78,7 +78,7 @@ def parse(
     """
     try:
         document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # also numbers of more digits than Python reads
         match = _POSITION.fullmatch(str(error))
         what, where = (match["what"], match["where"]) if match else (str(error), "somewhere")
         raise InputError(

@@ -114,7 +114,7 @@ class Dimension:
         if isinstance(value, Quantity):
             value = value.text
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            raise fault(f"is {value!r}, a number without a unit: {self.hint}")
+            raise fault(f"is {shown(value)}, a number without a unit: {self.hint}")
         match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
         if match is None:
             raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")

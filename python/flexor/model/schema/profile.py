@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from flexor.model.fault import fault
+from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Table
 from flexor.model.units import PositiveLength
 
@@ -30,7 +30,7 @@ def _expand(value: object) -> object:
     if isinstance(value, str):
         return {"base": value, "tip": value}
     if isinstance(value, (int, float)):
-        raise fault(f'is {value!r}: write "1 cm" or {{ base = "1.2 cm", tip = "0.8 cm" }}')
+        raise fault(f'is {shown(value)}: write "1 cm" or {{ base = "1.2 cm", tip = "0.8 cm" }}')
     return value
 
 
