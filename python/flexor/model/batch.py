@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor._engine import STATUS, Events
+from flexor._engine import STATUS
 
 if TYPE_CHECKING:
+    from flexor._engine import Events
     from flexor.model.model import Model
     from flexor.model.path import Path
 
