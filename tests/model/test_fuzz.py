@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexor.errors import InputError
-from flexor.model import parse, presets, read
+from flexor.model import Model, parse, presets, read
 from flexor.model.presets import locate
 from flexor.model.reading import check
 
@@ -41,6 +41,7 @@ def places(table: Any, above: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]
             yield from places(value, (*above, key))
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_one_value_replaced_by_anything(data: st.DataObject) -> None:
     document = copy.deepcopy(FILES[data.draw(st.sampled_from(presets()))])
@@ -50,11 +51,13 @@ def test_one_value_replaced_by_anything(data: st.DataObject) -> None:
         table = table[key]
     table[last] = data.draw(VALUES)
     try:
-        check(document, source="file.toml")
+        model = Model(check(document, source="file.toml"), source="file.toml")
     except InputError as error:
         assert str(error).startswith("file.toml: ")
         assert str(error).endswith(".")
         assert "\n" not in str(error)
+    else:
+        assert model.dof == len(model.engine.coordinates)
 
 
 @given(st.text(max_size=60))

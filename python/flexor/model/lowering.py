@@ -166,13 +166,19 @@ def _link(link: Link) -> Json:
     }
 
 
+def _direction(axis: tuple[float, float, float]) -> list[float]:
+    scaled = np.array(axis) / np.max(np.abs(axis))  # or the norm of a huge axis would overflow
+    direction: list[float] = (scaled / np.linalg.norm(scaled)).tolist()
+    return direction
+
+
 def _joint(joint: Joint, planar: bool) -> Json:
     if isinstance(joint, FixedJoint):
         return {"kind": "fixed"}
     if isinstance(joint, (RevoluteJoint, PrismaticJoint)):
         return {
             "kind": joint.kind,
-            "axis": (np.array(joint.axis) / np.linalg.norm(joint.axis)).tolist(),
+            "axis": _direction(joint.axis),
             "stiffness": [float(joint.stiffness)],
             "rest": [float(joint.rest)],
             "lower": [None if joint.lower is None else float(joint.lower)],

@@ -47,7 +47,7 @@ class Model:
         try:
             self.engine = _engine.Model(self._description)
         except ValueError as error:
-            raise InputError(f"{source or file.name}: {error}") from None
+            raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.dof} degrees of freedom, {self.hash[:12]}>"
@@ -247,7 +247,7 @@ class Model:
         try:
             found = self.engine.path(indices, values, steps, threads, **options)
         except (TypeError, ValueError) as error:
-            raise InputError(str(error)) from None
+            raise InputError(f"{str(error).rstrip('.')}.") from None
         events = found["events"]
         events["step"] = np.maximum(events["step"], loaded) - loaded
         return Batch(
