@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexor.plot.outline import band, capsule, tube
+from flexor.plot.outline import band, capsule, refine, tube
+
+from .made import rod_frames
 
 coordinate = st.floats(-0.2, 0.2)
 radius = st.floats(0.001, 0.05)
@@ -57,3 +59,17 @@ def test_tube_around_an_axis_keeps_its_distance() -> None:
     x, y, z = tube(s * [[1.0, 0.0, 0.0]], 0.0 * s + [[0.0, 2.0, 0.0]], 0.0 * s + [[0.0, 0.0, 3.0]])
     np.testing.assert_allclose((y / 2.0) ** 2 + (z / 3.0) ** 2, 1.0)
     np.testing.assert_allclose(x, np.repeat(s, x.shape[1], axis=1))
+
+
+def test_refined_frames_stay_on_the_circle_they_are_of() -> None:
+    coarse = rod_frames(0.1, 30.0, (0.0, 0.0), points=9)
+    fine, station = refine(coarse, between=5)
+    assert len(fine) == 41
+    np.testing.assert_allclose(fine[::5], coarse, atol=1e-12)
+    np.testing.assert_allclose(station[::5], np.arange(9))
+    # 21 degrees from frame to frame: the curve between leaves the circle by microns.
+    exact = rod_frames(0.1, 30.0, (0.0, 0.0), points=41)
+    np.testing.assert_allclose(fine[:, :3, 3], exact[:, :3, 3], atol=1e-4)
+    np.testing.assert_allclose(fine[:, :3, :3], exact[:, :3, :3], atol=2e-3)
+    radius = np.hypot(fine[:, 0, 3], fine[:, 2, 3] + 1.0 / 30.0)
+    np.testing.assert_allclose(radius, 1.0 / 30.0, rtol=1e-3)

@@ -60,9 +60,10 @@ def made_path(lever: float = 1.0, section: object = "circular"):
 def test_bodies_are_where_the_engine_puts_them() -> None:
     read = read_scene(made_path())
     (rod,) = read.rods
-    np.testing.assert_array_equal(rod.frames, FRAMES)
-    np.testing.assert_array_equal(rod.half_height, HEIGHT)
-    np.testing.assert_array_equal(rod.half_width, HEIGHT)
+    every = slice(None, None, (len(rod.frames) - 1) // (len(FRAMES) - 1))
+    np.testing.assert_allclose(rod.frames[every], FRAMES, atol=1e-12)
+    np.testing.assert_allclose(rod.half_height[every], HEIGHT)
+    np.testing.assert_array_equal(rod.half_width, rod.half_height)
     (link,) = read.links
     np.testing.assert_array_equal(link.tip, [0.045, 0.0, 0.0])
     assert (link.radius_base, link.radius_tip) == (0.02, 0.01)
@@ -70,12 +71,14 @@ def test_bodies_are_where_the_engine_puts_them() -> None:
 
 def test_a_wide_section_is_as_wide_as_its_ratio_says() -> None:
     (rod,) = read_scene(made_path(section={"kind": "elliptic", "ratio": 2.5})).rods
-    np.testing.assert_allclose(rod.half_width, 2.5 * HEIGHT)
+    np.testing.assert_allclose(rod.half_width, 2.5 * rod.half_height)
 
 
 def test_a_chamber_on_the_surface_runs_along_the_dorsal_edge() -> None:
     (line,) = read_scene(made_path()).lines
-    np.testing.assert_allclose(line.points, FRAMES[:, :3, 3] + HEIGHT[:, None] * FRAMES[:, :3, 2])
+    every = slice(None, None, (len(line.points) - 1) // (len(FRAMES) - 1))
+    edge = FRAMES[:, :3, 3] + HEIGHT[:, None] * FRAMES[:, :3, 2]
+    np.testing.assert_allclose(line.points[every], edge, atol=1e-12)
     assert line.label == "chamber"
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
+from math import degrees
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from flexor.cli.changes import load_changed
@@ -86,6 +86,8 @@ def report(path: Path) -> None:
     path : Path
         What to print.
     """
+    import numpy as np
+
     angular = [name for name in path.model.joints if _angular(name)]
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
@@ -127,7 +129,7 @@ def _count(events: list[Event]) -> str:
 
 def _tell(event: Event, joints: tuple[str, ...]) -> str:
     turns = (
-        f"{name.removesuffix('.theta')} {np.degrees(before):.2f}° to {np.degrees(after):.2f}°"
+        f"{name.removesuffix('.theta')} {degrees(before):.2f}° to {degrees(after):.2f}°"
         for name, before, after in zip(joints, event.angles_before, event.angles_after, strict=True)
         if _angular(name)
     )

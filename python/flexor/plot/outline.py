@@ -30,6 +30,43 @@ def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
     return np.concatenate([r + offset, (r - offset)[::-1], (r + offset)[:1]])
 
 
+def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
+    """Put frames between those of a rod, so that a strongly bent one is drawn round.
+
+    Parameters
+    ----------
+    frames : array_like, shape (m, 4, 4)
+        Frames along the rod, x along it [m].
+    between : int
+        Into how many parts each interval is divided.
+
+    Returns
+    -------
+    fine : ndarray, shape (k, 4, 4)
+        Frames on the cubic Hermite curve through the given ones, k = between (m - 1) + 1 [m].
+    station : ndarray, shape (k,)
+        Where they are, counted in given frames: 2.5 is halfway between the third and the fourth.
+    """
+    given = np.asarray(frames, dtype=np.float64)
+    last = len(given) - 1
+    station = np.linspace(0.0, last, between * last + 1)
+    i = np.minimum(station.astype(np.intp), last - 1)
+    t = (station - i)[:, None]
+    r, along = given[:, :3, 3], given[:, :3, 0]
+    chord = np.linalg.norm(r[i + 1] - r[i], axis=1)[:, None]
+    fine = np.tile(np.eye(4), (len(station), 1, 1))
+    fine[:, :3, 3] = (
+        (1.0 + 2.0 * t) * (1.0 - t) ** 2 * r[i]
+        + t**2 * (3.0 - 2.0 * t) * r[i + 1]
+        + t * (1.0 - t) * ((1.0 - t) * along[i] - t * along[i + 1]) * chord
+    )
+    blend = (1.0 - t)[:, :, None] * given[i, :3, :3] + t[:, :, None] * given[i + 1, :3, :3]
+    # The rotation nearest to the mean of two rotations lies between them.
+    u, _, v = np.linalg.svd(blend)
+    fine[:, :3, :3] = u @ v
+    return fine, station
+
+
 def capsule(
     first: ArrayLike, second: ArrayLike, r_first: float, r_second: float, arc_points: int = 48
 ) -> Array:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.plot.outline import refine
 from flexor.plot.scene import Line, Link, Push, Rod, Scene
 
 if TYPE_CHECKING:
@@ -33,12 +34,15 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     """
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
+    stations: dict[str, Array] = {}
     links: list[Link] = []
     for name, body in model.file.bodies.items():
         if body.kind == "rod":
-            height = model.slot(f"{name}.radius", path.parameters)
+            fine, station = refine(frames[name])
+            height = _at(station, model.slot(f"{name}.radius", path.parameters))
             # A circular section has no ratio: it is as wide as it is high.
-            rods[name] = Rod(name, frames[name], height, (body.section.ratio or 1.0) * height)
+            rods[name] = Rod(name, fine, height, (body.section.ratio or 1.0) * height)
+            stations[name] = station
         else:
             base, tip = frames[name][0, :3, 3], frames[name][-1, :3, 3]
             r_base, r_tip = (
@@ -48,20 +52,21 @@ def read_scene(path: Path, step: int = -1) -> Scene:
             moves = body.joint.kind != "fixed"
             links.append(Link(name, base, tip, r_base, r_tip, moves))
     lines = [
-        _line(path, name, actuator, rods[actuator.rod])
+        _line(path, name, actuator, rods[actuator.rod], stations[actuator.rod])
         for name, actuator in model.file.actuators.items()
     ]
     return Scene(list(rods.values()), links, lines, _pushes(path.contact_forces(step)))
 
 
-def _line(path: Path, name: str, actuator: Actuator, rod: Rod) -> Line:
+def _line(path: Path, name: str, actuator: Actuator, rod: Rod, station: Array) -> Line:
     from flexor.model.lowering import points as sample_points
     from flexor.model.schema import Rod as RodTable
 
     table = path.model.file.bodies[actuator.rod]
     assert isinstance(table, RodTable)
-    offset, _ = actuator.path.sampled(sample_points(table))
+    sampled, _ = actuator.path.sampled(sample_points(table))
     lever = path.model.slot(f"{name}.lever", path.parameters)
+    offset = np.stack([_at(station, column) for column in sampled.T], axis=1)
     offset = offset + rod.half_height[:, None] * lever
     # A lever beyond the surface is the arm at which the force acts; the line is drawn where it can
     # be, on the surface, and the legend tells.
@@ -73,6 +78,10 @@ def _line(path: Path, name: str, actuator: Actuator, rod: Rod) -> Line:
     if beyond > 1.0 + 1e-9:
         label += f" (acts at {beyond:.3g} S)"
     return Line(name, points, label)
+
+
+def _at(station: Array, samples: Array) -> Array:
+    return np.interp(station, np.arange(len(samples)), samples)
 
 
 def _pushes(found: ContactForces) -> list[Push]:
