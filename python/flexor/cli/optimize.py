@@ -70,7 +70,7 @@ def optimize(
         bool, typer.Option("--open", help="Open the figure at the end, where there is a desktop.")
     ] = False,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+        bool, typer.Option("--json", help="Print one JSON object instead of table and figure.")
     ] = False,
 ) -> int:
     """Find the design of the exosuit that an objective likes best.
@@ -131,7 +131,8 @@ def optimize(
         print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
     else:
         outcome.tell(study, seconds, resumed=resume is not None)
-    outcome.draw(study, plot, quiet=as_json)
+    if plot is not None or not as_json:
+        outcome.draw(study, plot, quiet=as_json)
     if show:
         _open(study)
     return 0

@@ -96,7 +96,8 @@ def report(path: Path) -> None:
         headings.append("sum / °")
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
-    headings += ["contacts", "tip force / N", "state", "events"]
+    touches = bool(path.model.file.contacts)
+    headings += [*(["contacts", "tip force / N"] if touches else []), "state", "events"]
     rows = []
     for step in range(len(path)):
         cells = [number(float(path.force[step])), *(f"{angle:.2f}" for angle in angles[step])]
@@ -105,7 +106,8 @@ def report(path: Path) -> None:
         for rod in tips:
             x, y, z = 100.0 * path.frames(step)[rod][-1, :3, 3]
             cells.append(f"{x:.2f}, {y:.2f}, {z:.2f}")
-        cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
+        if touches:
+            cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
     out.print(table(headings, rows, left=0))
