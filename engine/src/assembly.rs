@@ -23,6 +23,11 @@ pub(crate) struct Assembly<const D: usize> {
     pub tangent: Vec<f64>,
     /// World columns S of each frame's own coordinates, at `model.frames[f].columns`.
     columns: Vec<(usize, Vector<D>)>,
+    /// The same columns as changes dΩ of the frame's motion.
+    motions: Vec<Vector<D>>,
+    /// Σ of columns and of H̄S within one run of frames that share their coordinates.
+    run_columns: Vec<Vector<D>>,
+    run_rows: Vec<Vector<D>>,
     /// Σ of the columns met so far, one D × dof block per body.
     prefix: Vec<f64>,
     /// Jacobians of the kept frames, one D × dof block each.
@@ -36,6 +41,7 @@ impl<const D: usize> Assembly<D> {
         let n = model.dof;
         let pairs: usize = model.contacts.iter().map(|c| c.first.len() * c.second.len()).sum();
         let columns = model.frames.last().map_or(0, |f| f.columns.end);
+        let widest = model.frames.iter().map(|f| f.columns.len()).max().unwrap_or(0);
         Self {
             coordinates: CoordinateTerms::new(n),
             frames: FrameTerms::new(model.frames.len(), pairs + model.springs.len()),
@@ -43,6 +49,9 @@ impl<const D: usize> Assembly<D> {
             gradient: vec![0.0; n],
             tangent: vec![0.0; n * n],
             columns: vec![(0, Vector::ZERO); columns],
+            motions: vec![Vector::ZERO; columns],
+            run_columns: vec![Vector::ZERO; widest],
+            run_rows: vec![Vector::ZERO; widest],
             prefix: vec![0.0; model.bodies.len() * D * n],
             kept: vec![0.0; model.jacobian_slot.iter().flatten().count() * D * n],
             coupled: vec![0.0; model.frames.len() * D * model.coupled.len()],
@@ -129,18 +138,12 @@ impl<const D: usize> Assembly<D> {
         kinematics: &Kinematics<G, D, P>,
         operator: &Matrix<D, D>,
     ) {
-        for (out, column) in self.columns[start..].iter_mut().zip(columns) {
-            *out = (column.dof, *operator * column.twist);
+        for (m, column) in columns.iter().enumerate() {
+            self.motions[start + m] = column.twist;
+            self.columns[start + m] = (column.dof, *operator * column.twist);
         }
         if self.frames.loaded[f] {
-            let form = self.curvature(f, kinematics, operator);
-            let n = self.gradient.len();
-            for a in columns {
-                let row = form * a.twist;
-                for b in columns {
-                    self.coordinates.half_tangent[a.dof * n + b.dof] += 0.5 * row.dot(&b.twist);
-                }
-            }
+            self.curve(f, start..start + columns.len(), kinematics);
         }
     }
 
@@ -154,48 +157,52 @@ impl<const D: usize> Assembly<D> {
         step: usize,
         operator: &Matrix<D, D>,
     ) {
-        let n = self.gradient.len();
         let magnus = &model.steps[step];
         let scale = &design.rods[magnus.rod].axis_scale;
         let columns = &model.strain_columns[magnus.columns.clone()];
+        let own = model.frames[f].columns.clone();
         let (a1, a2, commutator) = kinematics.magnus_derivative(model, step);
-        let (s1, s2) = (*operator * a1, *operator * a2);
-        for (out, c) in self.columns[model.frames[f].columns.start..].iter_mut().zip(columns) {
+        let out = self.columns[own.clone()].iter_mut().zip(&mut self.motions[own.clone()]);
+        for ((column, motion), c) in out.zip(columns) {
             let [p1, p2] = c.phi.map(|p| p * scale[c.axis]);
-            *out = (c.dof, s1.column(c.axis) * p1 + s2.column(c.axis) * p2);
+            *motion = a1.column(c.axis) * p1 + a2.column(c.axis) * p2;
+            *column = (c.dof, *operator * *motion);
         }
         if !self.frames.loaded[f] {
             return;
         }
-        let form = self.curvature(f, kinematics, operator);
-        let (f1, f2) = (form * a1, form * a2);
-        let b11 = a1.transpose() * f1;
-        let b22 = a2.transpose() * f2;
-        let wrench = operator.transpose_times(&self.frames.wrench[f]);
-        let b12 = a1.transpose() * f2 + G::bracket_form(&wrench) * commutator;
+        self.curve(f, own, kinematics);
+        // Ω itself is quadratic in the strains: κ [dξ₁, dξ₂].
+        let n = self.gradient.len();
+        let form = G::bracket_form(&operator.transpose_times(&self.frames.wrench[f])) * commutator;
         for (m, a) in columns.iter().enumerate() {
-            let (i, [p1, p2]) = (a.axis, a.phi.map(|p| p * scale[a.axis]));
-            for b in &columns[..=m] {
-                let (j, [r1, r2]) = (b.axis, b.phi.map(|p| p * scale[b.axis]));
-                let value =
-                    p1 * (r1 * b11.0[i][j] + r2 * b12.0[i][j]) + p2 * (r1 * b12.0[j][i] + r2 * b22.0[i][j]);
+            for b in &columns[..m] {
+                let bracket = form.0[a.axis][b.axis] * (scale[a.axis] * scale[b.axis]);
                 self.coordinates.half_tangent[a.dof * n + b.dof] +=
-                    if a.dof == b.dof { 0.5 * value } else { value };
+                    bracket * (a.phi[0] * b.phi[1] - a.phi[1] * b.phi[0]);
             }
         }
     }
 
-    /// `Wᵀ H̄ W + Q`: stiffness carried by a motion and the curvature of its exponential, in dΩ.
+    /// Adds the curvature of a motion's exponential, dΩᵀ Q dΩ, to its own block.
     #[inline]
-    fn curvature<G: LieGroup<D, P>, const P: usize>(
-        &self,
+    fn curve<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
         f: usize,
+        own: std::ops::Range<usize>,
         kinematics: &Kinematics<G, D, P>,
-        operator: &Matrix<D, D>,
-    ) -> Matrix<D, D> {
+    ) {
+        let n = self.gradient.len();
         let body_wrench = kinematics.pose[f].adjoint().transpose_times(&self.frames.wrench[f]);
-        operator.transpose() * (self.frames.stiffness[f] * *operator)
-            + G::tangent_curvature(&kinematics.omega[f], &body_wrench, &kinematics.stumpff[f])
+        let form = G::tangent_curvature(&kinematics.omega[f], &body_wrench, &kinematics.stumpff[f]);
+        for a in own.clone() {
+            let row = form * self.motions[a];
+            let i = self.columns[a].0;
+            for b in own.start..a {
+                self.coordinates.half_tangent[i * n + self.columns[b].0] += row.dot(&self.motions[b]);
+            }
+            self.coordinates.half_tangent[i * n + i] += 0.5 * row.dot(&self.motions[a]);
+        }
     }
 
     /// Jacobians of the frames that couplings and follower loads refer to.
@@ -254,38 +261,60 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Goes outward along the tree, pairing each frame's columns with all before them.
+    ///
+    /// The frames of one rod element move with the same coordinates; such a run meets the columns
+    /// before it once, with its rows summed, and pairs its own columns among themselves.
     fn march<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>, coupled: bool) {
-        let n = model.dof;
-        let (block, span) = (D * n, model.coupled.clone());
-        let width = span.len();
-        for f in 1..model.frames.len() {
+        let block = D * model.dof;
+        let mut f = 1;
+        while f < model.frames.len() {
+            let frame = &model.frames[f];
             if !self.frames.loaded[f] {
+                f += 1;
                 continue;
             }
-            let frame = &model.frames[f];
             let parent = &model.frames[frame.parent];
             if frame.parent == 0 {
                 self.prefix[frame.body * block..][..block].fill(0.0);
             } else if parent.body != frame.body {
                 self.prefix.copy_within(parent.body * block..(parent.body + 1) * block, frame.body * block);
             }
-            let columns = &self.columns[frame.columns.clone()];
-            if columns.is_empty() {
-                continue;
+            let end = frame.run_end;
+            if !frame.columns.is_empty() {
+                self.pair_run::<G, P>(model, f..end, coupled);
             }
-            let prefix = &mut self.prefix[frame.body * block..(frame.body + 1) * block];
-            let path = parent.path.clone();
+            f = end;
+        }
+    }
+
+    #[inline]
+    fn pair_run<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        run: std::ops::Range<usize>,
+        coupled: bool,
+    ) {
+        let (n, span) = (model.dof, model.coupled.clone());
+        let width = span.len();
+        let first = &model.frames[run.start];
+        let count = first.columns.len();
+        let (run_columns, run_rows) = (&mut self.run_columns[..count], &mut self.run_rows[..count]);
+        run_columns.fill(Vector::ZERO);
+        run_rows.fill(Vector::ZERO);
+        for f in run {
+            if !self.frames.loaded[f] {
+                break;
+            }
             let wrench = self.frames.wrench[f];
             let form = self.frames.stiffness[f] + G::bracket_form(&wrench) * 0.5;
-            for (dof, column) in columns {
-                self.coordinates.gradient[*dof] += wrench.dot(column);
+            let columns = &self.columns[model.frames[f].columns.clone()];
+            for ((dof, column), rows) in columns.iter().zip(run_rows.iter_mut()) {
                 let y = form * *column;
+                *rows += y;
+                self.coordinates.gradient[*dof] += wrench.dot(column);
                 let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
-                for d in 0..D {
-                    let before = &prefix[d * n + path.start..d * n + path.end];
-                    for (r, p) in row[path.clone()].iter_mut().zip(before) {
-                        *r += y[d] * p;
-                    }
+                for ((other, own), before) in columns.iter().zip(run_columns.iter()) {
+                    row[*other] += y.dot(&(*before + *own * 0.5));
                 }
                 if coupled {
                     let carried = &self.coupled[f * D * width..(f + 1) * D * width];
@@ -296,10 +325,25 @@ impl<const D: usize> Assembly<D> {
                     }
                 }
             }
-            for (dof, column) in columns {
-                for d in 0..D {
-                    prefix[d * n + dof] += column[d];
+            for ((_, column), sum) in columns.iter().zip(run_columns.iter_mut()) {
+                *sum += *column;
+            }
+        }
+        let prefix = &mut self.prefix[first.body * D * n..(first.body + 1) * D * n];
+        let path = model.frames[first.parent].path.clone();
+        let columns = &self.columns[first.columns.clone()];
+        for ((dof, _), y) in columns.iter().zip(run_rows.iter()) {
+            let row = &mut self.coordinates.half_tangent[dof * n + path.start..dof * n + path.end];
+            for d in 0..D {
+                let before = &prefix[d * n + path.start..d * n + path.end];
+                for (r, p) in row.iter_mut().zip(before) {
+                    *r += y[d] * p;
                 }
+            }
+        }
+        for ((dof, _), sum) in columns.iter().zip(run_columns.iter()) {
+            for d in 0..D {
+                prefix[d * n + dof] += sum[d];
             }
         }
     }

@@ -13,6 +13,18 @@ pub struct Stumpff {
 const INVERSE_FACTORIAL: [f64; 8] =
     [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
 
+/// Ratios of successive terms of the series of c₆ and c₇.
+const SERIES: [[f64; 2]; 12] = {
+    let mut ratios = [[0.0; 2]; 12];
+    let mut j = 1;
+    while j < 12 {
+        let m = 2.0 * j as f64;
+        ratios[j] = [1.0 / ((m + 5.0) * (m + 6.0)), 1.0 / ((m + 6.0) * (m + 7.0))];
+        j += 1;
+    }
+    ratios
+};
+
 impl Stumpff {
     /// Evaluates all eight functions at `x ≥ 0` to machine precision.
     #[inline]
@@ -22,10 +34,9 @@ impl Stumpff {
             // Series for the two highest, then c_k = 1/k! − x c_{k+2}, which loses nothing here.
             let terms = if x < 0.1 { 5 } else { 12 };
             let (mut even, mut odd) = (1.0, 1.0);
-            for j in (1..terms).rev() {
-                let m = 2.0 * j as f64;
-                even = 1.0 - x * even / ((m + 5.0) * (m + 6.0));
-                odd = 1.0 - x * odd / ((m + 6.0) * (m + 7.0));
+            for [e, o] in SERIES[1..terms].iter().rev() {
+                even = 1.0 - x * even * e;
+                odd = 1.0 - x * odd * o;
             }
             c[6] = even * INVERSE_FACTORIAL[6];
             c[7] = odd * INVERSE_FACTORIAL[7];

@@ -38,6 +38,8 @@ pub(crate) struct Frame {
     pub path: Range<usize>,
     /// Its own coordinates' places in the store of world columns.
     pub columns: Range<usize>,
+    /// One past the last of the following frames that move with the very same coordinates.
+    pub run_end: usize,
 }
 
 /// How a frame moves against its parent.

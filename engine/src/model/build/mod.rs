@@ -29,6 +29,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 motion: Motion::Rigid(0),
                 path: 0..0,
                 columns: 0..0,
+                run_end: 1,
             }],
             steps: vec![],
             strain_columns: vec![],
@@ -61,6 +62,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         for body in &description.bodies {
             model.add_body(body)?;
         }
+        model.find_runs();
         model.add_masses();
         model.jacobian_slot = vec![None; model.frames.len()];
         model.leads_to_kept = vec![false; model.frames.len()];

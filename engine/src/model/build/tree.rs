@@ -78,9 +78,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             path = if path.is_empty() { *dof..dof + 1 } else { path.start.min(*dof)..path.end.max(dof + 1) };
         }
         let start = self.frames[self.frames.len() - 1].columns.end;
-        self.frames.push(Frame { parent, body, motion, path, columns: start..start + own.len() });
+        self.frames.push(Frame { parent, body, motion, path, columns: start..start + own.len(), run_end: 0 });
         self.frame_names.push(name);
         self.frames.len() - 1
+    }
+
+    /// Marks runs of frames, each the child of the one before, that share all their coordinates.
+    pub(super) fn find_runs(&mut self) {
+        let dofs = |f: usize| -> Vec<usize> {
+            match &self.frames[f].motion {
+                Motion::Strain(step) => {
+                    self.strain_columns[self.steps[*step].columns.clone()].iter().map(|c| c.dof).collect()
+                }
+                Motion::Rigid(_) | Motion::Joint(_) => vec![],
+            }
+        };
+        let all: Vec<Vec<usize>> = (0..self.frames.len()).map(dofs).collect();
+        for f in (0..self.frames.len()).rev() {
+            let follows = f + 1 < self.frames.len() && self.frames[f + 1].parent == f;
+            let same = follows && !all[f].is_empty() && all[f] == all[f + 1];
+            self.frames[f].run_end = if same { self.frames[f + 1].run_end } else { f + 1 };
+        }
     }
 
     fn add_joint(
