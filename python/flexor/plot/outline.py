@@ -49,7 +49,7 @@ def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
     """
     given = np.asarray(frames, dtype=np.float64)
     last = len(given) - 1
-    station = np.linspace(0.0, last, between * last + 1)
+    station: Array = np.linspace(0.0, last, between * last + 1)
     i = np.minimum(station.astype(np.intp), last - 1)
     t = (station - i)[:, None]
     r, along = given[:, :3, 3], given[:, :3, 0]
@@ -91,7 +91,8 @@ def capsule(
     distance = float(np.hypot(*axis))
     if distance <= abs(r_first - r_second):
         centre, radius = (a, r_first) if r_first >= r_second else (b, r_second)
-        return centre + radius * _directions(np.linspace(0.0, 2.0 * np.pi, 2 * arc_points))
+        around: Array = np.linspace(0.0, 2.0 * np.pi, 2 * arc_points)
+        return np.asarray(centre + radius * _directions(around))
     heading = np.arctan2(axis[1], axis[0])
     # The common tangents touch both circles at this angle from the axis.
     touch = np.arccos((r_first - r_second) / distance)

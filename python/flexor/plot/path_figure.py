@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexor.plot import arrows, planar, spatial
 from flexor.plot.scene import Scene
@@ -84,7 +84,7 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
 
 
 def _load_handles(
-    loads: np.ndarray, colours: Sequence[tuple[float, ...]], unit: str
+    loads: NDArray[np.float64], colours: Sequence[tuple[float, ...]], unit: str
 ) -> list[Artist]:
     from matplotlib.patches import Patch
 

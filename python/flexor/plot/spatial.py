@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.plot.outline import tube
+from flexor.plot.outline import Array, tube
 from flexor.plot.scene import Link, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
 
@@ -99,7 +99,7 @@ def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> No
         axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
 
 
-def _cone(link: Link, rings: int = 12) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
     axis = link.tip - link.base
     length = float(np.linalg.norm(axis))
     along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
