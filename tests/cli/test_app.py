@@ -42,6 +42,7 @@ def test_sets_lists_parameters_in_their_units_and_objectives(flexor) -> None:
     (line,) = (line.split() for line in ran.out.splitlines() if " R_0 " in line)
     assert line == ["R01", "R_0", "cm", "0.4", "1.16", "1.2"]
     assert "bending" in ran.out and "tip-force" in ran.out
+    assert "pattern-search" in ran.out
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,9 @@ def optimize(
     objective: Annotated[
         str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
     ] = "bending",
-    method: Annotated[str, typer.Option(help="How to search.")] = "pattern-search",
+    method: Annotated[
+        str, typer.Option(help="How to search (see `flexor sets`).")
+    ] = "pattern-search",
     options: Annotated[
         list[str] | None,
         typer.Option(

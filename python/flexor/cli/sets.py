@@ -15,11 +15,11 @@ MODEL_HELP = "Show the bounds and the start for this model file or preset."
 def sets(
     model: Annotated[str | None, typer.Argument(metavar="[MODEL]", help=MODEL_HELP)] = None,
 ) -> None:
-    """List the parameter sets with their bounds, and the objectives.
+    """List the parameter sets with their bounds, the objectives and the methods.
 
     Sets are joined with `+`: `flexor optimize finger --parameters L+R01`.
     """
-    from flexor import design, objective
+    from flexor import design, objective, search
 
     space: design.Space = design.DesignSpace()
     if model is not None:
@@ -41,3 +41,4 @@ def sets(
     shown = [(name, objective.objective(name)) for name in objective.names()]
     cells = [(name, f"{found.quantity} / {found.unit}") for name, found in shown]
     out.print(table(("objective", "shown as"), cells, left=2))
+    out.print(f"methods: {', '.join(search.names())}", markup=False)
