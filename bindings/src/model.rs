@@ -150,7 +150,7 @@ impl Model {
     }
 
     /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=2000, min_step=1e-4, base=None))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=20_000, min_step=1e-3, base=None))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,

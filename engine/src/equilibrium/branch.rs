@@ -6,8 +6,10 @@ use crate::model::Model;
 
 /// Corrector iterations of one sub-step.
 const CORRECTIONS: usize = 12;
-/// Longest predictor, in radians of the softest angular coordinate.
-const LONGEST_PREDICTION: f64 = 2.0;
+/// How far the corrector may go, as a multiple of the predictor.
+const WANDER: f64 = 1.0;
+/// Longest predictor (dimensionless norm over all coordinates): several full turns of a rod.
+const LONGEST_PREDICTION: f64 = 30.0;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless, into `velocity[which]`.
@@ -25,7 +27,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     /// Tries to move from the equilibrium in `start`, with velocity `velocity[0]`, by `h` along the
     /// load rate. On success the state, factor and `velocity[1]` are those of the new equilibrium.
-    pub(super) fn follow_branch(&mut self, model: &Model<G, D, P>, rate: &[f64], h: f64) -> bool {
+    pub(super) fn follow_branch(
+        &mut self,
+        model: &Model<G, D, P>,
+        rate: &[f64],
+        h: f64,
+        tolerance: f64,
+    ) -> bool {
         let predicted = h * norm(&self.velocity[0]);
         if !(predicted <= LONGEST_PREDICTION) {
             return false;
@@ -35,7 +43,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         {
             *q = s + h * v * u;
         }
-        if !self.correct(model, predicted) {
+        let reach = h * largest(&self.velocity[0]);
+        if !self.correct(model, reach, tolerance) {
             return false;
         }
         self.set_velocity(model, rate, 1);
@@ -43,14 +52,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     }
 
     /// Newton's method with full steps; fails as soon as the tangent is not positive definite.
-    fn correct(&mut self, model: &Model<G, D, P>, predicted: f64) -> bool {
+    fn correct(&mut self, model: &Model<G, D, P>, reach: f64, tolerance: f64) -> bool {
         let mut size = self.evaluate(model);
         let mut previous = f64::INFINITY;
+        let mut wandered = 0.0;
         for _ in 0..CORRECTIONS {
             if !size.is_finite() || !self.factorise(0.0) {
                 return false;
             }
-            if size <= self.options.tolerance {
+            if size <= tolerance {
                 return true;
             }
             self.newton_step();
@@ -59,7 +69,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 return true;
             }
             // A corrector that wanders off does not belong to the predictor's branch.
-            if length > predicted.max(1e-3) || length > 2.0 * previous {
+            wandered += length;
+            if wandered > WANDER * reach + 1e-3 || length > 2.0 * previous {
                 return false;
             }
             previous = length;
@@ -82,6 +93,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             bend += (h * (b - a)).powi(2);
             reach += (0.5 * h * (a.abs() + b.abs())).powi(2);
         }
-        error.sqrt() <= 0.6 * bend.sqrt() + 0.02 * reach.sqrt() + 1e-9 && norm(v1).is_finite()
+        error.sqrt() <= 0.6 * bend.sqrt() + 0.05 * reach.sqrt() + 1e-9 && norm(v1).is_finite()
     }
 }

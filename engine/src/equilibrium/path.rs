@@ -61,6 +61,8 @@ pub trait PathSink<G, const D: usize, const P: usize> {
     fn event(&mut self, event: Event);
 }
 
+/// Dimensionless residual that suffices between the listed loads.
+const LOOSE_TOLERANCE: f64 = 1e-5;
 /// A displacement below this (dimensionless) across the smallest sub-step is no jump.
 const SMALLEST_JUMP: f64 = 1e-3;
 
@@ -134,21 +136,24 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         first: usize,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
-        let (mut lambda, mut h) = (0.0, 1.0f64);
         // The factor at hand belongs to the equilibrium just found.
         self.set_velocity(model, rate, 0);
         self.start.copy_from_slice(&self.q);
+        let (mut lambda, mut next) = (0.0, 1.0f64);
+        // The nearest load that could not be reached in one sub-step.
+        let mut barrier = f64::INFINITY;
         while lambda < 1.0 {
             if self.iterations - first > self.options.max_iterations {
                 return Status::IterationLimit;
             }
-            let next = if lambda + h > 1.0 - 1e-9 { 1.0 } else { lambda + h };
             self.set_load(rate, next);
-            if self.follow_branch(model, rate, next - lambda) {
+            let tolerance = if next == 1.0 { self.options.tolerance } else { LOOSE_TOLERANCE };
+            if self.follow_branch(model, rate, next - lambda, tolerance) {
                 lambda = next;
-                h *= 2.0;
-            } else if h > smallest {
-                h = (0.5 * h).max(smallest);
+                next = if barrier > lambda { barrier.min(1.0) } else { 1.0 };
+            } else if next - lambda > 1.5 * smallest {
+                barrier = next;
+                next = lambda + (0.5 * (next - lambda)).max(smallest);
                 continue;
             } else {
                 self.q.copy_from_slice(&self.start);
@@ -161,7 +166,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     sink.event(Event { step: index, kind: EventKind::Snap, load, before, after });
                 }
                 lambda = next;
-                h = smallest * 4.0;
+                next = 1.0;
+                barrier = f64::INFINITY;
                 self.set_velocity(model, rate, 1);
             }
             self.velocity.swap(0, 1);

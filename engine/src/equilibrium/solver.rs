@@ -18,7 +18,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 2000, min_step: 1e-4 }
+        Self { tolerance: 1e-9, max_iterations: 20_000, min_step: 1e-3 }
     }
 }
 
