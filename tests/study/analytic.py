@@ -52,6 +52,7 @@ class AnalyticModel:
 
     name = "analytic"
     joints = ("a", "b", "c")
+    first_spheres = 42
 
     def __init__(self, pause: float = 0.0, hash: str = "0123") -> None:
         self.hash = hash

@@ -2,29 +2,62 @@
 
 from __future__ import annotations
 
-from flexor.search.catalogue import method, names
+from flexor.search.catalogue import Entry, available, canonical, entries, method, names
+from flexor.search.cma_es import CmaEs
 from flexor.search.counted import BudgetSpent, Counted
+from flexor.search.differential_evolution import DifferentialEvolution
+from flexor.search.direct import Direct
+from flexor.search.dual_annealing import DualAnnealing
+from flexor.search.genetic_algorithm import GeneticAlgorithm
+from flexor.search.grid import Grid, grid_axes, grid_designs
 from flexor.search.interface import (
     BatchFunction,
     Budget,
+    DifferentiableVectorFunction,
     Progress,
     ProgressCallback,
     Search,
     SearchResult,
+    VectorFunction,
 )
+from flexor.search.levenberg_marquardt import LevenbergMarquardt
+from flexor.search.mads import Mads
+from flexor.search.method import Method, Run
+from flexor.search.particle_swarm import ParticleSwarm
 from flexor.search.pattern import PatternSearch
 from flexor.search.starts import starting_designs
+from flexor.search.surrogate import Surrogate
 
 __all__ = [
     "BatchFunction",
     "Budget",
     "BudgetSpent",
+    "CmaEs",
     "Counted",
+    "DifferentiableVectorFunction",
+    "DifferentialEvolution",
+    "Direct",
+    "DualAnnealing",
+    "Entry",
+    "GeneticAlgorithm",
+    "Grid",
+    "LevenbergMarquardt",
+    "Mads",
+    "Method",
+    "ParticleSwarm",
     "PatternSearch",
     "Progress",
     "ProgressCallback",
+    "Run",
     "Search",
     "SearchResult",
+    "Surrogate",
+    "VectorFunction",
+    "available",
+    "canonical",
+    "entries",
+    "grid_axes",
+    "grid_designs",
     "method",
     "names",
     "starting_designs",

@@ -3,22 +3,96 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from flexor.errors import InputError, unknown
+from flexor.search.cma_es import CmaEs
+from flexor.search.differential_evolution import DifferentialEvolution
+from flexor.search.direct import Direct
+from flexor.search.dual_annealing import DualAnnealing
+from flexor.search.extras import missing
+from flexor.search.genetic_algorithm import GeneticAlgorithm
+from flexor.search.grid import Grid
 from flexor.search.interface import Search
+from flexor.search.levenberg_marquardt import LevenbergMarquardt
+from flexor.search.mads import Mads
+from flexor.search.particle_swarm import ParticleSwarm
 from flexor.search.pattern import PatternSearch
+from flexor.search.surrogate import Surrogate
 
-# One line for each method; each is a frozen dataclass whose fields are its options.
-_METHODS: dict[str, Callable[..., Search]] = {
-    "pattern-search": PatternSearch,
+
+@dataclass(frozen=True)
+class Entry:
+    """A method that is known by name.
+
+    Attributes
+    ----------
+    recipe : type
+        A frozen dataclass whose fields are the method's options.
+    aliases : tuple of str
+        Other names for it.
+    about : str
+        What it is, in a line.
+    """
+
+    recipe: Callable[..., Search]
+    aliases: tuple[str, ...]
+    about: str
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options and their defaults."""
+        return {field.name: field.default for field in fields(self.recipe)}  # type: ignore[arg-type]
+
+
+# One line for each method.
+_METHODS: dict[str, Entry] = {
+    "pattern-search": Entry(PatternSearch, ("ps", "gps"), "the paper's: polls along each axis"),
+    "levenberg-marquardt": Entry(
+        LevenbergMarquardt, ("lm", "ls", "least-squares"), "the paper's least squares: local"
+    ),
+    "genetic-algorithm": Entry(GeneticAlgorithm, ("ga",), "evolution by crossover"),
+    "differential-evolution": Entry(DifferentialEvolution, ("de",), "evolution by differences"),
+    "particle-swarm": Entry(ParticleSwarm, ("pso",), "a swarm drawn to its best"),
+    "cma-es": Entry(CmaEs, ("cma", "cmaes"), "evolution that learns the valley, with restarts"),
+    "direct": Entry(Direct, (), "divides the box; deterministic"),
+    "dual-annealing": Entry(DualAnnealing, ("annealing", "da"), "annealing with local searches"),
+    "mads": Entry(Mads, ("nomad",), "polls in ever more directions, with quadratic models"),
+    "surrogate": Entry(Surrogate, ("ego", "bayesian"), "Bayesian, for expensive models"),
+    "grid": Entry(Grid, (), "every combination of evenly spaced values"),
 }
+_ALIASES = {alias: name for name, entry in _METHODS.items() for alias in entry.aliases}
 
 
 def names() -> tuple[str, ...]:
-    """Names that `method` knows."""
+    """Names that `method` knows, besides their aliases."""
     return tuple(_METHODS)
+
+
+def entries() -> dict[str, Entry]:
+    """Return what there is to know of each method, by name."""
+    return dict(_METHODS)
+
+
+def available() -> tuple[str, ...]:
+    """Names of the methods whose libraries are installed."""
+    return tuple(name for name in _METHODS if missing(name) is None)
+
+
+def canonical(name: str) -> str:
+    """Return the name of a method, given that or an alias of it in any spelling.
+
+    Raises
+    ------
+    InputError
+        If it is not known; the nearest is suggested.
+    """
+    plain = name.strip().casefold().replace("_", "-").replace(" ", "-")
+    plain = _ALIASES.get(plain, plain)
+    if plain not in _METHODS:
+        raise unknown("method", name.strip(), _METHODS)
+    return plain
 
 
 def method(name: str, **options: Any) -> Search:
@@ -27,7 +101,7 @@ def method(name: str, **options: Any) -> Search:
     Parameters
     ----------
     name : str
-        For example ``"pattern-search"``.
+        For example ``"pattern-search"``, or an alias such as ``"ps"``.
     **options
         The method's options, for example ``starts=8``.
 
@@ -39,24 +113,30 @@ def method(name: str, **options: Any) -> Search:
     Raises
     ------
     InputError
-        If the method or an option is not known (the nearest is suggested), or an option is not a
-        number in its range.
+        If the method or an option is not known (the nearest is suggested), an option is not a
+        number in its range, or the method's library is not installed.
     """
-    plain = name.strip().casefold().replace("_", "-").replace(" ", "-")
-    recipe = _METHODS.get(plain)
-    if recipe is None:
-        raise unknown("method", name.strip(), _METHODS)
-    kinds: dict[str, Callable[..., Any]] = {
-        field.name: type(field.default)
-        for field in fields(recipe)  # type: ignore[arg-type]
-    }
+    plain = canonical(name)
+    entry = _METHODS[plain]
+    kinds = {option: type(default) for option, default in entry.options.items()}
     for option, value in options.items():
         if option not in kinds:
             raise unknown(f"option of {plain}", option, kinds)
-        wanted = kinds[option]
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if wanted in (int, float) and (not number or (wanted is int and value != int(value))):
-            article = "a whole number" if wanted is int else "a number"
-            raise InputError(f"option {option} of {plain} must be {article}, got {value!r}.")
-        options[option] = wanted(value)
-    return recipe(**options)
+        options[option] = _read(plain, option, value, kinds[option])
+    return entry.recipe(**options)
+
+
+def _read(method: str, option: str, value: Any, wanted: type) -> Any:
+    if wanted is tuple:
+        if isinstance(value, (list, tuple)):
+            return tuple(value)
+        raise InputError(f"option {option} of {method} must be a list, got {value!r}.")
+    if wanted is bool:
+        if value in (0, 1):
+            return bool(value)
+        raise InputError(f"option {option} of {method} must be 1 (yes) or 0 (no), got {value!r}.")
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or (wanted is int and value != int(value)):
+        article = "a whole number" if wanted is int else "a number"
+        raise InputError(f"option {option} of {method} must be {article}, got {value!r}.")
+    return wanted(value)

@@ -6,7 +6,16 @@ import time
 
 import numpy as np
 
-from flexor.search.interface import BatchFunction, Budget, FloatArray, Progress, SearchResult
+from flexor.errors import InputError
+from flexor.search.interface import (
+    BatchFunction,
+    Budget,
+    DifferentiableVectorFunction,
+    FloatArray,
+    Progress,
+    SearchResult,
+    VectorFunction,
+)
 
 
 class BudgetSpent(Exception):
@@ -66,6 +75,27 @@ class Counted:
         if fresh:
             self._evaluate(designs, fresh)
         return np.array([self._known[key] for key in keys])
+
+    def residuals(self, designs: FloatArray) -> FloatArray:
+        """Vectors (n, r) of designs (n, k), each design counted as it is for its value.
+
+        Raises
+        ------
+        InputError
+            If the function has no vector.
+        BudgetSpent
+            As for values.
+        """
+        if not isinstance(self._function, VectorFunction):
+            raise InputError("what is minimised is one number for each design, not a vector.")
+        self(designs)
+        return np.asarray(self._function.residuals(designs), dtype=np.float64)
+
+    def jacobian(self, designs: FloatArray) -> FloatArray | None:
+        """Exact Jacobians (n, r, k) at designs (n, k); None if the function has none."""
+        if not isinstance(self._function, DifferentiableVectorFunction):
+            return None
+        return np.asarray(self._function.jacobian(designs), dtype=np.float64)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

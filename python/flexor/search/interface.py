@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,37 @@ FloatArray = NDArray[np.float64]
 
 # From n designs (n, k) to their values (n,); designs that failed have +inf.
 BatchFunction = Callable[[FloatArray], FloatArray]
+
+
+@runtime_checkable
+class VectorFunction(Protocol):
+    """A batch function whose value is the norm of a vector, which least squares needs to see."""
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        ...
+
+    def residuals(self, designs: FloatArray) -> FloatArray:
+        """From n designs (n, k) to their vectors (n, r); NaN where a design failed.
+
+        Raises
+        ------
+        InputError
+            If what is minimised is not the norm of a vector after all.
+        """
+        ...
+
+
+@runtime_checkable
+class DifferentiableVectorFunction(VectorFunction, Protocol):
+    """A vector function that also knows its exact Jacobian; without it differences are taken."""
+
+    def jacobian(self, designs: FloatArray) -> FloatArray:
+        """From n designs (n, k) to the derivatives of their vectors, (n, r, k); NaN where failed.
+
+        It is asked only for designs whose vectors have been asked for before.
+        """
+        ...
 
 
 @dataclass(frozen=True)

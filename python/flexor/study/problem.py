@@ -83,6 +83,36 @@ class Problem:
             outcomes.fill(rows, self._follow(part, threads))
         return outcomes
 
+    def residuals(self, outcomes: Outcomes) -> FloatArray:
+        """Vectors whose norms are the objective's values, for least squares.
+
+        Parameters
+        ----------
+        outcomes : Outcomes
+            Of n designs.
+
+        Returns
+        -------
+        (n, r) array
+            NaN where a design failed.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector.
+        """
+        paths = PathArrays(
+            force=self.force,
+            joint_angles=outcomes.joint_angles,
+            tip_force=outcomes.tip_force,
+            touching=outcomes.touching,
+            spheres=self.model.first_spheres,
+            converged=outcomes.converged,
+            stable=outcomes.stable,
+        )
+        vectors = self.objective.residual(paths)
+        return np.where(np.isfinite(outcomes.value)[:, None], vectors, np.nan)
+
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
         return self.model.equilibrium(

@@ -55,3 +55,15 @@ class Recorded:
                 self._known[row.tobytes()] = value
             self.evaluated += len(part)
         return np.array([self._known[key] for key in keys])
+
+    def residuals(self, designs: FloatArray) -> FloatArray:
+        """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector.
+        """
+        self(designs)
+        vectors = [self._problem.residuals(self._record.outcomes(design)) for design in designs]
+        return np.concatenate(vectors)
