@@ -22,7 +22,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         for (v, (w, unit)) in self.velocity[which].iter_mut().zip(self.work.iter().zip(&self.unit)) {
             *v = -w * unit / unit_energy;
         }
-        self.factor.solve(&mut self.velocity[which]);
+        let mut velocity = std::mem::take(&mut self.velocity[which]);
+        self.solve_tangent(&mut velocity);
+        self.velocity[which] = velocity;
     }
 
     /// Tries to move from the equilibrium in `start`, with velocity `velocity[0]`, by `h` along the

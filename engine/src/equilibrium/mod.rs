@@ -7,7 +7,9 @@
 
 mod branch;
 mod descent;
+mod general;
 mod path;
+mod relaxation;
 mod solver;
 mod status;
 mod subproblem;

@@ -88,7 +88,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if status.is_equilibrium() {
                 status = if index == 0 {
                     self.load.copy_from_slice(target);
-                    self.descend(model, 1.0)
+                    self.settle(model, 1.0)
                 } else {
                     self.follow_segment(model, target, index, reach, sink)
                 };
@@ -140,6 +140,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         self.set_velocity(model, rate, 0);
         self.start.copy_from_slice(&self.q);
         let (mut lambda, mut next) = (0.0, 1.0f64);
+        let mut last = Status::Converged;
         // The nearest load that could not be reached in one sub-step.
         let mut barrier = f64::INFINITY;
         while lambda < 1.0 {
@@ -149,6 +150,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             self.set_load(rate, next);
             let tolerance = if next == 1.0 { self.options.tolerance } else { LOOSE_TOLERANCE };
             if self.follow_branch(model, rate, next - lambda, tolerance) {
+                last = Status::Converged;
                 lambda = next;
                 next = if barrier > lambda { barrier.min(1.0) } else { 1.0 };
             } else if next - lambda > 1.5 * smallest {
@@ -157,8 +159,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 continue;
             } else {
                 self.q.copy_from_slice(&self.start);
-                let status = self.descend(model, 0.1);
-                if status != Status::Converged {
+                let status = self.settle(model, 0.1);
+                if !status.is_equilibrium() {
                     return status;
                 }
                 if self.displacement() > SMALLEST_JUMP {
@@ -169,11 +171,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 next = 1.0;
                 barrier = f64::INFINITY;
                 self.set_velocity(model, rate, 1);
+                last = status;
             }
             self.velocity.swap(0, 1);
             self.start.copy_from_slice(&self.q);
         }
-        Status::Converged
+        last
     }
 
     fn set_load(&mut self, rate: &[f64], lambda: f64) {

@@ -1,5 +1,7 @@
 //! The solver of one thread: workspace, scaling and the evaluation of a state.
 
+use super::general::GeneralFactor;
+use super::status::Status;
 use crate::Data;
 use crate::lie::LieGroup;
 use crate::linalg::Cholesky;
@@ -28,6 +30,8 @@ pub struct Solver<G, const D: usize, const P: usize> {
     pub(super) data: Data<G, D, P>,
     pub(super) options: Options,
     pub(super) factor: Cholesky,
+    /// For loads without a potential, whose tangent is not symmetric.
+    general: Option<GeneralFactor>,
     /// The current state and load.
     pub(super) q: Vec<f64>,
     pub(super) load: Vec<f64>,
@@ -58,6 +62,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             data: Data::new(model),
             options,
             factor: Cholesky::new(n),
+            general: (!model.is_conservative()).then(|| GeneralFactor::new(n)),
             q: zeros(),
             load: vec![0.0; inputs],
             unit: zeros(),
@@ -118,8 +123,37 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     }
 
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite.
+    ///
+    /// Without a potential, definiteness is that of the symmetric part: positive second-order work.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
-        self.factor.factorise(self.data.tangent(), &self.data.design.scale, shift)
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
+        match &mut self.general {
+            None => self.factor.factorise(tangent, scale, shift),
+            Some(general) => self.factor.factorise(general.factorise(tangent, scale), scale, shift),
+        }
+    }
+
+    /// Solves H x = b in place, with the factor at hand.
+    pub(super) fn solve_tangent(&self, b: &mut [f64]) {
+        match &self.general {
+            None => self.factor.solve(b),
+            Some(general) => general.solve(b),
+        }
+    }
+
+    /// p = −H⁻¹ r, with the factor at hand.
+    pub(super) fn newton_step(&mut self) {
+        let mut step = std::mem::take(&mut self.step);
+        for (s, r) in step.iter_mut().zip(&self.residual) {
+            *s = -r;
+        }
+        self.solve_tangent(&mut step);
+        self.step = step;
+    }
+
+    /// The nearest equilibrium below the current state.
+    pub(super) fn settle(&mut self, model: &Model<G, D, P>, radius: f64) -> Status {
+        if self.general.is_none() { self.descend(model, radius) } else { self.relax(model) }
     }
 
     /// Adds the dimensionless `step` to `q`.

@@ -63,14 +63,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         Some((self.model_decrease(), definite))
     }
 
-    /// p = −(H + λ)⁻¹ g with the factor at hand.
-    pub(super) fn newton_step(&mut self) {
-        for (s, r) in self.step.iter_mut().zip(&self.residual) {
-            *s = -r;
-        }
-        self.factor.solve(&mut self.step);
-    }
-
     /// Newton's step for 1/‖p(λ)‖ = 1/Δ.
     fn secular_update(&mut self, shift: f64, radius: f64) -> f64 {
         self.work.copy_from_slice(&self.step);
