@@ -18,10 +18,21 @@ if TYPE_CHECKING:
     from flexor.errors import InputError
     from flexor.model import Model, Path, load
     from flexor.study import Study, optimize
+    from flexor.survey import Landscape, landscape
 
     __version__: str
 
-__all__ = ["InputError", "Model", "Path", "Study", "__version__", "load", "optimize"]
+__all__ = [
+    "InputError",
+    "Landscape",
+    "Model",
+    "Path",
+    "Study",
+    "__version__",
+    "landscape",
+    "load",
+    "optimize",
+]
 
 # Public names are found where they live only when asked for, so that `import flexor` (and with it
 # the command line's --help) does not wait for pydantic, scipy or matplotlib.
@@ -29,11 +40,13 @@ _HOME = {
     "InputError": "flexor.errors",
     "Model": "flexor.model",
     "Path": "flexor.model",
+    "Landscape": "flexor.survey",
     "Study": "flexor.study",
+    "landscape": "flexor.survey",
     "load": "flexor.model",
     "optimize": "flexor.study",
 }
-_PACKAGES = ("cli", "design", "errors", "model", "objective", "plot", "search", "study")
+_PACKAGES = ("cli", "design", "errors", "model", "objective", "plot", "search", "study", "survey")
 
 
 def __getattr__(name: str) -> object:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexor.cli import optimize, presets, sets, simulate
+from flexor.cli import landscape, methods, optimize, presets, sets, simulate
 from flexor.cli.console import complain
 from flexor.errors import InputError
 
@@ -22,8 +22,10 @@ app = typer.Typer(
 # A new command is one file and one line here.
 app.command("simulate")(simulate.simulate)
 app.command("optimize")(optimize.optimize)
+app.command("landscape")(landscape.landscape)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
+app.command("methods")(methods.methods)
 
 
 def _version(wanted: bool) -> None:

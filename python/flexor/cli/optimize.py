@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import time
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,14 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli.changes import load_changed
-from flexor.cli.console import complain, err
 from flexor.cli.simulate import Constants, Set
+from flexor.cli.studies import free_folder, interrupted
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Study
-
-STUDIES = FilePath("studies")
 
 
 def optimize(
@@ -113,7 +110,9 @@ def optimize(
                 loaded = load_changed(model, constants, changes or [])
                 settings = _settings(loaded, parameters, method, options or [], start or [], force)
                 place = (
-                    resume or folder or _free(loaded.name, settings["parameters"].name, objective)
+                    resume
+                    or folder
+                    or free_folder(loaded.name, settings["parameters"].name, objective)
                 )
                 study = studies.optimize(
                     loaded,
@@ -127,7 +126,7 @@ def optimize(
                     **settings,
                 )
     except KeyboardInterrupt:
-        return _interrupted(place)
+        return interrupted(place, "flexor optimize --resume")
     seconds = time.monotonic() - began
     if as_json:
         print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
@@ -160,27 +159,6 @@ def _settings(
         "start": starts(start, chosen),
         "force": None if force is None else forces(force),
     }
-
-
-def _free(model: str, parameters: str, objective: str) -> FilePath:
-    name = re.sub(r"[^\w.+-]", "-", f"{model}-{parameters}-{objective}")
-    names = [name, *(f"{name}-{count}" for count in range(2, 10_000))]
-    return STUDIES / next(n for n in names if not (STUDIES / n).exists())
-
-
-def _interrupted(place: FilePath | None) -> int:
-    if place is None or not (place / "settings.json").exists():
-        complain("interrupted before the first design.")
-        return 130
-    import shlex
-
-    err.print(
-        "interrupted; every design evaluated so far is kept. To go on:\n"
-        f"  flexor optimize --resume {shlex.quote(str(place))}",
-        markup=False,
-        soft_wrap=True,
-    )
-    return 130
 
 
 def _open(study: Study) -> None:

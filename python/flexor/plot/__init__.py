@@ -1,7 +1,8 @@
 """Figures to scale: finger and exosuit in place, as PNG, SVG or PDF.
 
-`path` draws one design at every load, `designs` two designs before and after actuation; `save`
-writes either. Matplotlib is imported when the first figure is drawn.
+`path` draws one design at every load, `designs` two designs before and after actuation,
+`landscape` an objective over one or two parameters; `save` writes any. Matplotlib is imported when
+the first figure is drawn.
 """
 
 from __future__ import annotations
@@ -9,16 +10,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexor.plot.designs_figure import Design, draw_designs
+from flexor.plot.landscape_figure import draw_landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.reading import read_scene
 from flexor.plot.style import save, writable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.figure import Figure
 
     from flexor.model import Path
+    from flexor.survey import Landscape, SearchPath
 
-__all__ = ["designs", "path", "save", "writable"]
+__all__ = ["designs", "landscape", "path", "save", "writable"]
 
 
 def path(path: Path) -> Figure:
@@ -67,3 +72,22 @@ def designs(
         for title, shown in zip(titles, (start_path, best_path), strict=True)
     ]
     return draw_designs(panels, planar_model=start_path.model.planar)
+
+
+def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
+    """Draw an objective over one or two parameters.
+
+    Parameters
+    ----------
+    landscape : Landscape
+        What `flexor.landscape` gave.
+    paths : sequence of SearchPath
+        Searches of the same parameter set to lay over it, from start to end.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        In perspective and from above, as wide as a page; or a curve, as wide as a column. Its
+        minimum, the designs that snap on their way and those that failed are marked.
+    """
+    return draw_landscape(landscape, paths)

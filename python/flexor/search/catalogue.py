@@ -30,6 +30,8 @@ class Entry:
     ----------
     recipe : type
         A frozen dataclass whose fields are the method's options.
+    title : str
+        As people write it, for figures and tables.
     aliases : tuple of str
         Other names for it.
     about : str
@@ -37,6 +39,7 @@ class Entry:
     """
 
     recipe: Callable[..., Search]
+    title: str
     aliases: tuple[str, ...]
     about: str
 
@@ -46,21 +49,38 @@ class Entry:
         return {field.name: field.default for field in fields(self.recipe)}  # type: ignore[arg-type]
 
 
-# One line for each method.
+# One entry for each method.
 _METHODS: dict[str, Entry] = {
-    "pattern-search": Entry(PatternSearch, ("ps", "gps"), "the paper's: polls along each axis"),
-    "levenberg-marquardt": Entry(
-        LevenbergMarquardt, ("lm", "ls", "least-squares"), "the paper's least squares: local"
+    "pattern-search": Entry(
+        PatternSearch, "pattern search", ("ps", "gps"), "the paper's PS: polls along every axis"
     ),
-    "genetic-algorithm": Entry(GeneticAlgorithm, ("ga",), "evolution by crossover"),
-    "differential-evolution": Entry(DifferentialEvolution, ("de",), "evolution by differences"),
-    "particle-swarm": Entry(ParticleSwarm, ("pso",), "a swarm drawn to its best"),
-    "cma-es": Entry(CmaEs, ("cma", "cmaes"), "evolution that learns the valley, with restarts"),
-    "direct": Entry(Direct, (), "divides the box; deterministic"),
-    "dual-annealing": Entry(DualAnnealing, ("annealing", "da"), "annealing with local searches"),
-    "mads": Entry(Mads, ("nomad",), "polls in ever more directions, with quadratic models"),
-    "surrogate": Entry(Surrogate, ("ego", "bayesian"), "Bayesian, for expensive models"),
-    "grid": Entry(Grid, (), "every combination of evenly spaced values"),
+    "levenberg-marquardt": Entry(
+        LevenbergMarquardt,
+        "Levenberg-Marquardt",
+        ("lm", "ls", "least-squares"),
+        "the paper's LS: least squares on the objective's vector; local",
+    ),
+    "genetic-algorithm": Entry(
+        GeneticAlgorithm, "genetic algorithm", ("ga",), "evolution by crossover and mutation"
+    ),
+    "differential-evolution": Entry(
+        DifferentialEvolution, "differential evolution", ("de",), "evolution by differences"
+    ),
+    "particle-swarm": Entry(
+        ParticleSwarm, "particle swarm", ("pso",), "a swarm drawn to the best it has found"
+    ),
+    "cma-es": Entry(
+        CmaEs, "CMA-ES", ("cma", "cmaes"), "evolution that learns the valley, with restarts"
+    ),
+    "direct": Entry(Direct, "DIRECT", (), "divides the box into ever smaller ones; no chance"),
+    "dual-annealing": Entry(
+        DualAnnealing, "dual annealing", ("annealing", "da"), "annealing with local searches"
+    ),
+    "mads": Entry(Mads, "MADS", ("nomad",), "polls in ever more directions, quadratic models"),
+    "surrogate": Entry(
+        Surrogate, "surrogate (EGO)", ("ego", "bayesian"), "Bayesian, for expensive models"
+    ),
+    "grid": Entry(Grid, "grid", (), "every combination of evenly spaced values"),
 }
 _ALIASES = {alias: name for name, entry in _METHODS.items() for alias in entry.aliases}
 

@@ -1,0 +1,243 @@
+"""`flexor landscape`: an objective over one or two parameters, evaluated and drawn."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexor.cli.changes import load_changed
+from flexor.cli.console import err, out
+from flexor.cli.progress import duration
+from flexor.cli.simulate import Constants, Set
+from flexor.cli.studies import free_folder, interrupted
+from flexor.cli.table import number
+from flexor.errors import InputError
+
+if TYPE_CHECKING:
+    from flexor.design import ParameterSet
+    from flexor.study import Study
+    from flexor.survey import Landscape, SearchPath
+
+
+def landscape(
+    model: Annotated[
+        str | None,
+        typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
+    ] = None,
+    parameters: Annotated[
+        str, typer.Option("--parameters", "-p", help="What may change (see `flexor sets`).")
+    ] = "R01",
+    objective: Annotated[
+        str, typer.Option("--objective", "-o", help="What is evaluated (see `flexor sets`).")
+    ] = "bending",
+    grid: Annotated[int, typer.Option(help="Points along each axis.")] = 81,
+    axes: Annotated[
+        str | None,
+        typer.Option(
+            help="The one or two parameters to vary, such as `R_0,R_1`; the others stay at the "
+            "start. Needed if the set has more than two."
+        ),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(help="Where the others stay, such as `L=8 cm`; the model's own by default."),
+    ] = None,
+    force: Annotated[
+        str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
+    ] = None,
+    searches: Annotated[
+        list[FilePath] | None,
+        typer.Option(
+            "--study",
+            help="Lay the way of this study (a folder of `flexor optimize`) over the landscape; "
+            "may be repeated.",
+        ),
+    ] = None,
+    folder: Annotated[
+        FilePath | None,
+        typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
+    ] = None,
+    resume: Annotated[
+        FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
+    ] = None,
+    threads: Annotated[
+        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
+    ] = 0,
+    constants: Constants = None,
+    changes: Set = None,
+    plot: Annotated[
+        FilePath | None, typer.Option(help="Draw into this PNG, SVG or PDF as well.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object instead of sentences.")
+    ] = False,
+) -> int:
+    """Evaluate an objective on a grid over one or two parameters, and draw it.
+
+    Every design that is evaluated is kept in the study folder at once, so a landscape can be
+    interrupted (Ctrl-C) and resumed. At the end the folder has the arrays (`landscape.npz`), a row
+    for each design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): in
+    perspective and from above, with the minimum of the grid, the designs that snap on their way
+    and those that failed.
+
+    For example:
+
+    * `flexor landscape finger --parameters R01 --objective f_b`
+    * `flexor landscape finger -p L+R01 --axes L,R_1 --start "R_0=0.7 cm" --grid 41`
+    * `flexor landscape finger -p L --grid 201 --constants printed --out studies/length`
+    * `flexor landscape finger -p R01 --study studies/finger-R01-bending`
+    """
+    from flexor import study as studies
+    from flexor.cli.progress import SearchProgress
+    from flexor.survey import Landscape, SearchPath
+
+    if plot is not None:
+        from flexor.plot import writable
+
+        writable(plot)
+    if model is None and resume is None:
+        raise InputError("give a MODEL, or --resume FOLDER to go on with a landscape.")
+    if resume is not None and (folder is not None or model is not None):
+        raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+    ways = [(each, studies.Study.open(each)) for each in searches or []]
+    executor, began, place = studies.Threads(threads), time.monotonic(), resume
+    try:
+        with SearchProgress() as progress:
+            if resume is not None:
+                Landscape.check(resume)
+                study = studies.resume(resume, progress=progress, executor=executor)
+            else:
+                assert model is not None
+                loaded = load_changed(model, constants, changes or [])
+                settings = _settings(loaded, parameters, axes, grid, start, force)
+                chosen = settings["parameters"]
+                for each, way in ways:
+                    _check_same_set(each, way, chosen)
+                place = folder or free_folder(loaded.name, chosen.name, objective, "landscape")
+                study = studies.optimize(
+                    loaded,
+                    objective=objective,
+                    folder=place,
+                    progress=progress,
+                    executor=executor,
+                    **settings,
+                )
+    except KeyboardInterrupt:
+        return interrupted(place, "flexor landscape --resume")
+    found = Landscape.of(study)
+    seconds = time.monotonic() - began
+    for each, way in ways:
+        _check_same_set(each, way, study.problem.parameters)
+    files = _keep(found, [SearchPath.from_study(way, each.name) for each, way in ways], plot)
+    if as_json:
+        print(json.dumps(_as_json(found, seconds, files), allow_nan=False))
+    else:
+        _tell(found, seconds, files)
+    return 0
+
+
+def _settings(
+    model: Any, parameters: str, axes: str | None, grid: int, start: str | None, force: str | None
+) -> dict[str, Any]:
+    from flexor import design
+    from flexor.cli.start import starts
+    from flexor.model import forces
+    from flexor.survey import grid_over
+
+    chosen = design.parameter_set(parameters, model.design)
+    labels = None if axes is None else [label.strip() for label in axes.split(",")]
+    if start is not None and start.strip().lower() == "random":
+        raise InputError('--start is "random": a landscape needs values, such as "L=8 cm".')
+    return {
+        "parameters": chosen,
+        "method": grid_over(chosen, grid, labels),
+        "start": starts([] if start is None else [start], chosen),
+        "force": None if force is None else forces(force),
+    }
+
+
+def _check_same_set(folder: FilePath, way: Study, chosen: ParameterSet) -> None:
+    theirs = way.problem.parameters
+    if theirs.labels != chosen.labels:
+        raise InputError(
+            f'--study "{folder}" searched {theirs.name} ({", ".join(theirs.labels)}), '
+            f"but the landscape is of {chosen.name} ({', '.join(chosen.labels)})."
+        )
+
+
+def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> list[FilePath]:
+    from flexor import plot
+
+    place = found.study.folder
+    assert place is not None
+    files = found.save(place)
+    with err.status("drawing the landscape"):
+        figure = plot.landscape(found, paths)
+        files += [
+            plot.save(figure, file)
+            for file in (place / "landscape.png", place / "landscape.svg", also)
+            if file is not None
+        ]
+    return files
+
+
+def _tell(found: Landscape, seconds: float, files: list[FilePath]) -> None:
+    objective, failed = found.problem.objective, int(found.failed.sum())
+    size = " × ".join(str(n) for n in found.value.shape)
+    sentences = [f"{size} designs in {duration(seconds)}."]
+    if failed < found.value.size:
+        best = found.minimum
+        at = ", ".join(
+            f"{label} = {number(value / scale)}{'' if unit == '1' else ' ' + unit}"
+            for label, value, scale, unit in zip(
+                found.problem.parameters.labels,
+                best.vector.tolist(),
+                found.problem.parameters.scale.tolist(),
+                found.problem.parameters.units,
+                strict=True,
+            )
+        )
+        said = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
+        sentences.append(f"The best of them is {at}: {said}.")
+        minima, snap = len(found.local_minima()), _share(float((found.events > 0).mean()))
+        sentences.append(
+            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap "
+            f"on their way, {_share(float(found.failed.mean()))} fail."
+        )
+    else:
+        sentences.append(f"Every design failed: {found.reason.flat[0]}.")
+    for sentence in sentences:
+        out.print(sentence, markup=False, soft_wrap=True)
+    for file in files:
+        out.print(f"file: {file}", markup=False, soft_wrap=True)
+
+
+def _share(part: float) -> str:
+    return "none" if part == 0.0 else f"{100.0 * part:.2g} %"
+
+
+def _as_json(found: Landscape, seconds: float, files: list[FilePath]) -> dict[str, Any]:
+    """Return parameters in SI, `value` and `bending` [rad] of the minimum, and counts."""
+    minimum = None
+    if not found.failed.all():
+        best = found.minimum
+        minimum = {"parameters": best.parameters, "value": best.value, "bending": best.bending}
+    return {
+        "parameters": found.problem.parameters.name,
+        "objective": found.problem.objective.name,
+        "axes": {
+            label: axis.tolist() for label, axis in zip(found.labels, found.axes, strict=True)
+        },
+        "minimum": minimum,
+        "local_minima": len(found.local_minima()),
+        "designs": int(found.value.size),
+        "snapping": int((found.events > 0).sum()),
+        "failed": int(found.failed.sum()),
+        "seconds": seconds,
+        "folder": str(found.study.folder),
+        "files": [str(file) for file in files],
+    }

@@ -1,0 +1,30 @@
+"""`flexor methods`: the searches there are."""
+
+from __future__ import annotations
+
+from flexor.cli.console import out
+from flexor.cli.table import table
+
+
+def methods() -> None:
+    """List the search methods with their other names and options.
+
+    A method is chosen with `flexor optimize finger --method NAME`, an option of it with
+    `--option KEY=VALUE`.
+    """
+    from flexor import search
+    from flexor.search.extras import missing
+
+    rows = []
+    for name, entry in search.entries().items():
+        package = missing(name)
+        options = ", ".join(
+            f"{key}={int(value) if isinstance(value, bool) else f'{value:g}'}"
+            for key, value in entry.options.items()
+            if not isinstance(value, tuple)
+        )
+        rows.append((name, f"{entry.about[0].upper()}{entry.about[1:]}."))
+        if package:
+            rows.append(("", f"Not installed: pip install {package}"))
+        rows.append((", ".join(entry.aliases), options))
+    out.print(table(("method", "what it is, and its options"), rows, left=2))

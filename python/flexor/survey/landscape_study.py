@@ -1,0 +1,125 @@
+"""Evaluate a landscape as a study: recorded, resumable, with progress."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError, unknown
+from flexor.objective import Objective
+from flexor.search import Grid
+from flexor.study import Executor, StudyCallback, optimize
+from flexor.survey.landscape_result import Landscape
+
+if TYPE_CHECKING:
+    from flexor.model import Model
+
+
+def landscape(
+    model: Model,
+    parameters: str | ParameterSet = "R01",
+    objective: str | Objective = "bending",
+    *,
+    grid: int = 81,
+    axes: Sequence[str] | None = None,
+    start: ArrayLike | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    force: ArrayLike | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    progress: StudyCallback | None = None,
+    executor: Executor | None = None,
+    engine_options: Mapping[str, float] | None = None,
+) -> Landscape:
+    """Evaluate an objective on a grid over one or two parameters.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with a ``[design]``.
+    parameters : str or ParameterSet
+        What may be changed, for example ``"R01"``.
+    objective : str or Objective
+        What is evaluated, for example ``"bending"`` (f_b).
+    grid : int
+        Points along each axis, both bounds included.
+    axes : sequence of str, optional
+        Labels of the one or two parameters to vary; needed if the set has more than two.
+    start : (k,) array, optional
+        Where the other parameters stay, SI; the set's own start by default.
+    bounds : dict, optional
+        Other bounds by label, SI.
+    force : (steps,) array, optional
+        Actuation forces [N], judged at the last.
+    folder : path, optional
+        Where to keep the study; in memory by default.
+    resume : bool
+        Go on with the landscape in ``folder``, whose settings must be these.
+    progress, executor, engine_options : optional
+        As for `flexor.optimize`.
+
+    Returns
+    -------
+    Landscape
+        Arrays over the grid; draw it with `flexor.plot.landscape`.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, the axes are not one or two of the set's parameters, or the folder
+        cannot be used.
+    """
+    chosen = parameter_set(parameters, model.design) if isinstance(parameters, str) else parameters
+    study = optimize(
+        model,
+        chosen,
+        objective,
+        grid_over(chosen, grid, axes),
+        start=start,
+        bounds=bounds,
+        force=force,
+        folder=folder,
+        resume=resume,
+        progress=progress,
+        executor=executor,
+        engine_options=engine_options,
+    )
+    return Landscape.of(study)
+
+
+def grid_over(chosen: ParameterSet, points: int, axes: Sequence[str] | None = None) -> Grid:
+    """Make the grid of a landscape.
+
+    Parameters
+    ----------
+    chosen : ParameterSet
+        Whose parameters vary.
+    points : int
+        Along each axis.
+    axes : sequence of str, optional
+        Labels of the one or two parameters; all by default.
+
+    Raises
+    ------
+    InputError
+        If they are not one or two different parameters of the set.
+    """
+    if axes is None:
+        if chosen.size > 2:
+            raise InputError(
+                f"parameter set {chosen.name} has {chosen.size} parameters "
+                f"({', '.join(chosen.labels)}): choose one or two of them as axes."
+            )
+        return Grid(points)
+    if isinstance(axes, str) or not 1 <= len(axes) <= 2 or len(set(axes)) < len(axes):
+        raise InputError(
+            f"axes must be one or two different parameters, got {', '.join(axes) or 'none'}."
+        )
+    for label in axes:
+        if label not in chosen.labels:
+            raise unknown(f"parameter of the set {chosen.name}", label, chosen.labels)
+    return Grid(points, tuple(chosen.labels.index(label) for label in axes))
