@@ -25,14 +25,25 @@ pub(crate) struct Assembly<const D: usize> {
     columns: Vec<(usize, Vector<D>)>,
     /// The same columns as changes dΩ of the frame's motion.
     motions: Vec<Vector<D>>,
-    /// Σ of columns and of H̄S within one run of frames that share their coordinates.
-    run_columns: Vec<Vector<D>>,
-    run_rows: Vec<Vector<D>>,
+    run: Run<D>,
     /// Σ of the columns met so far, one D × dof block per body.
     prefix: Vec<f64>,
     /// Jacobians of the kept frames, one D × dof block each.
     kept: Vec<f64>,
     /// Σ of coupling forms times column Jacobians, one D × coupled block per frame.
+    coupled: Vec<f64>,
+}
+
+/// Sums over one run of frames that share their coordinates.
+#[derive(Clone, Debug)]
+struct Run<const D: usize> {
+    /// Σ S.
+    columns: Vec<Vector<D>>,
+    /// Σ (H̄ + ½ M(w̄)) S.
+    rows: Vec<Vector<D>>,
+    /// The run's columns with one another.
+    own: Vec<f64>,
+    /// The run's columns with the other side of couplings.
     coupled: Vec<f64>,
 }
 
@@ -50,8 +61,12 @@ impl<const D: usize> Assembly<D> {
             tangent: vec![0.0; n * n],
             columns: vec![(0, Vector::ZERO); columns],
             motions: vec![Vector::ZERO; columns],
-            run_columns: vec![Vector::ZERO; widest],
-            run_rows: vec![Vector::ZERO; widest],
+            run: Run {
+                columns: vec![Vector::ZERO; widest],
+                rows: vec![Vector::ZERO; widest],
+                own: vec![0.0; widest * widest],
+                coupled: vec![0.0; widest * model.coupled.len()],
+            },
             prefix: vec![0.0; model.bodies.len() * D * n],
             kept: vec![0.0; model.jacobian_slot.iter().flatten().count() * D * n],
             coupled: vec![0.0; model.frames.len() * D * model.coupled.len()],
@@ -298,9 +313,13 @@ impl<const D: usize> Assembly<D> {
         let width = span.len();
         let first = &model.frames[run.start];
         let count = first.columns.len();
-        let (run_columns, run_rows) = (&mut self.run_columns[..count], &mut self.run_rows[..count]);
-        run_columns.fill(Vector::ZERO);
-        run_rows.fill(Vector::ZERO);
+        let Run { columns: sums, rows, own, coupled: coupled_rows } = &mut self.run;
+        let (sums, rows) = (&mut sums[..count], &mut rows[..count]);
+        let (own, coupled_rows) = (&mut own[..count * count], &mut coupled_rows[..count * width]);
+        sums.fill(Vector::ZERO);
+        rows.fill(Vector::ZERO);
+        own.fill(0.0);
+        coupled_rows.fill(0.0);
         for f in run {
             if !self.frames.loaded[f] {
                 break;
@@ -308,40 +327,50 @@ impl<const D: usize> Assembly<D> {
             let wrench = self.frames.wrench[f];
             let form = self.frames.stiffness[f] + G::bracket_form(&wrench) * 0.5;
             let columns = &self.columns[model.frames[f].columns.clone()];
-            for ((dof, column), rows) in columns.iter().zip(run_rows.iter_mut()) {
+            for ((dof, column), (row, own)) in
+                columns.iter().zip(rows.iter_mut().zip(own.chunks_exact_mut(count)))
+            {
                 let y = form * *column;
-                *rows += y;
+                *row += y;
                 self.coordinates.gradient[*dof] += wrench.dot(column);
-                let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
-                for ((other, own), before) in columns.iter().zip(run_columns.iter()) {
-                    row[*other] += y.dot(&(*before + *own * 0.5));
+                for (o, ((_, other), before)) in own.iter_mut().zip(columns.iter().zip(sums.iter())) {
+                    *o += y.dot(&(*before + *other * 0.5));
                 }
-                if coupled {
-                    let carried = &self.coupled[f * D * width..(f + 1) * D * width];
-                    for d in 0..D {
-                        for (r, z) in row[span.clone()].iter_mut().zip(&carried[d * width..(d + 1) * width]) {
-                            *r += column[d] * z;
+            }
+            if coupled {
+                let carried = &self.coupled[f * D * width..(f + 1) * D * width];
+                for ((_, column), out) in columns.iter().zip(coupled_rows.chunks_exact_mut(width)) {
+                    for (d, carried) in carried.chunks_exact(width).enumerate() {
+                        for (o, z) in out.iter_mut().zip(carried) {
+                            *o += column[d] * z;
                         }
                     }
                 }
             }
-            for ((_, column), sum) in columns.iter().zip(run_columns.iter_mut()) {
+            for ((_, column), sum) in columns.iter().zip(sums.iter_mut()) {
                 *sum += *column;
             }
         }
+
         let prefix = &mut self.prefix[first.body * D * n..(first.body + 1) * D * n];
         let path = model.frames[first.parent].path.clone();
         let columns = &self.columns[first.columns.clone()];
-        for ((dof, _), y) in columns.iter().zip(run_rows.iter()) {
-            let row = &mut self.coordinates.half_tangent[dof * n + path.start..dof * n + path.end];
+        for (c, ((dof, _), y)) in columns.iter().zip(rows.iter()).enumerate() {
+            let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
             for d in 0..D {
                 let before = &prefix[d * n + path.start..d * n + path.end];
-                for (r, p) in row.iter_mut().zip(before) {
+                for (r, p) in row[path.clone()].iter_mut().zip(before) {
                     *r += y[d] * p;
                 }
             }
+            for ((other, _), value) in columns.iter().zip(&own[c * count..(c + 1) * count]) {
+                row[*other] += value;
+            }
+            for (r, z) in row[span.clone()].iter_mut().zip(&coupled_rows[c * width..(c + 1) * width]) {
+                *r += z;
+            }
         }
-        for ((dof, _), sum) in columns.iter().zip(run_columns.iter()) {
+        for ((dof, _), sum) in columns.iter().zip(sums.iter()) {
             for d in 0..D {
                 prefix[d * n + dof] += sum[d];
             }
