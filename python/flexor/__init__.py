@@ -18,17 +18,19 @@ if TYPE_CHECKING:
     from flexor.errors import InputError
     from flexor.model import Model, Path, load
     from flexor.study import Study, optimize
-    from flexor.survey import Landscape, landscape
+    from flexor.survey import Landscape, MethodComparison, compare, landscape
 
     __version__: str
 
 __all__ = [
     "InputError",
     "Landscape",
+    "MethodComparison",
     "Model",
     "Path",
     "Study",
     "__version__",
+    "compare",
     "landscape",
     "load",
     "optimize",
@@ -41,7 +43,9 @@ _HOME = {
     "Model": "flexor.model",
     "Path": "flexor.model",
     "Landscape": "flexor.survey",
+    "MethodComparison": "flexor.survey",
     "Study": "flexor.study",
+    "compare": "flexor.survey",
     "landscape": "flexor.survey",
     "load": "flexor.model",
     "optimize": "flexor.study",

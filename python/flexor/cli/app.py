@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from flexor.cli import landscape, methods, optimize, presets, sets, simulate
+from flexor.cli import (
+    calibrate,
+    compare,
+    landscape,
+    methods,
+    optimize,
+    presets,
+    sets,
+    simulate,
+    validate,
+)
 from flexor.cli.console import complain
 from flexor.errors import InputError
 
@@ -23,9 +33,12 @@ app = typer.Typer(
 app.command("simulate")(simulate.simulate)
 app.command("optimize")(optimize.optimize)
 app.command("landscape")(landscape.landscape)
+app.command("compare")(compare.compare)
+app.command("calibrate")(calibrate.calibrate)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)
+app.command("validate")(validate.validate)
 
 
 def _version(wanted: bool) -> None:

@@ -34,7 +34,8 @@ def interrupted(place: Path | None, command: str) -> int:
     command : str
         What resumes it, up to the folder.
     """
-    if place is None or not (place / "settings.json").exists():
+    made = ("settings.json", "comparison.json")
+    if place is None or not any((place / name).exists() for name in made):
         complain("interrupted before the first design.")
         return 130
     err.print(

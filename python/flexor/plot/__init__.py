@@ -1,8 +1,8 @@
 """Figures to scale: finger and exosuit in place, as PNG, SVG or PDF.
 
 `path` draws one design at every load, `designs` two designs before and after actuation,
-`landscape` an objective over one or two parameters; `save` writes any. Matplotlib is imported when
-the first figure is drawn.
+`landscape` an objective over one or two parameters, `profiles` a comparison of search methods;
+`save` writes any. Matplotlib is imported when the first figure is drawn.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.landscape_figure import draw_landscape
 from flexor.plot.path_figure import draw_path
+from flexor.plot.profiles_figure import draw_profiles
 from flexor.plot.reading import read_scene
 from flexor.plot.style import save, writable
 
@@ -21,9 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexor.model import Path
-    from flexor.survey import Landscape, SearchPath
+    from flexor.survey import Landscape, MethodComparison, SearchPath
 
-__all__ = ["designs", "landscape", "path", "save", "writable"]
+__all__ = ["designs", "landscape", "path", "profiles", "save", "writable"]
 
 
 def path(path: Path) -> Figure:
@@ -91,3 +92,29 @@ def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
         minimum, the designs that snap on their way and those that failed are marked.
     """
     return draw_landscape(landscape, paths)
+
+
+def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
+    """Draw how many of its problems each method of a comparison solves at what cost.
+
+    Parameters
+    ----------
+    comparison : MethodComparison
+        What `flexor.compare` gave.
+    within : float
+        Part of the best known gain that a solution may lack.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Performance profile and data profile, as wide as a page.
+    """
+    from flexor.survey import data_profiles, performance_profiles
+
+    sets, seeds = len(comparison.sets), len(comparison.seeds)
+    return draw_profiles(
+        performance_profiles(comparison, within),
+        data_profiles(comparison, within),
+        problems=f"{sets} set{'s' * (sets > 1)} × {seeds} seed{'s' * (seeds > 1)}",
+        within=within,
+    )

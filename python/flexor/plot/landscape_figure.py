@@ -148,8 +148,10 @@ def _plan(plan: Any, x: Array, y: Array, value: Array, colours: Any, landscape: 
     plan.pcolormesh(
         x, y, value, cmap=colours.cmap, norm=colours.norm, shading="nearest", rasterized=True
     )
-    if np.isfinite(value).all() and np.ptp(value) > 0.0:
-        plan.contour(x, y, value, LEVELS, colors="white", linewidths=0.4, alpha=0.6)
+    if np.nanmax(value, initial=-np.inf) > np.nanmin(value, initial=np.inf):
+        plan.contour(
+            x, y, np.ma.masked_invalid(value), LEVELS, colors="white", linewidths=0.4, alpha=0.6
+        )
     across, up = np.nonzero((landscape.events > 0) & ~landscape.failed)
     size = (min(PAGE * 72.0 * 0.38 / max(x.size, y.size), 8.0) * 0.45) ** 2
     plan.scatter(x[across], y[up], s=size, c=SNAP, linewidths=0.0, zorder=3, rasterized=True)
@@ -175,6 +177,7 @@ def _path(
     plan.plot(x, y, color=LINE, linewidth=1.8, zorder=4)
     ends: dict[str, Any] = {"markeredgecolor": LINE, "markeredgewidth": 0.7, "linestyle": ""}
     plan.plot(x[0], y[0], marker=marker, color=colour, markersize=3.5, zorder=6, **ends)
+    ends["markeredgecolor"] = "white"
     plan.plot(x[-1], y[-1], marker=marker, color=LINE, markersize=4.5, zorder=7, **ends)
     if path.label:
         plan.annotate(

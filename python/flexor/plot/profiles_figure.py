@@ -1,0 +1,86 @@
+"""The figure of a comparison of methods: performance and data profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexor.plot.style import PAGE, style
+from flexor.search import entries
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flexor.survey import Profile
+
+# Okabe and Ito's colours that are dark enough for lines, each with each stroke: lines of one colour
+# differ in stroke and lines of one stroke in colour.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
+STROKES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)))
+# Costs beyond these say no more than the end of the line does.
+LARGEST_RATIO = 64.0
+
+
+def draw_profiles(
+    performance: Sequence[Profile], data: Sequence[Profile], *, problems: str, within: float
+) -> Figure:
+    """Draw both profiles side by side.
+
+    Parameters
+    ----------
+    performance, data : sequence of Profile
+        Of the same methods in the same order.
+    problems : str
+        What the problems are, for the axes, such as ``"7 sets × 10 seeds"``.
+    within : float
+        Part of the best known gain that a solution may lack.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As wide as a page.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, PercentFormatter
+
+    with style():
+        figure = Figure(figsize=(PAGE, 0.46 * PAGE), layout="constrained")
+        left, right = figure.subplots(1, 2, sharey=True)
+        widest = max((float(p.cost[-1]) for p in performance if p.cost.size), default=1.0)
+        last = min(max(2.0, 2.0 ** np.ceil(np.log2(widest) + 0.01)), LARGEST_RATIO)
+        _lines(left, performance, 1.0, last)
+        left.set_xscale("log", base=2)
+        left.xaxis.set_major_formatter(FuncFormatter(lambda ratio, _: f"{ratio:g}"))
+        left.set_xlabel("evaluations / those of the fastest method")
+        left.set_title("performance profile")
+        longest = max((float(p.cost[-1]) for p in data if p.cost.size), default=1.0)
+        _lines(right, data, 0.0, 1.05 * longest)
+        right.set_xlabel("evaluations / (parameters + 1)")
+        right.set_title("data profile")
+        left.set_ylabel(f"solved to {100.0 * within:g} % of the gain\n({problems})")
+        for axes in (left, right):
+            axes.set_ylim(0.0, 1.03)
+            axes.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
+            axes.grid(True)
+        handles, _ = left.get_legend_handles_labels()
+        figure.legend(handles=handles, loc="outside lower center", ncols=5, handlelength=2.2)
+    return figure
+
+
+def _lines(axes: Any, profiles: Sequence[Profile], first: float, last: float) -> None:
+    for i, profile in enumerate(profiles):
+        cost = np.concatenate(([first], profile.cost, [last]))
+        solved = np.concatenate(([0.0], profile.solved, [profile.at(np.inf)]))
+        known = entries().get(profile.method)
+        axes.step(
+            np.maximum(cost, first),
+            solved,
+            where="post",
+            color=COLOURS[i % len(COLOURS)],
+            linestyle=STROKES[(i // len(COLOURS)) % len(STROKES)],
+            label=known.title if known is not None else profile.method,
+            clip_on=True,
+        )
+    axes.set_xlim(first, last)

@@ -1,0 +1,236 @@
+"""What comparing methods gives: every search, and what can be said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.errors import unknown
+from flexor.objective import Objective
+from flexor.search import SearchResult
+from flexor.study.outcomes import FloatArray
+
+# "Within 1 % of the best known": of its gain; see `MethodComparison.target`.
+WITHIN = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class SearchRun:
+    """One search of a comparison.
+
+    Attributes
+    ----------
+    parameters : str
+        Name of the parameter set.
+    method : str
+        Label of the method.
+    seed : int
+        Of start and method.
+    result : SearchResult
+        What it found and every improvement on the way.
+    seconds : float
+        How long it took on one thread (or on the executor); NaN if it was interrupted.
+    """
+
+    parameters: str
+    method: str
+    seed: int
+    result: SearchResult
+    seconds: float
+
+    def evaluations_to(self, target: float) -> float:
+        """Return after how many evaluations a value was reached; +inf if it was not."""
+        reached = np.flatnonzero(self.result.improvement_values <= target)
+        return float(self.result.improvement_evaluations[reached[0]]) if reached.size else np.inf
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What the searches of one method on one set came to.
+
+    Attributes
+    ----------
+    parameters, method : str
+        Which.
+    searches : int
+        How many seeds.
+    best, median, worst : float
+        Values that they ended at.
+    success : float
+        Part of them that reached the target.
+    evaluations : float
+        Median evaluations to the target, of those that reached it; +inf if none did.
+    expected_evaluations : float
+        Evaluations to be expected until the target is reached if the method is begun anew whenever
+        it ends without (spent by all searches, up to the target, for each success); +inf if none
+        succeeded.
+    spent : float
+        Median evaluations to the end.
+    seconds : float
+        Median time; NaN if every search was interrupted.
+    """
+
+    parameters: str
+    method: str
+    searches: int
+    best: float
+    median: float
+    worst: float
+    success: float
+    evaluations: float
+    expected_evaluations: float
+    spent: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class MethodComparison:
+    """Every method from the same starts, seeds and budget on each parameter set.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    objective : Objective
+        What was minimised.
+    budget : int
+        Evaluations that each search could spend.
+    sets : dict of int
+        Number of parameters of each set.
+    methods : tuple of str
+        Labels, in the order they were given.
+    seeds : tuple of int
+        One search of each.
+    reference : dict of float
+        Value of each set's own start, the model's own exosuit, against which gains are measured.
+    runs : tuple of SearchRun
+        All searches.
+    known : dict of float
+        Best values known from elsewhere.
+    """
+
+    model: str
+    objective: Objective
+    budget: int
+    sets: Mapping[str, int]
+    methods: tuple[str, ...]
+    seeds: tuple[int, ...]
+    reference: Mapping[str, float]
+    runs: tuple[SearchRun, ...]
+    known: Mapping[str, float] = field(default_factory=dict)
+
+    def of(self, parameters: str, method: str | None = None) -> list[SearchRun]:
+        """Return the searches of a set, by one method or all.
+
+        Raises
+        ------
+        InputError
+            If there is no such set or method.
+        """
+        if parameters not in self.sets:
+            raise unknown("parameter set of the comparison", parameters, self.sets)
+        if method is not None and method not in self.methods:
+            raise unknown("method of the comparison", method, self.methods)
+        return [
+            run
+            for run in self.runs
+            if run.parameters == parameters and method in (None, run.method)
+        ]
+
+    def best(self, parameters: str) -> SearchRun:
+        """Return the search of a set that found the best design."""
+        return min(self.of(parameters), key=lambda run: run.result.value)
+
+    def best_known(self, parameters: str) -> float:
+        """Return the best value known of a set: of all searches, or from elsewhere."""
+        return min(self.best(parameters).result.value, self.known.get(parameters, np.inf))
+
+    def target(self, parameters: str, within: float = WITHIN) -> float:
+        """Return the value that counts as success on a set.
+
+        The gain of a design is how far its value lies below that of the set's own start. Success
+        is all but ``within`` of the gain of the best known design: f0 - (1 - within) (f0 - f*),
+        the convergence test of Moré and Wild (2009) with one f0 for all. If that start fails, f0
+        is the highest value that a search began from.
+        """
+        first, best = self.reference[parameters], self.best_known(parameters)
+        if not np.isfinite(first):
+            begun = [run.result.improvement_values[:1] for run in self.of(parameters)]
+            first = float(np.max(np.concatenate(begun), initial=best))
+        return max(best, first - (1.0 - within) * (first - best))
+
+    def summary(self, parameters: str, method: str, within: float = WITHIN) -> Summary:
+        """Summarise the searches of a method on a set."""
+        runs, target = self.of(parameters, method), self.target(parameters, within)
+        values = np.array([run.result.value for run in runs])
+        spent = np.array([run.result.evaluations for run in runs], dtype=np.float64)
+        needed = np.array([run.evaluations_to(target) for run in runs])
+        reached = np.isfinite(needed)
+        seconds = np.array([run.seconds for run in runs])
+        timed = np.isfinite(seconds)
+        successes = int(reached.sum())
+        return Summary(
+            parameters=parameters,
+            method=method,
+            searches=len(runs),
+            best=float(values.min()),
+            # The median of a list with failures: the upper middle, which is never inf - inf.
+            median=float(np.sort(values)[len(values) // 2])
+            if not np.isfinite(values).all()
+            else float(np.median(values)),
+            worst=float(values.max()),
+            success=successes / len(runs),
+            evaluations=float(np.median(needed[reached])) if successes else np.inf,
+            expected_evaluations=float(np.where(reached, needed, spent).sum() / successes)
+            if successes
+            else np.inf,
+            spent=float(np.median(spent)),
+            seconds=float(np.median(seconds[timed])) if timed.any() else np.nan,
+        )
+
+    def summaries(self, within: float = WITHIN) -> list[Summary]:
+        """Summarise every method on every set."""
+        return [
+            self.summary(parameters, method, within)
+            for parameters in self.sets
+            for method in self.methods
+        ]
+
+    def table(self, within: float = WITHIN) -> dict[str, NDArray[Any]]:
+        """Every search as a row, in columns ready for ``pandas.DataFrame``.
+
+        Returns
+        -------
+        dict of (n,) arrays
+            ``parameters``, ``method``, ``seed``, ``start`` and ``value`` (where it began and
+            ended), ``evaluations``, ``to_target`` (+inf if not reached), ``seconds``, ``reason``.
+        """
+        targets = {name: self.target(name, within) for name in self.sets}
+        firsts = [run.result.improvement_values[:1] for run in self.runs]
+        return {
+            "parameters": np.array([run.parameters for run in self.runs], dtype=object),
+            "method": np.array([run.method for run in self.runs], dtype=object),
+            "seed": np.array([run.seed for run in self.runs]),
+            "start": np.array([first[0] if first.size else np.inf for first in firsts]),
+            "value": np.array([run.result.value for run in self.runs]),
+            "evaluations": np.array([run.result.evaluations for run in self.runs]),
+            "to_target": np.array(
+                [run.evaluations_to(targets[run.parameters]) for run in self.runs]
+            ),
+            "seconds": np.array([run.seconds for run in self.runs]),
+            "reason": np.array([run.result.reason for run in self.runs], dtype=object),
+        }
+
+    def needed(self, method: str, within: float = WITHIN) -> FloatArray:
+        """Count the evaluations to each target, (sets, seeds); +inf where it was not reached."""
+        return np.array(
+            [
+                [run.evaluations_to(self.target(parameters, within)) for run in runs]
+                for parameters in self.sets
+                for runs in [sorted(self.of(parameters, method), key=lambda run: run.seed)]
+            ]
+        )

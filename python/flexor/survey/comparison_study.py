@@ -1,0 +1,273 @@
+"""Compare methods: every one from the same starts, seeds and budget on each parameter set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError
+from flexor.objective import Objective
+from flexor.objective import objective as named_objective
+from flexor.search import Search, available, canonical
+from flexor.search import method as named_method
+from flexor.study import Executor, Problem
+from flexor.study.lock import Lock
+from flexor.survey import comparison_folder as folders
+from flexor.survey.comparison_result import MethodComparison
+from flexor.survey.comparison_work import ComparisonCallback, Plan, carry_out
+
+if TYPE_CHECKING:
+    from flexor.model import Model
+
+PAPER_SETS = ("L", "R01", "L+R01", "Rsc", "L+Rsc", "RLP", "L+RLP")
+# Not compared unless asked for: a grid does not search, and a surrogate's own work for a design
+# takes longer than evaluating hundreds of them.
+_ASKED_FOR = ("grid", "surrogate")
+
+
+def compare(
+    model: Model,
+    parameters: str | Sequence[str | ParameterSet] = PAPER_SETS,
+    objective: str | Objective = "bending",
+    *,
+    methods: str | Sequence[str] | Mapping[str, Search] | None = None,
+    seeds: int | Sequence[int] = 10,
+    budget: int = 500,
+    force: ArrayLike | None = None,
+    known: Mapping[str, float] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    progress: ComparisonCallback | None = None,
+    executor: Executor | None = None,
+    workers: int = 0,
+    engine_options: Mapping[str, float] | None = None,
+) -> MethodComparison:
+    """Compare search methods.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with a ``[design]``.
+    parameters : str or sequence
+        Parameter sets; a text lists them with commas: ``"L,R01"``. The paper's seven by default.
+    objective : str or Objective
+        What is minimised.
+    methods : str, sequence of str, or mapping of Search, optional
+        Methods by name with their default options, or ready ones by the label they are to have;
+        by default all whose libraries are installed, without grid and surrogate.
+    seeds : int or sequence of int
+        One search for each; a number n means 0 to n - 1. A seed decides the start, the same for
+        every method: a random design of the set, or the next if that fails.
+    budget : int
+        Distinct designs that each search may evaluate.
+    force : (steps,) array, optional
+        Actuation forces [N], judged at the last.
+    known : dict, optional
+        Best values known from elsewhere, by set.
+    folder : path, optional
+        Where finished and running searches are kept; in memory by default.
+    resume : bool
+        Go on with the comparison in ``folder``; sets, methods and seeds may be added to it.
+    progress : callable, optional
+        Told a `ComparisonProgress` now and then.
+    executor : Executor, optional
+        Where designs are evaluated; on one thread for each search by default.
+    workers : int
+        Searches at a time; 0 for one per core. The numbers do not depend on it, but times may.
+    engine_options : dict, optional
+        Settings of the engine's solver.
+
+    Returns
+    -------
+    MethodComparison
+        Every search, with summaries; `performance_profiles` and `data_profiles` take it.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, a library is missing, an objective is not the norm of a vector
+        where a method needs that, or the folder cannot be used.
+    """
+    plan = Plan(
+        problems=_problems(model, parameters, objective, force, engine_options),
+        methods=_methods(methods),
+        seeds=_seeds(seeds),
+        budget=_budget(budget),
+    )
+    plan.check()
+    if folder is None:
+        if resume:
+            raise InputError("resuming a comparison needs its folder.")
+        return carry_out(plan, None, known or {}, progress, executor, workers)
+    place = Path(folder)
+    settings = _settings(model, plan)
+    if resume:
+        settings = folders.merged(place, settings)
+    else:
+        folders.create(place, settings, model.file.to_toml())
+    lock = Lock(place)
+    try:
+        folders.write(place, settings)
+        return carry_out(plan, place, known or {}, progress, executor, workers)
+    finally:
+        lock.release()
+
+
+def resume_comparison(
+    folder: str | Path,
+    *,
+    known: Mapping[str, float] | None = None,
+    progress: ComparisonCallback | None = None,
+    executor: Executor | None = None,
+    workers: int = 0,
+) -> MethodComparison:
+    """Go on with a comparison, or read a finished one, knowing only its folder.
+
+    Parameters
+    ----------
+    folder : path
+        The comparison's folder.
+    known, progress, executor, workers : optional
+        As for `compare`.
+
+    Returns
+    -------
+    MethodComparison
+        The whole comparison.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a comparison, is damaged or in use, or names something not known.
+    """
+    from flexor.model import load
+
+    place = Path(folder)
+    values = folders.read(place)
+    model = load(place / "model.toml")
+    sets = []
+    for name, limits in values["sets"].items():
+        bounds = zip(limits["labels"], limits["lower"], limits["upper"], strict=True)
+        chosen = parameter_set(name, model.design)
+        sets.append(chosen.with_bounds({label: (low, high) for label, low, high in bounds}))
+    return compare(
+        model,
+        sets,
+        values["objective"]["name"],
+        methods={
+            label: named_method(method["name"], **method["options"])
+            for label, method in values["methods"].items()
+        },
+        seeds=values["seeds"],
+        budget=values["budget"],
+        force=values["objective"]["force"],
+        known=known,
+        folder=place,
+        resume=True,
+        progress=progress,
+        executor=executor,
+        workers=workers,
+        engine_options=values["engine"],
+    )
+
+
+def _problems(
+    model: Model,
+    parameters: str | Sequence[str | ParameterSet],
+    objective: str | Objective,
+    force: ArrayLike | None,
+    engine_options: Mapping[str, float] | None,
+) -> dict[str, Problem]:
+    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    if force is not None:
+        wanted = wanted.at(force)
+    problems: dict[str, Problem] = {}
+    for each in _listed(parameters, "parameter set"):
+        chosen = parameter_set(each, model.design) if isinstance(each, str) else each
+        if chosen.name in problems:
+            raise InputError(f'the parameter set "{chosen.name}" is given twice.')
+        problems[chosen.name] = Problem(
+            model, chosen.on(model.design), wanted, dict(engine_options or {})
+        )
+    return problems
+
+
+def _methods(methods: str | Sequence[str] | Mapping[str, Search] | None) -> dict[str, Search]:
+    if isinstance(methods, Mapping):
+        if not methods:
+            raise InputError("give at least one method to compare.")
+        return dict(methods)
+    if methods is None:
+        methods = [name for name in available() if name not in _ASKED_FOR]
+    chosen: dict[str, Search] = {}
+    for name in map(canonical, _listed(methods, "method")):
+        if name in chosen:
+            raise InputError(f'the method "{name}" is given twice.')
+        chosen[name] = named_method(name)
+    return chosen
+
+
+def _listed(given: str | Sequence[Any], what: str) -> list[Any]:
+    parts = [part.strip() for part in given.split(",")] if isinstance(given, str) else list(given)
+    parts = [part for part in parts if part != ""]
+    if not parts:
+        raise InputError(f"give at least one {what} to compare.")
+    return parts
+
+
+def _seeds(seeds: int | Sequence[int]) -> tuple[int, ...]:
+    if isinstance(seeds, int):
+        if seeds < 1:
+            raise InputError(f"there must be at least 1 seed, got {seeds}.")
+        return tuple(range(seeds))
+    chosen = tuple(int(seed) for seed in seeds)
+    if not chosen or min(chosen) < 0 or len(set(chosen)) < len(chosen):
+        raise InputError(f"seeds must be different whole numbers from 0, got {list(seeds)}.")
+    return chosen
+
+
+def _budget(budget: int) -> int:
+    if budget < 1:
+        raise InputError(f"the budget must be at least 1 evaluation, got {budget}.")
+    return budget
+
+
+def _settings(model: Model, plan: Plan) -> dict[str, Any]:
+    import json
+
+    import flexor
+
+    objective = plan.problem.objective
+    values = {
+        "format": folders.FORMAT,
+        "flexor": flexor.__version__,
+        "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
+        "objective": {"name": objective.name, "force": plan.problem.force.tolist()},
+        "budget": plan.budget,
+        "engine": dict(plan.problem.options),
+        "sets": {
+            name: {
+                "labels": list(problem.parameters.labels),
+                "lower": problem.parameters.lower.tolist(),
+                "upper": problem.parameters.upper.tolist(),
+            }
+            for name, problem in plan.problems.items()
+        },
+        "methods": {
+            label: {
+                "name": search.name,
+                "options": asdict(search)
+                if is_dataclass(search) and not isinstance(search, type)
+                else {},
+            }
+            for label, search in plan.methods.items()
+        },
+        "seeds": list(plan.seeds),
+    }
+    plain: dict[str, Any] = json.loads(json.dumps(values))
+    return plain

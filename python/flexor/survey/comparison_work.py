@@ -1,0 +1,279 @@
+"""The searches of a comparison, several at a time, each through a record of its own."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flexor.search import Budget, LevenbergMarquardt, Search, starting_designs
+from flexor.study import Executor, Problem, Record, Recorded, Threads
+from flexor.study.outcomes import FloatArray
+from flexor.survey import comparison_folder as folders
+from flexor.survey.comparison_result import MethodComparison, SearchRun
+
+# Random designs tried for a start that does not fail.
+_TRIES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is to be compared.
+
+    Attributes
+    ----------
+    problems : dict of Problem
+        By parameter set.
+    methods : dict of Search
+        By label.
+    seeds : tuple of int
+        One search of each method on each set for each.
+    budget : int
+        Evaluations of each search.
+    """
+
+    problems: Mapping[str, Problem]
+    methods: Mapping[str, Search]
+    seeds: tuple[int, ...]
+    budget: int
+
+    @property
+    def problem(self) -> Problem:
+        """Any of the problems: model, objective and loads are the same in all."""
+        return next(iter(self.problems.values()))
+
+    def check(self) -> None:
+        """Refuse at once what the last of a hundred searches would have refused.
+
+        Raises
+        ------
+        InputError
+            If a method needs the norm of a vector and the objective is not one.
+        """
+        if any(isinstance(search, LevenbergMarquardt) for search in self.methods.values()):
+            start = self.problem.parameters.start[None, :]
+            self.problem.residuals(self.problem.evaluate(start))
+
+
+@dataclass(frozen=True)
+class ComparisonProgress:
+    """Where a comparison stands.
+
+    Attributes
+    ----------
+    done, total : int
+        Searches.
+    evaluations : int
+        Designs evaluated now.
+    seconds : float
+        Since it began or was resumed.
+    last : str
+        The search that ended last, in words.
+    """
+
+    done: int
+    total: int
+    evaluations: int
+    seconds: float
+    last: str
+
+    @property
+    def rate(self) -> float:
+        """Designs evaluated per second."""
+        return self.evaluations / self.seconds if self.seconds > 0.0 else 0.0
+
+
+ComparisonCallback = Callable[[ComparisonProgress], None]
+
+
+class _Stopped(BaseException):
+    """Raised within searches when the comparison is to stop."""
+
+
+class _Watched(Recorded):
+    """The recorded function of one search, which counts for all and can be stopped."""
+
+    def __init__(self, problem: Problem, record: Record, executor: Executor, tally: _Tally) -> None:
+        super().__init__(problem, record, executor)
+        self._tally = tally
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """Values of designs (n, k)."""
+        if self._tally.stop.is_set():
+            raise _Stopped
+        before = self.evaluated
+        values = super().__call__(designs)
+        self._tally.add(self.evaluated - before)
+        return values
+
+
+class _Tally:
+    """Designs evaluated by all searches, and whether they are to stop."""
+
+    def __init__(self) -> None:
+        self.stop = threading.Event()
+        self.evaluations = 0
+        self._lock = threading.Lock()
+
+    def add(self, count: int) -> None:
+        """Count designs."""
+        with self._lock:
+            self.evaluations += count
+
+
+def carry_out(
+    plan: Plan,
+    folder: Path | None,
+    known: Mapping[str, float],
+    progress: ComparisonCallback | None,
+    executor: Executor | None,
+    workers: int,
+) -> MethodComparison:
+    """Run every search of a plan that is not in the folder yet.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is compared.
+    folder : Path or None
+        Where searches are kept.
+    known : dict
+        Best values known from elsewhere, by set.
+    progress : callable or None
+        Told now and then.
+    executor : Executor or None
+        Where designs are evaluated.
+    workers : int
+        Searches at a time; 0 for one per core.
+
+    Returns
+    -------
+    MethodComparison
+        Once all have ended.
+    """
+    began, tally = time.monotonic(), _Tally()
+    where = executor or Threads(1)
+    runs: dict[tuple[str, str, int], SearchRun] = {}
+    missing: list[tuple[str, str, int]] = []
+    # Seed by seed: stopped early, a comparison has something of everything.
+    for key in ((s, m, seed) for seed in plan.seeds for s in plan.problems for m in plan.methods):
+        found = folders.kept(folder, *key) if folder is not None else None
+        if found is None:
+            missing.append(key)
+        else:
+            runs[key] = found
+    reference = {
+        name: float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        for name, problem in plan.problems.items()
+    }
+    starts = {
+        name: _starts(problem, plan.seeds, executor or Threads())
+        for name, problem in plan.problems.items()
+        if any(key[0] == name for key in missing)
+    }
+    total, last = len(runs) + len(missing), ""
+
+    def tell() -> None:
+        if progress is not None:
+            seconds = time.monotonic() - began
+            progress(ComparisonProgress(len(runs), total, tally.evaluations, seconds, last))
+
+    tell()
+    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+        waiting: set[Future[SearchRun]] = set()
+        try:
+            for key in missing:
+                start = starts[key[0]][key[2]]
+                waiting.add(pool.submit(_search, plan, key, start, folder, where, tally))
+            while waiting:
+                ended, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    run = future.result()
+                    runs[run.parameters, run.method, run.seed] = run
+                    last = f"{run.parameters}, {run.method}, seed {run.seed}"
+                tell()
+        except BaseException:
+            tally.stop.set()
+            for future in waiting:
+                future.cancel()
+            raise
+    return MethodComparison(
+        model=plan.problem.model.name,
+        objective=plan.problem.objective,
+        budget=plan.budget,
+        sets={name: problem.parameters.size for name, problem in plan.problems.items()},
+        methods=tuple(plan.methods),
+        seeds=plan.seeds,
+        reference=reference,
+        runs=tuple(
+            runs[s, m, seed] for s in plan.problems for m in plan.methods for seed in plan.seeds
+        ),
+        known=dict(known),
+    )
+
+
+def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dict[int, FloatArray]:
+    """Draw the start of each seed: its first random design that does not fail, (1, k)."""
+    lower, upper = problem.parameters.lower, problem.parameters.upper
+    random = {seed: np.random.default_rng(seed) for seed in seeds}
+    starts: dict[int, FloatArray] = {}
+    drawing = list(seeds)
+    for _ in range(_TRIES):
+        drawn = [starting_designs(None, 1, lower, upper, random[seed]) for seed in drawing]
+        good = np.isfinite(executor.evaluate(problem, np.concatenate(drawn)).value)
+        for seed, design, found in zip(drawing, drawn, good.tolist(), strict=True):
+            if found or seed not in starts:
+                starts[seed] = design
+        drawing = [seed for seed, found in zip(drawing, good.tolist(), strict=True) if not found]
+        if not drawing:
+            break
+    return starts
+
+
+def _search(
+    plan: Plan,
+    key: tuple[str, str, int],
+    start: FloatArray,
+    folder: Path | None,
+    executor: Executor,
+    tally: _Tally,
+) -> SearchRun:
+    parameters, method, seed = key
+    problem, began = plan.problems[parameters], time.monotonic()
+    if tally.stop.is_set():
+        raise _Stopped
+    path = None if folder is None else folders.record_file(folder, *key)
+    record = _record(problem, path)
+    try:
+        function = _Watched(problem, record, executor, tally)
+        result = plan.methods[method].minimize(
+            function,
+            problem.parameters.lower,
+            problem.parameters.upper,
+            start=start,
+            seed=seed,
+            budget=Budget(evaluations=plan.budget),
+        )
+    finally:
+        record.close()
+    seconds = time.monotonic() - began if function.replayed == 0 else np.nan
+    run = SearchRun(parameters, method, seed, result, seconds)
+    if folder is not None and path is not None:
+        folders.keep(folder, run)
+        for each in path.parent.glob(f"{path.name}*"):
+            each.unlink()
+    return run
+
+
+def _record(problem: Problem, path: Path | None) -> Record:
+    sizes = (problem.parameters.size, problem.force.size, len(problem.model.joints))
+    if path is None:
+        return Record(None, sizes)
+    path.parent.mkdir(exist_ok=True)
+    return Record(path) if path.exists() else Record(path, sizes)

@@ -1,0 +1,322 @@
+"""Comparisons of methods: the same for all, summarised rightly, resumed from any interruption."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexor import plot
+from flexor.errors import InputError
+from flexor.objective import objective
+from flexor.search import (
+    CmaEs,
+    DifferentialEvolution,
+    LevenbergMarquardt,
+    PatternSearch,
+    SearchResult,
+)
+from flexor.survey import (
+    ComparisonProgress,
+    MethodComparison,
+    SearchRun,
+    compare,
+    data_profiles,
+    performance_profiles,
+)
+
+GIVEN: dict[str, Any] = {
+    "parameters": "L,R01",
+    "methods": "ps,lm,cma-es,direct",
+    "seeds": 3,
+    "budget": 60,
+}
+
+
+def content(found: MethodComparison) -> list[tuple[Any, ...]]:
+    return [
+        (
+            run.parameters,
+            run.method,
+            run.seed,
+            run.result.design.tobytes(),
+            run.result.improvement_evaluations.tolist(),
+            run.result.improvement_values.tobytes(),
+            run.result.improvement_designs.tobytes(),
+            run.result.reason,
+        )
+        for run in found.runs
+    ]
+
+
+def test_every_method_has_the_same_starts_and_its_budget(analytic: ModuleType) -> None:
+    found = compare(analytic.AnalyticModel(), **GIVEN)
+    assert len(found.runs) == 2 * 4 * 3
+    assert found.sets == {"L": 1, "R01": 2}
+    assert found.methods == ("pattern-search", "levenberg-marquardt", "cma-es", "direct")
+    for name in found.sets:
+        for seed in range(3):
+            starts = {
+                run.result.improvement_designs[0].tobytes()
+                for run in found.of(name)
+                if run.seed == seed
+            }
+            assert len(starts) == 1
+        assert len({run.result.improvement_designs[0].tobytes() for run in found.of(name)}) == 3
+    assert all(run.result.evaluations <= 60 for run in found.runs)
+    assert all(run.seconds > 0.0 for run in found.runs)
+    # The analytic model's optimum of L is at 11 cm.
+    assert found.best("L").result.design[0] == pytest.approx(0.11, abs=1e-5)
+    assert found.reference["L"] == found.reference["R01"]
+
+
+def test_it_does_not_depend_on_how_many_run_at_a_time(analytic: ModuleType) -> None:
+    one = compare(analytic.AnalyticModel(), **GIVEN, workers=1)
+    assert content(compare(analytic.AnalyticModel(), **GIVEN, workers=4)) == content(one)
+
+
+class Killed(BaseException):
+    pass
+
+
+def test_killed_anywhere_it_ends_the_same_and_repeats_nothing(
+    analytic: ModuleType, tmp_path: Path
+) -> None:
+    whole = compare(analytic.AnalyticModel(), **GIVEN, folder=tmp_path / "whole")
+    evaluated, rounds = 0, 0
+    while True:
+        model = analytic.AnalyticModel()
+
+        def kill(model: Any) -> None:
+            if len(model.calls) >= 60:
+                raise Killed
+
+        model.before_batch = kill
+        try:
+            pieces = compare(
+                model, **GIVEN, folder=tmp_path / "pieces", resume=rounds > 0, workers=2
+            )
+            break
+        except Killed:
+            rounds += 1
+            evaluated += sum(model.calls)
+            assert rounds < 60
+    assert rounds >= 3
+    assert content(pieces) == content(whole)
+    files = {file.relative_to(tmp_path / "whole") for file in (tmp_path / "whole").rglob("*.json")}
+    assert len(files) == 1 + len(whole.runs)
+    assert list((tmp_path / "pieces" / "running").iterdir()) == []
+    # Searches that were interrupted do not claim to know how long they took.
+    assert np.isnan([run.seconds for run in pieces.runs]).any()
+    last = analytic.AnalyticModel()
+    again = compare(last, **GIVEN, folder=tmp_path / "pieces", resume=True)
+    assert content(again) == content(whole)
+    assert sum(last.calls) <= 3  # the references, and the check that there is a vector
+
+
+def test_sets_methods_and_seeds_may_be_added(analytic: ModuleType, tmp_path: Path) -> None:
+    model = analytic.AnalyticModel()
+    compare(model, "L", methods="ps", seeds=1, budget=20, folder=tmp_path / "c")
+    told: list[ComparisonProgress] = []
+    more = compare(
+        model, "L,R01", methods="ps,de", seeds=[0, 7], budget=20,
+        folder=tmp_path / "c", resume=True, progress=told.append,
+    )  # fmt: skip
+    assert (told[0].done, told[0].total) == (1, 8)
+    assert (told[-1].done, told[-1].total) == (8, 8)
+    alone = compare(model, "L,R01", methods="ps,de", seeds=[0, 7], budget=20)
+    assert content(more) == content(alone)
+    settings = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    assert list(settings["sets"]) == ["L", "R01"]
+    assert settings["seeds"] == [0, 7]
+
+
+def test_methods_with_options_have_labels(analytic: ModuleType, tmp_path: Path) -> None:
+    methods = {"1 start": PatternSearch(), "8 starts": PatternSearch(starts=8)}
+    found = compare(
+        analytic.AnalyticModel(), "R01", methods=methods, seeds=2, budget=50, folder=tmp_path / "c"
+    )
+    assert found.methods == ("1 start", "8 starts")
+    assert found.of("R01", "8 starts")[0].result.improvement_evaluations.tolist() != []
+    with pytest.raises(InputError, match='was made with another "1 start"'):
+        compare(
+            analytic.AnalyticModel(), "R01", methods={"1 start": CmaEs()}, seeds=2, budget=50,
+            folder=tmp_path / "c", resume=True,
+        )  # fmt: skip
+
+
+def run(
+    parameters: str, method: str, seed: int, values: list[float], at: list[int], spent: int
+) -> SearchRun:
+    """A search that began at 10 and improved to values after so many evaluations."""
+    designs = np.arange(len(values), dtype=float)[:, None]
+    result = SearchResult(
+        design=designs[-1] if len(values) else np.zeros(1),
+        value=values[-1] if values else np.inf,
+        evaluations=spent,
+        iterations=1,
+        reason="done",
+        improvement_evaluations=np.array(at, dtype=np.int64),
+        improvement_values=np.array(values, dtype=float),
+        improvement_designs=designs,
+    )
+    return SearchRun(parameters, method, seed, result, 1.0 + seed)
+
+
+@pytest.fixture
+def made() -> MethodComparison:
+    """Two methods on two sets with two seeds, whose numbers can be checked by hand."""
+    runs = (
+        run("A", "one", 0, [9.0, 1.05, 0.0], [1, 10, 40], 50),
+        run("A", "one", 1, [9.0, 5.0], [1, 20], 50),
+        run("A", "two", 0, [9.0, 0.09], [1, 20], 30),
+        run("A", "two", 1, [9.0, 0.05], [1, 30], 30),
+        run("B", "one", 0, [3.0, 2.0], [1, 6], 10),
+        run("B", "one", 1, [], [], 10),
+        run("B", "two", 0, [3.0], [1], 10),
+        run("B", "two", 1, [2.5], [1], 10),
+    )
+    return MethodComparison(
+        model="m",
+        objective=objective("f_b"),
+        budget=50,
+        sets={"A": 1, "B": 3},
+        methods=("one", "two"),
+        seeds=(0, 1),
+        reference={"A": 10.0, "B": np.inf},
+        runs=runs,
+    )
+
+
+def test_targets_are_parts_of_the_best_gain(made: MethodComparison) -> None:
+    assert made.best_known("A") == 0.0
+    assert made.target("A") == pytest.approx(0.1)
+    assert made.target("A", 0.2) == pytest.approx(2.0)
+    # The start of B fails: gains count from the worst value that a search began from.
+    assert made.target("B") == pytest.approx(3.0 - 0.99 * (3.0 - 2.0))
+    from dataclasses import replace
+
+    assert replace(made, known={"A": -10.0}).target("A") == pytest.approx(-9.8)
+    # A start that is as good as anything: only the best counts, and no more than it.
+    assert replace(made, reference={"A": 0.0, "B": 1.0}).target("A") == 0.0
+    assert replace(made, reference={"A": 0.0, "B": 1.0}).target("B") == 2.0
+
+
+def test_summaries_are_what_one_counts_by_hand(made: MethodComparison) -> None:
+    one, two = made.summary("A", "one"), made.summary("A", "two")
+    assert (one.best, one.median, one.worst) == (0.0, 2.5, 5.0)
+    assert (one.success, one.evaluations) == (0.5, 40.0)
+    assert one.expected_evaluations == 40 + 50
+    assert (two.success, two.evaluations, two.expected_evaluations) == (1.0, 25.0, 25.0)
+    assert (one.spent, one.seconds, one.searches) == (50.0, 1.5, 2)
+    failed = made.summary("B", "one")
+    assert (failed.best, failed.median, failed.worst) == (2.0, np.inf, np.inf)
+    lost = made.summary("B", "two")
+    assert (lost.success, lost.evaluations, lost.expected_evaluations) == (0.0, np.inf, np.inf)
+    table = made.table()
+    assert table["to_target"].tolist() == [40, np.inf, 20, 30, 6, np.inf, np.inf, np.inf]
+    assert table["start"].tolist() == [9, 9, 9, 9, 3, np.inf, 3, 2.5]
+    with pytest.raises(InputError, match='unknown method of the comparison "tow"'):
+        made.summary("A", "tow")
+
+
+def test_profiles_are_what_one_counts_by_hand(made: MethodComparison) -> None:
+    # Costs: one 40, -, 6, -; two 20, 30, -, -; the fastest 20, 30, 6, none.
+    one, two = performance_profiles(made)
+    assert (one.cost.tolist(), one.solved.tolist()) == ([1.0, 2.0], [0.25, 0.5])
+    assert (two.cost.tolist(), two.solved.tolist()) == ([1.0, 1.0], [0.25, 0.5])
+    assert (one.at(1.0), one.at(1.9), one.at(2.0), two.at(1.0)) == (0.25, 0.25, 0.5, 0.5)
+    one, two = data_profiles(made)
+    assert one.cost.tolist() == [6 / 4, 40 / 2]
+    assert two.cost.tolist() == [20 / 2, 30 / 2]
+    assert (one.at(1.0), one.at(1.5), two.at(12.0)) == (0.0, 0.25, 0.25)
+
+
+def test_the_figure_names_its_methods_and_problems(
+    made: MethodComparison, analytic: ModuleType, tmp_path: Path
+) -> None:
+    figure = plot.profiles(made)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one", "two"]
+    left, right = figure.axes
+    assert "(2 sets × 2 seeds)" in left.get_ylabel()
+    assert (left.get_xlim()[0], right.get_xlim()[0]) == (1.0, 0.0)
+    plot.save(figure, tmp_path / "profiles.svg")
+    found = compare(analytic.AnalyticModel(), **GIVEN)
+    titles = [text.get_text() for text in plot.profiles(found).legends[0].get_texts()]
+    assert titles == ["pattern search", "Levenberg-Marquardt", "CMA-ES", "DIRECT"]
+
+
+def test_a_start_that_fails_is_drawn_again(analytic: ModuleType) -> None:
+    # Designs with R_1 < 0.45 cm fail: with these bounds two of three.
+    from flexor.design import parameter_set
+
+    chosen = parameter_set("R01").with_bounds({"R_1": (0.0042, 0.00465)}).with_start([0.01, 0.0046])
+    found = compare(analytic.AnalyticModel(), [chosen], methods="lm", seeds=6, budget=5)
+    assert all(len(each.result.improvement_values) for each in found.runs)
+    assert all(each.result.improvement_evaluations[0] == 1 for each in found.runs)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"parameters": "L,R10"}, 'unknown parameter set "R10" (did you mean "R01"?)'),
+        ({"parameters": ""}, "give at least one parameter set"),
+        ({"parameters": "L,L"}, 'the parameter set "L" is given twice'),
+        ({"methods": "cma-se"}, 'did you mean "cma-es"?'),
+        ({"methods": "ps,pattern-search"}, 'the method "pattern-search" is given twice'),
+        ({"methods": []}, "give at least one method"),
+        ({"methods": {}}, "give at least one method"),
+        ({"objective": "f_exo", "methods": "lm"}, "is not the norm of a vector"),
+        ({"seeds": 0}, "at least 1 seed"),
+        ({"seeds": [1, 1]}, "different whole numbers from 0"),
+        ({"budget": 0}, "at least 1 evaluation"),
+        ({"resume": True}, "resuming a comparison needs its folder"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    analytic: ModuleType, arguments: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError) as refusal:
+        compare(analytic.AnalyticModel(), **{**GIVEN, **arguments})
+    assert said in str(refusal.value)
+    assert str(refusal.value).endswith(".")
+
+
+def test_folders_that_cannot_be_used(analytic: ModuleType, tmp_path: Path) -> None:
+    model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
+    compare(model, **given, folder=tmp_path / "c")
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"folder": tmp_path / "c"}, "holds a comparison already"),
+        ({"folder": tmp_path / "d", "resume": True}, "is not a comparison: there is no such"),
+        ({"folder": tmp_path, "resume": True}, "is not a comparison: it has no comparison.json"),
+        ({"folder": tmp_path}, "is not an empty folder"),
+        ({"folder": tmp_path / "c", "resume": True, "budget": 61}, "made with budget = 60, not 61"),
+        ({"folder": tmp_path / "c", "resume": True, "objective": "f_bc"}, "made with objective"),
+    ]
+    for more, said in cases:
+        with pytest.raises(InputError, match=said):
+            compare(model, **{**given, **more})
+    broken = tmp_path / "c" / "runs" / "L" / "pattern-search" / "1.json"
+    broken.write_text("{")
+    with pytest.raises(InputError, match=r'1\.json" is damaged: delete it to search again'):
+        compare(model, **given, folder=tmp_path / "c", resume=True)
+    broken.unlink()
+    compare(model, **given, folder=tmp_path / "c", resume=True)
+    (tmp_path / "c" / "comparison.json").write_text("[]")
+    with pytest.raises(InputError, match="is damaged"):
+        compare(model, **given, folder=tmp_path / "c", resume=True)
+
+
+def test_methods_of_a_users_own(analytic: ModuleType) -> None:
+    found = compare(
+        analytic.AnalyticModel(),
+        "L",
+        methods={"a": LevenbergMarquardt(starts=2), "b": DifferentialEvolution(population=6)},
+        seeds=1,
+        budget=30,
+    )
+    assert {run.method for run in found.runs} == {"a", "b"}
