@@ -50,7 +50,18 @@ _HOME = {
     "load": "flexor.model",
     "optimize": "flexor.study",
 }
-_PACKAGES = ("cli", "design", "errors", "model", "objective", "plot", "search", "study", "survey")
+_PACKAGES = (
+    "calibrate",
+    "cli",
+    "design",
+    "errors",
+    "model",
+    "objective",
+    "plot",
+    "search",
+    "study",
+    "survey",
+)
 
 
 def __getattr__(name: str) -> object:

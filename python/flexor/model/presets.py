@@ -12,7 +12,8 @@ _FOLDER = pathlib.Path(__file__).resolve().parent.parent / "examples"
 
 def presets() -> tuple[str, ...]:
     """Return the names of the shipped models."""
-    return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
+    files = (file.stem for file in _FOLDER.glob("*.toml"))
+    return tuple(sorted(name for name in files if not name.endswith("-targets")))
 
 
 def locate(model: str | os.PathLike[str]) -> pathlib.Path:

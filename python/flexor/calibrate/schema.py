@@ -1,0 +1,150 @@
+"""What a targets file may say: constants with ranges, choices, and targets with tolerances."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from flexor.model.fault import fault, shown
+from flexor.model.schema.table import Choice as OneOf
+from flexor.model.schema.table import Count, Name, Table, Text
+
+QUANTITIES = ("bending", "angle", "tip-force", "contacts", "x", "y", "z", "rotation", "optimum")
+_OF = {
+    "angle": "the joint",
+    "x": "the body",
+    "y": "the body",
+    "z": "the body",
+    "rotation": "the body",
+    "optimum": 'what of the optimum, a parameter of the set or "bending"',
+}
+
+
+def _pair(value: object) -> object:
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise fault(f'is {shown(value)}: write two values, such as ["10 kPa", "10 MPa"]')
+    return value
+
+
+def _list(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+def _at(value: object) -> object:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if number and 0.0 <= value <= 1.0:  # type: ignore[operator]
+        return float(value)  # type: ignore[arg-type]
+    if value not in ("base", "tip"):
+        allowed = 'allowed are "base", "tip" or a fraction from 0 to 1'
+        raise fault(f"is {shown(value)}: {allowed}")
+    return value
+
+
+class Constant(Table):
+    """Something that is to be found: fields of the models that share one value."""
+
+    name: Name
+    fields: Annotated[tuple[Name, ...], Field(min_length=1), BeforeValidator(_list)]
+    range: Annotated[tuple[Any, Any], BeforeValidator(_pair)]
+    scale: Annotated[Literal["linear", "log"], OneOf("linear", "log")] = "linear"
+
+
+class Option(Table):
+    """One way a choice may be made: other models, other fields, constants that are held."""
+
+    name: Name
+    models: dict[Name, Text] = Field(default_factory=dict)
+    set: dict[Name, Any] = Field(default_factory=dict)
+    hold: dict[Name, Any] = Field(default_factory=dict)
+
+
+class Choice(Table):
+    """Something that is one way or another; every combination of options is fitted."""
+
+    name: Name
+    option: Annotated[tuple[Option, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _check(self) -> Choice:
+        _check_different([option.name for option in self.option], "option")
+        return self
+
+
+class Target(Table):
+    """One measured or published observable of a model, or a series of them along the load.
+
+    ``value`` is one value, met at the last of the forces, or a list with one for each force.
+    """
+
+    name: Name
+    model: Name | None = None
+    observable: Annotated[str, OneOf(*QUANTITIES)]
+    of: Name | None = None
+    at: Annotated[Literal["base", "tip"] | float, BeforeValidator(_at)] = "tip"
+    force: Any = None
+    parameters: Text | None = None
+    design: dict[Name, Any] | None = None
+    objective: Text = "bending"
+    method: Text = "pattern-search"
+    options: dict[Name, Any] = Field(default_factory=dict)
+    value: Any
+    tolerance: Any = None
+    weight: Annotated[Literal["hard", "soft", "held-out"], OneOf("hard", "soft", "held-out")] = (
+        "soft"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Target:
+        needs = _OF.get(self.observable)
+        if needs is not None and self.of is None:
+            raise fault(f'is missing: "{self.observable}" needs {needs}', path="of")
+        if needs is None and self.of is not None:
+            raise fault(f'is "{self.of}": "{self.observable}" is of the whole model', path="of")
+        optimum = self.observable == "optimum"
+        if self.parameters is None and (optimum or self.design is not None):
+            what = "an optimum" if optimum else "a design"
+            raise fault(f'is missing: {what} is of a parameter set, such as "L+R01"', "parameters")
+        if optimum and self.design is not None:
+            raise fault("is given, but an optimum looks for the design itself", path="design")
+        if self.parameters is not None and not optimum and self.design is None:
+            raise fault("is missing: give the values of the parameters", path="design")
+        if self.tolerance is None and self.weight != "held-out":
+            raise fault('is missing: write it with its unit or as "1 %"', path="tolerance")
+        return self
+
+
+class Search(Table):
+    """How long to look: points of the global search, and how many of them to refine."""
+
+    samples: Count | None = None
+    starts: Count = 12
+
+
+class TargetsFile(Table):
+    """A whole targets file."""
+
+    title: Text = ""
+    models: dict[Name, Text] = Field(default_factory=dict)
+    search: Search = Search()
+    constant: tuple[Constant, ...] = ()
+    choice: tuple[Choice, ...] = ()
+    target: tuple[Target, ...] = ()
+
+    @model_validator(mode="after")
+    def _check(self) -> TargetsFile:
+        if not self.target:
+            raise fault("has no [[target]]: give at least one value to be met")
+        if all(target.weight == "held-out" for target in self.target):
+            raise fault("has held-out targets only: at least one must be hard or soft")
+        if not self.constant:
+            raise fault("has no [[constant]]: give at least one that is to be found")
+        for kind in ("constant", "choice", "target"):
+            _check_different([entry.name for entry in getattr(self, kind)], kind)
+        return self
+
+
+def _check_different(names: list[str], kind: str) -> None:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise fault(f"has the name {shown(name)} twice", path=f"{kind}[{index}]")

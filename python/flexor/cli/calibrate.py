@@ -1,0 +1,230 @@
+"""`flexor calibrate`: find the constants with which a model meets its targets."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+import time
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flexor.cli.changes import load_changed
+from flexor.cli.console import err, out
+from flexor.cli.progress import duration
+from flexor.cli.simulate import Constants, Model, Set
+from flexor.cli.table import number, table
+from flexor.cli.values import assignments
+from flexor.errors import InputError
+
+if TYPE_CHECKING:
+    from flexor.calibrate import Calibration, Fit, Progress
+
+CALIBRATIONS = FilePath("calibrations")
+
+
+def calibrate(
+    model: Model,
+    targets: Annotated[
+        str, typer.Argument(metavar="TARGETS", help="A targets file (see docs/calibration.md).")
+    ],
+    folder: Annotated[
+        FilePath | None,
+        typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the calibration in that folder.")
+    ] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
+    starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
+    choose: Annotated[
+        list[str] | None,
+        typer.Option(metavar="CHOICE=OPTION", help="Try this option only; may be repeated."),
+    ] = None,
+    name: Annotated[
+        str, typer.Option(help="What to call the set of constants that is written.")
+    ] = "calibrated",
+    threads: Annotated[
+        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
+    ] = 0,
+    constants: Constants = None,
+    changes: Set = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object instead of the tables.")
+    ] = False,
+) -> int:
+    """Find the constants with which a model meets its targets.
+
+    TARGETS says which fields of the model may vary within which ranges, and what should come out:
+    measured or published angles, forces, positions. The folder gets the constants, ready to be
+    pasted into the model file, a table, a report and a figure. Everything that is evaluated is kept
+    at once: Ctrl-C, and `--resume` goes on.
+
+    For example:
+
+    * `flexor calibrate finger examples/bench-targets.toml`
+    * `flexor calibrate finger examples/paper-targets.toml --out paper`
+    * `flexor calibrate finger examples/paper-targets.toml --out paper --resume`
+
+    Exit code 1: hard targets were not met.
+    """
+    from flexor import calibrate as calibrations
+    from flexor.calibrate import figure, report
+    from flexor.plot import save
+
+    if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+        raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
+    loaded = load_changed(model, constants, changes or [])
+    if resume and folder is None:
+        raise InputError("--resume needs --out, the folder to go on with.")
+    place = folder or _free(loaded.name, targets)
+    began = time.monotonic()
+    try:
+        with _Shown() as progress:
+            found = calibrations.calibrate(
+                loaded,
+                targets,
+                seed=seed,
+                samples=samples,
+                starts=starts,
+                chosen=assignments("--choose", choose or [], "base=fixed"),
+                folder=place,
+                resume=resume,
+                threads=threads,
+                progress=progress,
+            )
+    except KeyboardInterrupt:
+        again = f"flexor calibrate {shlex.quote(model)} {shlex.quote(targets)}"
+        err.print(
+            "interrupted; everything evaluated so far is kept. To go on, with the same options:\n"
+            f"  {again} --out {shlex.quote(str(place))} --resume",
+            markup=False,
+            soft_wrap=True,
+        )
+        return 130
+    files = report.write(found, place, name)
+    drawn = figure.draw(found)
+    files += [save(drawn, place / f"calibration{ending}") for ending in (".png", ".svg")]
+    if as_json:
+        print(json.dumps(report.to_dict(found), allow_nan=False))
+    else:
+        _tell(found, time.monotonic() - began, files)
+    return 0 if found.best.met else 1
+
+
+def _free(model: str, targets: str) -> FilePath:
+    plain = re.sub(r"[^\w.+-]", "-", f"{model}-{FilePath(targets).stem}")
+    names = [plain, *(f"{plain}-{count}" for count in range(2, 10_000))]
+    return CALIBRATIONS / next(n for n in names if not (CALIBRATIONS / n).exists())
+
+
+def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
+    from flexor.calibrate.report import rows
+
+    best, known = found.best, found.knowledge
+    if best.variant.name:
+        out.print(best.variant.name, markup=False, soft_wrap=True)
+    cells: list[tuple[str, str, str, str]] = []
+    for i, constant in enumerate(known.constants):
+        low, high = (constant.shown(end, 4) for end in known.interval(i))
+        value = constant.shown(best.constants[constant.name])
+        cells.append((constant.name, value, f"{low} to {high}", known.verdict(i)))
+    for constant in best.variant.constants:
+        if constant.name in best.variant.held:
+            cells.append((constant.name, constant.shown(best.constants[constant.name]), "", "held"))
+    out.print(table(("constant", "found", "likely (95 %)", ""), cells))
+    lines = []
+    for row in rows(best):
+        met = abs(row.off) <= row.tolerance
+        judged = {"hard": "met" if met else "MISSED", "soft": "", "held-out": "held out"}
+        lines.append(
+            (
+                row.target,
+                "" if row.force is None else number(row.force),
+                row.unit,
+                number(row.wanted),
+                number(row.found) if math.isfinite(row.found) else "-",
+                number(row.off, 2) if math.isfinite(row.off) else "",
+                number(row.tolerance, 2) if math.isfinite(row.tolerance) else "",
+                judged[row.weight],
+            )
+        )
+    headings = ("target", "force / N", "unit", "wanted", "found", "off", "tolerance", "")
+    out.print(table(headings, lines))
+    out.print("Known, the best known combination first:", soft_wrap=True)
+    for direction in known.directions:
+        out.print(f"  {known.told(direction)}", markup=False, soft_wrap=True)
+    _tell_others(found)
+    out.print(_sentence(found, seconds), markup=False, soft_wrap=True)
+    for file in files:
+        out.print(str(file), markup=False, soft_wrap=True)
+
+
+def _tell_others(found: Calibration) -> None:
+    others = found.fits[1:]
+    if not others:
+        return
+    cells = []
+    for fit in others:
+        values = ", ".join(
+            f"{constant.name} {constant.shown(fit.constants[constant.name], 4)}"
+            for constant in fit.variant.constants
+        )
+        cells.append((fit.variant.name or "another minimum", values, _met(fit), number(fit.misfit)))
+    out.print(table(("other fits", "constants", "", "misfit"), cells, left=3))
+
+
+def _met(fit: Fit) -> str:
+    return "meets the hard targets" if fit.met else "misses a hard target"
+
+
+def _sentence(found: Calibration, seconds: float) -> str:
+    best = found.best
+    hard = sum(goal.hard for goal in best.variant.goals)
+    said = f"All {hard} hard targets are met" if best.met else "Not every hard target is met"
+    said = said if hard else "Fitted"
+    noise = ""
+    if found.spare > 0:
+        ratio = math.sqrt(best.misfit / found.spare)
+        noise = f"; the residuals are {number(ratio, 2)} times their tolerances"
+    elif found.spare <= 0:
+        noise = "; as many constants as values, so the fit proves nothing by itself"
+    return f"{said}{noise}. {found.evaluations:,} evaluations in {duration(seconds)}."
+
+
+class _Shown:
+    """The live line of a running calibration."""
+
+    def __init__(self) -> None:
+        from rich.progress import BarColumn, SpinnerColumn, TextColumn
+        from rich.progress import Progress as Bar
+
+        self._bar = Bar(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=20),
+            TextColumn("{task.fields[known]}"),
+            console=err,
+            transient=True,
+        )
+        self._task = self._bar.add_task("reading", total=None, known="")
+
+    def __enter__(self) -> _Shown:
+        if err.is_interactive:
+            self._bar.start()
+        return self
+
+    def __exit__(self, *ended: object) -> None:
+        self._bar.stop()
+
+    def __call__(self, at: Progress) -> None:
+        known = f"{at.evaluated + at.replayed:,} evaluations"
+        if math.isfinite(at.misfit):
+            known += f" · misfit {number(at.misfit, 3)}"
+        self._bar.update(
+            self._task, description=at.stage, completed=at.done, total=at.total, known=known
+        )
