@@ -13,6 +13,7 @@ from flexor._engine import STATUS
 
 if TYPE_CHECKING:
     from flexor._engine import Events
+    from flexor.model.geometry import Rows
     from flexor.model.model import Model
     from flexor.model.path import Path
 
@@ -46,9 +47,10 @@ class Batch:
     tip_force : (n, steps) array
         F_t (14), the contact force on the tip spheres [N].
     events : dict of arrays
-        Snaps of all designs: ``design``, ``step``, ``load``, ``kind``, ``before``, ``after``.
-    indices, values : (k,) and (n, k) arrays
-        The parameters in which the designs differ from the model.
+        Snaps of all designs: ``design``, ``step``, ``load``, ``kind``, and the joints' coordinates
+        ``before`` and ``after``.
+    geometry : Rows or None
+        Geometry of the designs; None for the model as it is.
     """
 
     model: Model
@@ -63,8 +65,7 @@ class Batch:
     touching: NDArray[np.uint32]
     tip_force: Array
     events: Events = field(repr=False)
-    indices: NDArray[np.intp] = field(repr=False)
-    values: Array = field(repr=False)
+    geometry: Rows | None = field(repr=False)
 
     @property
     def force(self) -> Array:
@@ -85,6 +86,20 @@ class Batch:
     def spheres(self) -> int:
         """Number of spheres of the contacts' first groups."""
         return self.model.first_spheres
+
+    def parameters(self, index: int) -> Array:
+        """Return the engine's parameters of one design, (P,).
+
+        Parameters
+        ----------
+        index
+            The design.
+        """
+        parameters = self.model.parameters.copy()
+        if self.geometry is not None:
+            indices, values = self.model.geometry_slots(self.geometry[index : index + 1])
+            parameters[indices] = values[0]
+        return parameters
 
     def __len__(self) -> int:
         return len(self.q)

@@ -100,6 +100,58 @@ def _pair(bounds: tuple[float, float]) -> tuple[float, float]:
     return (float(bounds[0]), float(bounds[1]))
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Geometry of n designs as checked arrays, of which some can be taken.
+
+    Attributes
+    ----------
+    length : (n,) array
+        Length L [m].
+    radius, slope : (n, m) arrays
+        Surface S(X) and its derivative dS/dX [m].
+    """
+
+    length: Array
+    radius: Array
+    slope: Array
+
+    @classmethod
+    def of(cls, file: ModelFile, name: str, geometry: Geometry) -> Rows:
+        """Read a geometry of a rod.
+
+        Parameters
+        ----------
+        file
+            The model file.
+        name
+            The rod.
+        geometry
+            Geometry of n designs.
+
+        Raises
+        ------
+        InputError
+            If it is not given at the rod's sample points.
+        """
+        length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
+        radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
+        slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
+        expected = (len(length), file.rod(name).sample_count)
+        if radius.shape != expected or slope.shape != expected:
+            raise InputError(
+                f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
+                f"{len(length)} lengths and {expected[1]} sample points both must be {expected}."
+            )
+        return cls(length, radius, slope)
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    def __getitem__(self, which: slice) -> Rows:
+        return Rows(self.length[which], self.radius[which], self.slope[which])
+
+
 def slot_values(
     file: ModelFile, name: str, slots: Slots, geometry: Geometry
 ) -> tuple[NDArray[np.intp], Array]:
@@ -131,20 +183,12 @@ def slot_values(
         If the geometry is not given at the rod's sample points.
     """
     rod = file.rod(name)
-    length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
-    radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
-    slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
-    expected = (len(length), rod.sample_count)
-    if radius.shape != expected or slope.shape != expected:
-        raise InputError(
-            f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
-            f"{len(length)} lengths and {rod.sample_count} sample points both must be {expected}."
-        )
-    columns = [length[:, None], radius, slope]
+    rows = Rows.of(file, name, geometry)
+    columns = [rows.length[:, None], rows.radius, rows.slope]
     ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
     if rod.placement.reference == "underside":
         place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
-        columns.append(place + radius[:, :1] * dorsal(rod))
+        columns.append(place + rows.radius[:, :1] * dorsal(rod))
         ranges.append(slots[f"{name}.translation"])
     indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
     return indices, np.concatenate(columns, axis=1)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.errors import InputError
 from flexor.model.batch import Batch
-from flexor.model.geometry import DesignSpace, Geometry, slot_values
+from flexor.model.follow import follow
+from flexor.model.geometry import DesignSpace, Geometry, Rows, slot_values
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
 from flexor.model.path import Path
@@ -186,6 +187,9 @@ class Model:
     ) -> Batch:
         """Follow the equilibria of many designs, in parallel.
 
+        Memory is what the `Batch` holds: 8 bytes for each design, step and degree of freedom, and
+        a little more.
+
         Parameters
         ----------
         geometry
@@ -202,8 +206,8 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        indices, values = self.geometry_slots(geometry)
-        return self._follow(indices, values, force, threads, options)
+        rows = Rows.of(self.file, self.design.rod, geometry)
+        return follow(self, rows, self._loads(force), threads, options)
 
     def equilibrium(
         self, force: Force | None = None, design: Geometry | None = None, **options: float
@@ -226,46 +230,10 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        if design is None:
-            indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
-        else:
-            indices, values = self.geometry_slots(design)
-        return self._follow(indices, values, force, 1, options)[0]
-
-    def _follow(
-        self,
-        indices: NDArray[np.intp],
-        values: Array,
-        force: Force | None,
-        threads: int,
-        options: Mapping[str, float],
-    ) -> Batch:
-        wanted = self._loads(force)
-        # The engine starts at the first load, from the reference state; paths start without load.
-        loaded = int(bool(wanted[0].any()))
-        steps = np.concatenate([np.zeros((loaded, wanted.shape[1])), wanted])
-        try:
-            found = self.engine.path(indices, values, steps, threads, **options)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{str(error).rstrip('.')}.") from None
-        events = found["events"]
-        events["step"] = np.maximum(events["step"], loaded) - loaded
-        return Batch(
-            model=self,
-            loads=wanted,
-            q=found["q"][:, loaded:],
-            status=found["status"][:, loaded:],
-            stable=found["stable"][:, loaded:],
-            iterations=found["iterations"][:, loaded:],
-            residual=found["residual"][:, loaded:],
-            energy=found["energy"][:, loaded:],
-            pairs=found["pairs"][:, loaded:],
-            touching=found["touching"][:, loaded:],
-            tip_force=found["tip_force"][:, loaded:],
-            events=events,
-            indices=indices,
-            values=values,
-        )
+        rows = None if design is None else Rows.of(self.file, self.design.rod, design)
+        if rows is not None and len(rows) != 1:
+            raise InputError(f"design has {len(rows)} designs: give one, or use Model.evaluate.")
+        return follow(self, rows, self._loads(force), 1, options)[0]
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:

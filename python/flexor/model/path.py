@@ -89,12 +89,9 @@ class Path:
     def of(cls, batch: Batch, index: int) -> Path:
         """Take the path of one design out of a batch."""
         model, events = batch.model, batch.events
-        parameters = model.parameters.copy()
-        parameters[batch.indices] = batch.values[index]
-        joints = model.joint_columns
         return cls(
             model=model,
-            parameters=parameters,
+            parameters=batch.parameters(index),
             loads=batch.loads,
             q=batch.q[index],
             status=tuple(STATUS[code] for code in batch.status[index]),
@@ -110,8 +107,8 @@ class Path:
                     kind=EVENTS[events["kind"][row]],
                     step=int(events["step"][row]),
                     force=float(events["load"][row][0]) if batch.loads.shape[1] else 0.0,
-                    angles_before=events["before"][row][joints],
-                    angles_after=events["after"][row][joints],
+                    angles_before=events["before"][row],
+                    angles_after=events["after"][row],
                 )
                 for row in np.flatnonzero(events["design"] == index)
             ),
