@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Batch:
     """Paths of n designs over the same load steps.
 
@@ -64,8 +64,8 @@ class Batch:
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]
     tip_force: Array
-    events: Events = field(repr=False)
-    geometry: Rows | None = field(repr=False)
+    events: Events
+    geometry: Rows | None
 
     @property
     def force(self) -> Array:
@@ -100,6 +100,13 @@ class Batch:
             indices, values = self.model.geometry_slots(self.geometry[index : index + 1])
             parameters[indices] = values[0]
         return parameters
+
+    def __repr__(self) -> str:
+        good = int((self.converged & self.stable).all(axis=1).sum())
+        return (
+            f"<Batch of {self.model.name!r}: {len(self)} designs, {len(self.loads)} steps, "
+            f"{good} designs stable throughout>"
+        )
 
     def __len__(self) -> int:
         return len(self.q)

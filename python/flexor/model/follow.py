@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # What the engine needs of each design (all its parameters that vary) is made for so many at a time:
 # enough to keep every core busy, few enough that 100,000 designs fit into a laptop.
-PART = 2048
+PART = 1024
 _Array = Literal[
     "q",
     "status",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,7 +43,7 @@ class Event:
     angles_after: Array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
     """Equilibria of one design over load steps, each followed from the one before.
 
@@ -71,10 +71,10 @@ class Path:
         Snaps on the way.
     """
 
-    model: Model = field(repr=False)
-    parameters: Array = field(repr=False)
+    model: Model
+    parameters: Array
     loads: Array
-    q: Array = field(repr=False)
+    q: Array
     status: tuple[str, ...]
     stable: NDArray[np.bool_]
     iterations: NDArray[np.uint32]
@@ -113,6 +113,13 @@ class Path:
                 for row in np.flatnonzero(events["design"] == index)
             ),
         )
+
+    def __repr__(self) -> str:
+        worst = next((word for word in self.status if word != "converged"), "")
+        state = worst or ("stable" if self.stable.all() else "unstable")
+        snaps = f", {len(self.events)} events" if self.events else ""
+        steps = f"{len(self)} steps to {self.force[-1]:g} N"
+        return f"<Path of {self.model.name!r}: {steps}, {state}{snaps}>"
 
     def __len__(self) -> int:
         return len(self.loads)

@@ -15,6 +15,10 @@ from flexor.study.outcomes import FloatArray, Outcomes
 if TYPE_CHECKING:
     from flexor.model import Batch, Model, Path
 
+# Designs are evaluated and recorded in parts of this size: states and geometry are kept for no more
+# of them, an interruption costs little, and each part still keeps every core busy.
+PART = 1024
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -67,20 +71,21 @@ class Problem:
             In the order of the designs. A design whose surface is not positive, or whose path
             did not converge, is marked failed with the reason.
         """
-        geometry = self.geometry(designs)
-        sound = np.isfinite(geometry.length) & (geometry.length > 0.0)
-        sound &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
-        sound &= np.all(np.isfinite(geometry.slope), axis=1)
-        if sound.all():
-            return self._follow(geometry, threads)
-        rows = np.flatnonzero(sound)
-        part = Geometry(geometry.length[rows], geometry.radius[rows], geometry.slope[rows])
-        joints = len(self.model.joints)
         outcomes = Outcomes.failed(
-            len(designs), self.force.size, joints, "has a length or radius that is not positive"
+            len(designs),
+            self.force.size,
+            len(self.model.joints),
+            "has a length or radius that is not positive",
         )
-        if rows.size:
-            outcomes.fill(rows, self._follow(part, threads))
+        for first in range(0, len(designs), PART):
+            geometry = self.geometry(designs[first : first + PART])
+            sound = np.isfinite(geometry.length) & (geometry.length > 0.0)
+            sound &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
+            sound &= np.all(np.isfinite(geometry.slope), axis=1)
+            rows = np.flatnonzero(sound)
+            if rows.size:
+                part = Geometry(geometry.length[rows], geometry.radius[rows], geometry.slope[rows])
+                outcomes.fill(first + rows, self._follow(part, threads))
         return outcomes
 
     def residuals(self, outcomes: Outcomes) -> FloatArray:

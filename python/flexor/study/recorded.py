@@ -6,12 +6,8 @@ import numpy as np
 
 from flexor.study.executor import Executor
 from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import PART, Problem
 from flexor.study.record import Record
-
-# Designs are evaluated and recorded in parts of this size, so that an interruption of a large
-# batch costs little and each part still keeps every core busy.
-PART = 1024
 
 
 class Recorded:
