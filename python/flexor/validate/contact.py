@@ -1,0 +1,91 @@
+"""Closed form: two spheres pressed against each other by a spring."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.model import Model
+from flexor.validate.case import CLOSED_FORM, Case, Outcome
+from flexor.validate.comparison import compare
+from flexor.validate.systems import build, link, si, vector
+
+Array = NDArray[np.float64]
+RADII = (0.012, 0.008)  # m
+CONTACT, SPRING, REST = 1000.0, 50.0, 0.01  # N/m, N/m, m
+PUSHES = np.array([0.0, 0.2, 0.4, 0.8, 1.6, 3.2])  # N
+# From the first sphere to where the spring is held, in space and in the plane.
+LINES = {"space": (0.6, 0.48, 0.64), "plane": (0.8, 0.0, 0.6)}
+START = 0.03  # m between the centres without load
+
+
+def _model(where: str) -> tuple[Model, Array]:
+    """Build a fixed sphere, and one on a slide that a spring and a push press against it."""
+    line = np.array(LINES[where])
+    # The second sphere slides along the line; the spring pulls it beyond the first one's centre.
+    anchor = -0.02 * line
+    bodies = {
+        "still": link(0.01, RADII[0]),
+        "slider": link(
+            0.01,
+            RADII[1],
+            placement={axis: si(START * v, "m") for axis, v in zip("xyz", line, strict=True)},
+            joint={"kind": "prismatic", "axis": line.tolist()},
+        ),
+    }
+    base = {"body": "slider", "at": "base"}
+    model = build(
+        "spheres",
+        bodies,
+        planar=where == "plane",
+        spheres={name: {"points": [{"body": name, "at": "base"}]} for name in bodies},
+        contacts={"touch": {"first": "still", "second": "slider", "stiffness": si(CONTACT, "N/m")}},
+        springs={
+            "spring": {
+                "first": base,
+                "second": {"world": vector(anchor, "m")},
+                "stiffness": si(SPRING, "N/m"),
+                "rest_length": si(REST, "m"),
+            }
+        },
+        wrenches={"push": {**base, "force": vector(-line, "N"), "input": True}},
+    )
+    return model, line
+
+
+def pressed_spheres() -> Outcome:
+    """Compare distance, overlap and forces."""
+    comparisons = []
+    for where in LINES:
+        model, line = _model(where)
+        path = model.equilibrium(PUSHES)
+        # k (R - x) = k_s (x + 2 cm - rest) + push, while it gives an overlap.
+        reach = sum(RADII)
+        x = (CONTACT * reach - SPRING * (0.02 - REST) - PUSHES) / (CONTACT + SPRING)
+        overlap = reach - x
+        touches = [path.contact_forces(step) for step in range(len(path))]
+        found = [START + q[0] for q in path.q]
+        stored = 0.5 * SPRING * (x + 0.02 - REST) ** 2 + 0.5 * CONTACT * overlap**2 + PUSHES * x
+        forces = np.stack([touch.force[0] for touch in touches])
+        comparisons += [
+            compare(f"{where}: distance [m]", x, found, 1e-10),
+            compare(f"{where}: overlap [m]", overlap, [t.depth[0] for t in touches], 1e-9),
+            compare(
+                f"{where}: force on the first [N]", -CONTACT * overlap[:, None] * line, forces, 1e-9
+            ),
+            compare(f"{where}: potential [J]", stored, path.energy, 1e-10),
+        ]
+    return Outcome(tuple(comparisons))
+
+
+CASES = (
+    Case(
+        "pressed-spheres",
+        "Two spheres pressed by a spring",
+        CLOSED_FORM,
+        "A sphere on a slide is pulled against a fixed one by a spring and pushed by a force. The "
+        "contact law (8) is linear in the overlap, so the distance x solves "
+        "k (R₁ + R₂ − x) = k_s (x + a − ℓ₀) + P. In space and in the plane, along oblique lines.",
+        pressed_spheres,
+    ),
+)
