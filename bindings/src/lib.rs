@@ -4,6 +4,7 @@ mod dispatch;
 mod model;
 
 use flexor_engine::equilibrium::{EventKind, Status};
+use flexor_engine::sensitivity::Regularity;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
 
@@ -19,6 +20,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add("STATUS", Status::ALL.map(Status::name).to_vec())?;
     module.add("EVENTS", EventKind::ALL.map(EventKind::name).to_vec())?;
+    module.add("REGULARITY", Regularity::ALL.map(Regularity::name).to_vec())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     Ok(())
 }

@@ -150,7 +150,7 @@ impl Model {
     }
 
     /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=20_000, min_step=1e-3, base=None))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=20_000, min_step=1e-3, base=None, gradient=None))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -163,12 +163,16 @@ impl Model {
         max_iterations: usize,
         min_step: f64,
         base: Option<PyReadonlyArray1<f64>>,
+        gradient: Option<PyReadonlyArray1<i64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let default = on_model!(&self.inner, m => m.parameters().to_vec());
         let base = base.map_or(default, |b| b.as_array().to_vec());
         let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
-        let varied: Vec<usize> =
-            slot_indices.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect();
+        let indices = |a: &PyReadonlyArray1<i64>| -> Vec<usize> {
+            a.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect()
+        };
+        let varied = indices(&slot_indices);
+        let gradient = gradient.as_ref().map_or(vec![], indices);
         let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
         let [steps, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
         if base.len() != slots {
@@ -180,6 +184,9 @@ impl Model {
         if let Some(i) = varied.iter().find(|i| **i >= slots) {
             return refuse(format!("slot_indices: found {i}, the model has {slots} parameters"));
         }
+        if let Some(i) = gradient.iter().find(|i| **i >= slots) {
+            return refuse(format!("gradient: found {i}, the model has {slots} parameters"));
+        }
         if load_inputs != inputs {
             return refuse(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
         }
@@ -188,7 +195,15 @@ impl Model {
         }
         let values: Vec<f64> = values.as_array().iter().copied().collect();
         let loads: Vec<f64> = loads.as_array().iter().copied().collect();
-        let batch = Batch { base: &base, varied: &varied, values: &values, designs, loads: &loads, steps };
+        let batch = Batch {
+            base: &base,
+            varied: &varied,
+            values: &values,
+            designs,
+            loads: &loads,
+            steps,
+            gradient: &gradient,
+        };
         let options = Options { tolerance, max_iterations, min_step };
         let result = py.detach(|| on_model!(&self.inner, m => m.solve_batch(batch, options, threads)));
 
@@ -204,6 +219,12 @@ impl Model {
         out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
         out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;
         out.set_item("tip_force", result.tip_force.into_pyarray(py).reshape(shape)?)?;
+        if !gradient.is_empty() {
+            let outputs = result.gradient.len() / (designs * gradient.len()).max(1);
+            let shape = [designs, outputs, gradient.len()];
+            out.set_item("gradient", result.gradient.into_pyarray(py).reshape(shape)?)?;
+            out.set_item("regularity", result.regularity.into_pyarray(py))?;
+        }
         out.set_item("events", events(py, &result.events, inputs, self.dof())?)?;
         Ok(out)
     }

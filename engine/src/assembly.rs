@@ -104,6 +104,11 @@ impl<const D: usize> Assembly<D> {
         self.circulate(model, design, kinematics, load);
     }
 
+    /// World columns of a frame's own coordinates; zero where the frame carries nothing.
+    pub fn columns(&self, range: std::ops::Range<usize>) -> impl Iterator<Item = &(usize, Vector<D>)> {
+        self.columns[range].iter()
+    }
+
     /// Sums wrenches and stiffness forms over all frames that each frame carries.
     fn carry_back<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) {
         let frames = &mut self.frames;

@@ -3,6 +3,7 @@
 use crate::equilibrium::{Event, EventKind, Options, PathSink, Solver, Status, StepReport};
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::sensitivity::{Adjoint, Regularity};
 use rayon::prelude::*;
 
 /// Designs that differ in some parameters, all taken along the same loads.
@@ -20,6 +21,8 @@ pub struct Batch<'a> {
     pub loads: &'a [f64],
     /// Number of load steps.
     pub steps: usize,
+    /// Parameters with respect to which the last step is differentiated; none: no derivatives.
+    pub gradient: &'a [usize],
 }
 
 /// What a batch returns: row-major arrays over (design, step).
@@ -41,6 +44,11 @@ pub struct BatchResult {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip spheres [N].
     pub tip_force: Vec<f64>,
+    /// Derivatives at the last step: per design, a row for every joint coordinate and one for the
+    /// tip force, over the parameters asked for; NaN where there is no equilibrium.
+    pub gradient: Vec<f64>,
+    /// Whether they mean something: [`Regularity`] codes.
+    pub regularity: Vec<u8>,
     /// Events of all designs, in order.
     pub events: Vec<BatchEvent>,
 }
@@ -74,6 +82,8 @@ struct Row<'a> {
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
+    gradient: &'a mut [f64],
+    regularity: &'a mut u8,
     events: Vec<BatchEvent>,
 }
 
@@ -81,6 +91,8 @@ struct Row<'a> {
 struct RowSink<'a, 'b, G, const D: usize, const P: usize> {
     row: &'b mut Row<'a>,
     model: &'b Model<G, D, P>,
+    /// Present when derivatives are asked for.
+    adjoint: Option<&'b mut Adjoint<D, P>>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for RowSink<'_, '_, G, D, P> {
@@ -98,6 +110,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
+        let last = index + 1 == row.status.len();
+        if let Some(adjoint) = self.adjoint.as_deref_mut().filter(|_| last) {
+            adjoint.outputs(self.model, solver, row.gradient);
+            let snapped = !row.events.is_empty();
+            *row.regularity = Regularity::of(self.model, solver, report.status, snapped) as u8;
+        }
     }
 
     fn event(&mut self, event: Event) {
@@ -122,6 +140,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         assert!(batch.varied.iter().all(|i| *i < self.parameters.len()), "varied parameters");
         let loads: Vec<&[f64]> = (0..steps).map(|s| &batch.loads[s * inputs..(s + 1) * inputs]).collect();
         let count = batch.designs * steps;
+        let differentiate = !batch.gradient.is_empty();
+        let width = if differentiate { Adjoint::output_count(self) * batch.gradient.len() } else { 0 };
         let mut result = BatchResult {
             q: vec![f64::NAN; count * dof],
             status: vec![Status::InvalidDesign as u8; count],
@@ -131,20 +151,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             pairs: vec![0; count],
             touching: vec![0; count],
             tip_force: vec![0.0; count],
+            gradient: vec![f64::NAN; batch.designs * width],
+            regularity: vec![Regularity::NoEquilibrium as u8; batch.designs],
             events: vec![],
         };
-        let mut rows = split_rows(&mut result, dof, steps);
+        let mut rows = split_rows(&mut result, dof, steps, width);
         let solve = |rows: &mut [Row]| {
             let mut solver = Solver::new(self, options);
             let mut parameters = batch.base.to_vec();
             let rest = vec![0.0; dof];
+            let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
             for row in rows {
                 let values = &batch.values[row.design * batch.varied.len()..][..batch.varied.len()];
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;
                 }
                 if solver.set_parameters(self, &parameters) {
-                    solver.follow(self, &loads, &rest, &mut RowSink { row, model: self });
+                    solver.follow(
+                        self,
+                        &loads,
+                        &rest,
+                        &mut RowSink { row, model: self, adjoint: adjoint.as_mut() },
+                    );
                 }
             }
         };
@@ -160,49 +188,46 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     }
 }
 
-fn split_rows(result: &mut BatchResult, dof: usize, steps: usize) -> Vec<Row<'_>> {
-    let mut q = result.q.chunks_mut((dof * steps).max(1));
-    let mut status = result.status.chunks_mut(steps.max(1));
-    let mut iterations = result.iterations.chunks_mut(steps.max(1));
-    let mut residual = result.residual.chunks_mut(steps.max(1));
-    let mut energy = result.energy.chunks_mut(steps.max(1));
-    let mut pairs = result.pairs.chunks_mut(steps.max(1));
-    let mut touching = result.touching.chunks_mut(steps.max(1));
-    let mut tip_force = result.tip_force.chunks_mut(steps.max(1));
-    let mut rows = vec![];
-    while let (
-        Some(q),
-        Some(status),
-        Some(iterations),
-        Some(residual),
-        Some(energy),
-        Some(pairs),
-        Some(touching),
-        Some(tip_force),
-    ) = (
-        q.next(),
-        status.next(),
-        iterations.next(),
-        residual.next(),
-        energy.next(),
-        pairs.next(),
-        touching.next(),
-        tip_force.next(),
-    ) {
-        let design = rows.len();
-        rows.push(Row {
+/// Cuts the arrays into the rows of each design.
+fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) -> Vec<Row<'_>> {
+    fn cut<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+        let (head, tail) = std::mem::take(rest).split_at_mut(count);
+        *rest = tail;
+        head
+    }
+    let BatchResult {
+        q,
+        status,
+        iterations,
+        residual,
+        energy,
+        pairs,
+        touching,
+        tip_force,
+        gradient,
+        regularity,
+        ..
+    } = result;
+    let (mut q, mut status, mut iterations) = (&mut q[..], &mut status[..], &mut iterations[..]);
+    let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
+    let (mut touching, mut tip_force, mut gradient) =
+        (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
+    let designs = regularity.iter_mut().enumerate();
+    designs
+        .map(|(design, regularity)| Row {
             design,
             dof,
-            q,
-            status,
-            iterations,
-            residual,
-            energy,
-            pairs,
-            touching,
-            tip_force,
+            q: cut(&mut q, steps * dof),
+            status: cut(&mut status, steps),
+            iterations: cut(&mut iterations, steps),
+            residual: cut(&mut residual, steps),
+            energy: cut(&mut energy, steps),
+            pairs: cut(&mut pairs, steps),
+            touching: cut(&mut touching, steps),
+            tip_force: cut(&mut tip_force, steps),
+            gradient: cut(&mut gradient, width),
+            regularity,
             events: vec![],
-        });
-    }
-    rows
+        })
+        .collect()
 }

@@ -21,6 +21,7 @@ pub(crate) struct Design<G, const D: usize, const P: usize> {
     pub points: Vec<Vector<P>>,
     /// Radius of each sphere.
     pub radii: Vec<f64>,
+    pub volumes: Vec<f64>,
     pub masses: Vec<f64>,
     /// √K_ii-scaling: a coordinate times its scale has the elastic energy of one unit.
     pub scale: Vec<f64>,
@@ -65,6 +66,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
             thread_columns: Vec::with_capacity(columns),
             points: vec![Vector::ZERO; model.points.len()],
             radii: vec![0.0; model.spheres.len()],
+            volumes: vec![0.0; model.masses.len()],
             masses: vec![0.0; model.masses.len()],
             scale: vec![1.0; model.dof],
             reference_stiffness: 1.0,
@@ -171,20 +173,23 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
 
     fn weigh(&mut self, model: &Model<G, D, P>) {
         let p = &self.parameters;
-        for (value, mass) in self.masses.iter_mut().zip(&model.masses) {
-            *value = match mass {
+        let values = self.masses.iter_mut().zip(&mut self.volumes);
+        for ((m, volume), mass) in values.zip(&model.masses) {
+            let density = match mass {
                 Mass::Rod(_, r, g) => {
                     let (rod, gauss) = (&model.rods[*r], &model.rods[*r].gauss[*g]);
                     let area = section::factors(rod.section)[3] * p[rod.radius.start + gauss.point].powi(2);
-                    p[rod.density] * area * p[rod.length] * gauss.weight
+                    *volume = area * p[rod.length] * gauss.weight;
+                    p[rod.density]
                 }
                 Mass::Link(_, b) => {
                     let Shape::Link(link) = &model.bodies[*b].shape else { continue };
                     let (a, b) = (p[link.radius_base], p[link.radius_tip]);
-                    let volume = std::f64::consts::PI / 3.0 * p[link.length] * (a * a + a * b + b * b);
-                    p[link.density] * volume
+                    *volume = std::f64::consts::PI / 3.0 * p[link.length] * (a * a + a * b + b * b);
+                    p[link.density]
                 }
             };
+            *m = density * *volume;
         }
     }
 

@@ -16,6 +16,7 @@ pub mod linalg;
 pub mod model;
 mod potential;
 mod section;
+pub mod sensitivity;
 pub mod strain;
 
 pub use batch::{Batch, BatchEvent, BatchResult};

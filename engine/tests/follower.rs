@@ -36,8 +36,15 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
     loads: &[f64],
 ) -> (Vec<f64>, usize) {
     let model = Model::<G, D, P>::new(d).unwrap();
-    let batch =
-        Batch { base: model.parameters(), varied: &[], values: &[], designs: 1, loads, steps: loads.len() };
+    let batch = Batch {
+        base: model.parameters(),
+        varied: &[],
+        values: &[],
+        designs: 1,
+        loads,
+        steps: loads.len(),
+        gradient: &[],
+    };
     let result = model.solve_batch(batch, Options::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8), "{:?}", result.status);
     let n = model.dof();

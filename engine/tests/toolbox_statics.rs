@@ -25,6 +25,7 @@ fn joint_angles_of_the_default_design() {
         designs: 1,
         loads: &loads,
         steps: loads.len(),
+        gradient: &[],
     };
     let result = model.solve_batch(batch, Options::default(), 1);
     assert!(result.events.is_empty());

@@ -4,13 +4,14 @@ Shapes: n designs, s load steps, D degrees of freedom, U load inputs, P paramete
 in rad. What each array means is written with the engine.
 """
 
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STATUS: list[str]
 EVENTS: list[str]
+REGULARITY: list[str]
 
 class Events(TypedDict):
     design: NDArray[np.uint32]
@@ -31,6 +32,8 @@ class Paths(TypedDict):
     touching: NDArray[np.uint32]
     tip_force: NDArray[np.float64]
     events: Events
+    gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
+    regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
@@ -59,8 +62,13 @@ class Model:
         slot_indices: ArrayLike,
         values: ArrayLike,
         loads: ArrayLike,
-        threads: int,
-        **options: float,
+        threads: int = 0,
+        *,
+        tolerance: float = 1e-9,
+        max_iterations: int = 20_000,
+        min_step: float = 1e-3,
+        base: ArrayLike | None = None,
+        gradient: ArrayLike | None = None,
     ) -> Paths: ...
     def energy(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> float: ...
     def residual(

@@ -35,4 +35,17 @@ impl GeneralFactor {
             b.fill(f64::NAN);
         }
     }
+
+    /// Solves with the transposed matrix, in place.
+    pub fn solve_transposed(&self, b: &mut [f64]) {
+        // P A = L U, so Aᵀ = Uᵀ Lᵀ P.
+        let mut x = nalgebra::DVector::from_column_slice(b);
+        let (l, u) = (self.lu.l(), self.lu.u());
+        let solved = u.tr_solve_upper_triangular_mut(&mut x) && l.tr_solve_lower_triangular_mut(&mut x);
+        self.lu.p().inv_permute_rows(&mut x);
+        b.copy_from_slice(x.as_slice());
+        if !solved {
+            b.fill(f64::NAN);
+        }
+    }
 }

@@ -102,6 +102,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         &self.data
     }
 
+    /// The current load.
+    pub fn load(&self) -> &[f64] {
+        &self.load
+    }
+
+    /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the equilibrium at hand.
+    pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
+        let scale = &self.data.design.scale;
+        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
+        match &self.general {
+            None => self.factor.solve(b),
+            Some(general) => general.solve_transposed(b),
+        }
+        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
+    }
+
+    /// Ratio of the smallest to the largest pivot of the factor at hand.
+    pub(crate) fn pivot_ratio(&self) -> f64 {
+        self.factor.pivot_ratio()
+    }
+
     /// The current state.
     pub fn state(&self) -> &[f64] {
         &self.q

@@ -59,6 +59,13 @@ impl Cholesky {
         true
     }
 
+    /// Ratio of the smallest to the largest pivot of the last factorisation.
+    pub fn pivot_ratio(&self) -> f64 {
+        let largest = self.inverse_diagonal.iter().fold(0.0f64, |m, d| m.max(*d));
+        let smallest = self.inverse_diagonal.iter().fold(f64::INFINITY, |m, d| m.min(*d));
+        (smallest / largest).powi(2)
+    }
+
     /// Solves `Uᵀ y = b` in place.
     pub fn solve_lower(&self, b: &mut [f64]) {
         let n = self.n;

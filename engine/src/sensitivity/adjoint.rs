@@ -1,0 +1,172 @@
+//! λᵀ ∂g/∂p for all wanted parameters at once.
+
+use crate::data::Data;
+use crate::equilibrium::Solver;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::model::{Model, Shape};
+
+/// Workspace of the sensitivities.
+#[derive(Clone, Debug)]
+pub struct Adjoint<const D: usize, const P: usize> {
+    /// World twist of each frame under the virtual motion λ.
+    pub(super) twist: Vec<Vector<D>>,
+    /// Virtual velocity of each point.
+    pub(super) velocity: Vec<Vector<P>>,
+    /// The same under a change of one geometric parameter.
+    pub(super) drift_twist: Vec<Vector<D>>,
+    pub(super) drift: Vec<Vector<P>>,
+    /// Wrenches of an output on the frames.
+    pub(super) wrench: Vec<Vector<D>>,
+    /// Derivatives with respect to every parameter.
+    pub(super) gradient: Vec<f64>,
+    /// Geometric parameters: what each one moves.
+    pub(super) motions: Vec<GeometricParameter>,
+    /// ∂y/∂q of an output, then λ.
+    lambda: Vec<f64>,
+    wanted: Vec<usize>,
+}
+
+/// A parameter that moves frames or points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GeometricParameter {
+    pub index: usize,
+    pub kind: Geometric,
+}
+
+/// What a geometric parameter changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Geometric {
+    /// The length of a rod.
+    RodLength(usize),
+    /// The length of the link of a body.
+    LinkLength(usize),
+    /// A radius of the link of a body (moves its centroid): at the base or at the tip.
+    LinkRadius(usize, bool),
+    /// A component of a body's translation.
+    Translation(usize, usize),
+    /// A component of a body's rotation vector.
+    Rotation(usize, usize),
+}
+
+impl<const D: usize, const P: usize> Adjoint<D, P> {
+    /// A workspace for derivatives with respect to the parameters `wanted`.
+    pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Self {
+        let mut mask = vec![false; model.parameters.len()];
+        wanted.iter().for_each(|i| mask[*i] = true);
+        let mut motions = vec![];
+        let mut push = |index: usize, kind| {
+            if mask[index] {
+                motions.push(GeometricParameter { index, kind });
+            }
+        };
+        for (r, rod) in model.rods.iter().enumerate() {
+            push(rod.length, Geometric::RodLength(r));
+        }
+        for (b, body) in model.bodies.iter().enumerate() {
+            for k in 0..3 {
+                push(body.translation.start + k, Geometric::Translation(b, k));
+                push(body.rotation.start + k, Geometric::Rotation(b, k));
+            }
+            if let Shape::Link(link) = &body.shape {
+                push(link.length, Geometric::LinkLength(b));
+                push(link.radius_base, Geometric::LinkRadius(b, false));
+                push(link.radius_tip, Geometric::LinkRadius(b, true));
+            }
+        }
+        let (frames, points) = (model.frames.len(), model.points.len());
+        Self {
+            twist: vec![Vector::ZERO; frames],
+            velocity: vec![Vector::ZERO; points],
+            drift_twist: vec![Vector::ZERO; frames],
+            drift: vec![Vector::ZERO; points],
+            wrench: vec![Vector::ZERO; frames],
+            gradient: vec![0.0; model.parameters.len()],
+            motions,
+            lambda: vec![0.0; model.dof],
+            wanted: wanted.to_vec(),
+        }
+    }
+
+    /// λᵀ ∂g/∂p at the state evaluated last, for every wanted parameter.
+    ///
+    /// `q`, `load` are those of the evaluation.
+    pub fn virtual_work_gradient<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        lambda: &[f64],
+    ) -> &[f64] {
+        self.gradient.fill(0.0);
+        self.move_frames(model, data, lambda);
+        self.add_local(model, data, q, load, lambda);
+        for m in 0..self.motions.len() {
+            let parameter = self.motions[m];
+            self.drift_along(model, data, q, parameter.kind);
+            self.gradient[parameter.index] +=
+                self.geometric_work(model, data, q, load, lambda, parameter.kind);
+        }
+        &self.gradient
+    }
+
+    /// Twists of the frames and velocities of the points under the virtual motion λ.
+    fn move_frames<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        lambda: &[f64],
+    ) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let mut twist = self.twist[frame.parent];
+            for (dof, column) in data.assembly.columns(frame.columns.clone()) {
+                twist += *column * lambda[*dof];
+            }
+            self.twist[f] = twist;
+        }
+        for ((v, p), point) in self.velocity.iter_mut().zip(&data.kinematics.points).zip(&model.points) {
+            *v = G::point_jacobian(p) * self.twist[point.frame];
+        }
+    }
+
+    /// Number of outputs of [`Adjoint::outputs`]: the joint coordinates, then the tip force.
+    pub fn output_count<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> usize {
+        model.joints.len() + 1
+    }
+
+    /// Total derivatives of every joint coordinate and of the tip force with respect to the wanted
+    /// parameters, row by row into `out`, at the equilibrium the solver holds.
+    ///
+    /// The row of the tip force is zero while nothing touches the tip.
+    pub fn outputs<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        solver: &Solver<G, D, P>,
+        out: &mut [f64],
+    ) {
+        let (data, q, load) = (solver.data(), solver.state(), solver.load());
+        let mut lambda = std::mem::take(&mut self.lambda);
+        for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
+            let explicit = output == model.joints.len();
+            if explicit {
+                self.tip_force_gradient(model, data, &mut lambda);
+            } else {
+                lambda.fill(0.0);
+                lambda[model.joints[output].dof] = 1.0;
+            }
+            solver.solve_transposed(&mut lambda);
+            self.virtual_work_gradient(model, data, q, load, &lambda);
+            self.gradient.iter_mut().for_each(|g| *g = -*g);
+            if explicit {
+                let mut gradient = std::mem::take(&mut self.gradient);
+                self.add_tip_force_parameters(model, data, q, &mut gradient);
+                self.gradient = gradient;
+            }
+            for (o, i) in row.iter_mut().zip(&self.wanted) {
+                *o = self.gradient[*i];
+            }
+        }
+        self.lambda = lambda;
+    }
+}

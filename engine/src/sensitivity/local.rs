@@ -1,0 +1,220 @@
+//! Parameters that act where they are: moduli, stiffnesses, radii, levers, densities.
+
+use super::adjoint::Adjoint;
+use crate::data::Data;
+use crate::design::{link_fraction, thread_arm};
+use crate::lie::LieGroup;
+use crate::model::{Mass, Model, Shape, SphereRadius};
+use crate::potential::contact::for_each_touch;
+use crate::section;
+use crate::strain::Mode;
+
+impl<const D: usize, const P: usize> Adjoint<D, P> {
+    pub(super) fn add_local<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        lambda: &[f64],
+    ) {
+        self.add_elastic(model, data, q, lambda);
+        self.add_actuators(model, data, q, load, lambda);
+        self.add_contacts(model, data);
+        self.add_springs(model, data);
+        self.add_masses(model, data);
+        for joint in &model.joints {
+            self.gradient[joint.stiffness] += (q[joint.dof] - joint.joint.rest) * lambda[joint.dof];
+        }
+    }
+
+    /// K_ij = Σ modulus · factor · S^power · L^{∓1} · w φ_i φ_j, each factor in turn.
+    fn add_elastic<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        lambda: &[f64],
+    ) {
+        let p = &data.design.parameters;
+        for rod in &model.rods {
+            let length = p[rod.length];
+            let factors = section::factors(rod.section);
+            for entry in &rod.entries {
+                let mode = Mode::ALL[entry.mode];
+                let (i, j) = model.stiffness_pattern[entry.entry];
+                let pair = if i == j { q[i] * lambda[i] } else { q[i] * lambda[j] + q[j] * lambda[i] };
+                let at = rod.radius.start + rod.gauss[entry.gauss].point;
+                let modulus = section::modulus(mode, p[rod.young_modulus], p[rod.shear_modulus]);
+                let power = section::power(mode);
+                let scale = if mode.is_angular() { 1.0 / length } else { length };
+                let work = modulus * factors[entry.mode] * p[at].powi(power) * scale * entry.value * pair;
+                self.gradient[at] += f64::from(power) * work / p[at];
+                self.gradient[rod.length] += if mode.is_angular() { -work } else { work } / length;
+                let young = matches!(mode, Mode::BendY | Mode::BendZ | Mode::ExtendX);
+                self.gradient[if young { rod.young_modulus } else { rod.shear_modulus }] += work / modulus;
+            }
+        }
+    }
+
+    /// −u ℓ: how the path's tangent τ and its arms change with S, S′, the lever and L.
+    fn add_actuators<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        lambda: &[f64],
+    ) {
+        let p = &data.design.parameters;
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        for (a, actuator) in model.actuators.iter().enumerate() {
+            let rod = &model.rods[actuator.rod];
+            let length = p[rod.length];
+            for (tendon, gauss) in actuator.tendon.iter().zip(&rod.gauss) {
+                let (at, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
+                let d = [0, 1].map(|i| tendon.offset[i] + p[actuator.lever + i] * p[at]);
+                let dd = [0, 1].map(|i| tendon.slope[i] + p[actuator.lever + i] * p[slope]);
+                // Normalised strains of the state and of the virtual motion, mode by mode.
+                let (mut strain, mut virtual_strain) = ([0.0; 6], [0.0; 6]);
+                for mode in Mode::ALL {
+                    strain[mode.index()] = length * rod.reference_strain[mode.index()];
+                }
+                for &(dof, mode, phi) in &gauss.columns {
+                    let scale = if mode < 3 { phi } else { phi * length };
+                    strain[mode] += q[dof] * scale;
+                    virtual_strain[mode] += lambda[dof] * scale;
+                }
+                let along = |strain: &[f64; 6], offset: [f64; 2], lateral: bool| {
+                    let mut t = [0.0; 3];
+                    for mode in Mode::ALL {
+                        // The linear modes' arms do not depend on the offset.
+                        if lateral && !mode.is_angular() {
+                            continue;
+                        }
+                        let arm = thread_arm(mode, offset);
+                        for i in 0..3 {
+                            t[i] += strain[mode.index()] * arm[i];
+                        }
+                    }
+                    t
+                };
+                let mut tau = along(&strain, d, false);
+                tau[1] += dd[0];
+                tau[2] += dd[1];
+                let norm = dot(&tau, &tau).sqrt();
+                let unit = tau.map(|t| t / norm);
+                let v = along(&virtual_strain, d, false);
+                let tension = -actuator.sign * load[a] * gauss.weight;
+                // d(τ̂·v) for a change (dτ, dv).
+                let work = |dtau: [f64; 3], dv: [f64; 3]| {
+                    tension * ((dot(&dtau, &v) - dot(&dtau, &unit) * dot(&unit, &v)) / norm + dot(&unit, &dv))
+                };
+                for i in 0..2 {
+                    let mut e = [0.0; 2];
+                    e[i] = 1.0;
+                    let mut slide = [0.0; 3];
+                    slide[i + 1] = 1.0;
+                    let by_offset = work(along(&strain, e, true), along(&virtual_strain, e, true));
+                    let by_slope = work(slide, [0.0; 3]);
+                    let lever = p[actuator.lever + i];
+                    self.gradient[at] += lever * by_offset;
+                    self.gradient[slope] += lever * by_slope;
+                    self.gradient[actuator.lever + i] += p[at] * by_offset + p[slope] * by_slope;
+                }
+                // L scales linear strains and the whole reference strain.
+                let (mut by_length, mut virtual_by_length) = ([0.0; 6], [0.0; 6]);
+                for mode in Mode::ALL {
+                    let m = mode.index();
+                    let reference = rod.reference_strain[m];
+                    by_length[m] = if mode.is_angular() { reference } else { strain[m] / length };
+                    virtual_by_length[m] = if mode.is_angular() { 0.0 } else { virtual_strain[m] / length };
+                }
+                self.gradient[rod.length] +=
+                    work(along(&by_length, d, false), along(&virtual_by_length, d, false));
+            }
+        }
+    }
+
+    fn add_contacts<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        let p = &data.design.parameters;
+        for contact in &model.contacts {
+            let k = p[contact.stiffness];
+            let (velocity, gradient) = (&self.velocity, &mut self.gradient);
+            for_each_touch(model, &data.design, &data.kinematics.points, contact, |touch| {
+                let [a, b] = [touch.first, touch.second].map(|s| model.spheres[s].point);
+                let approach = -touch.normal.dot(&(velocity[a] - velocity[b]));
+                gradient[contact.stiffness] += touch.overlap * approach;
+                for sphere in [touch.first, touch.second] {
+                    add_radius(model, p, model.spheres[sphere].radius, k * approach, gradient);
+                }
+            });
+        }
+    }
+
+    fn add_springs<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        let p = &data.design.parameters;
+        for spring in &model.springs {
+            let [a, b] = spring.ends;
+            let r = data.kinematics.points[a] - data.kinematics.points[b];
+            let stretch = r.norm() - p[spring.rest_length];
+            if (spring.slack && stretch <= 0.0) || r.norm() == 0.0 {
+                continue;
+            }
+            let apart = (r * (1.0 / r.norm())).dot(&(self.velocity[a] - self.velocity[b]));
+            self.gradient[spring.stiffness] += stretch * apart;
+            self.gradient[spring.rest_length] -= p[spring.stiffness] * apart;
+        }
+    }
+
+    /// Weights: −m g·v with m ∝ ρ S² L for rods, ρ L (a² + ab + b²) for links.
+    fn add_masses<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        let p = &data.design.parameters;
+        let values = data.design.masses.iter().zip(&data.design.volumes);
+        for (mass, (m, volume)) in model.masses.iter().zip(values) {
+            let work = -model.gravity.dot(&self.velocity[mass.point()]);
+            let mut relative = |i: usize, power: f64| self.gradient[i] += power * m * work / p[i];
+            match mass {
+                Mass::Rod(_, r, g) => {
+                    let rod = &model.rods[*r];
+                    relative(rod.radius.start + rod.gauss[*g].point, 2.0);
+                    relative(rod.length, 1.0);
+                    self.gradient[rod.density] += volume * work;
+                }
+                Mass::Link(_, b) => {
+                    let Shape::Link(link) = &model.bodies[*b].shape else { continue };
+                    relative(link.length, 1.0);
+                    self.gradient[link.density] += volume * work;
+                    let (a, b) = (p[link.radius_base], p[link.radius_tip]);
+                    let sum = a * a + a * b + b * b;
+                    self.gradient[link.radius_base] += m * work * (2.0 * a + b) / sum;
+                    self.gradient[link.radius_tip] += m * work * (a + 2.0 * b) / sum;
+                }
+            }
+        }
+    }
+}
+
+/// Adds `weight · dR/dp` of a sphere's radius R.
+pub(super) fn add_radius<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+    weight: f64,
+    gradient: &mut [f64],
+) {
+    match radius {
+        SphereRadius::Parameter(k) => gradient[k] += weight,
+        SphereRadius::Link(body, place) => {
+            let Shape::Link(link) = &model.bodies[body].shape else { return };
+            let (_, f) = link_fraction(model, parameters, place);
+            gradient[link.radius_base] += weight * (1.0 - f);
+            gradient[link.radius_tip] += weight * f;
+            // The centroid's fraction depends on the radii too.
+            let taper = parameters[link.radius_tip] - parameters[link.radius_base];
+            let [by_base, by_tip] = super::motion::fraction_slope(parameters, link, place);
+            gradient[link.radius_base] += weight * taper * by_base;
+            gradient[link.radius_tip] += weight * taper * by_tip;
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Derivatives with respect to every parameter of random systems, against differences.
+
+mod systems;
+#[path = "systems/trees.rs"]
+mod trees;
+
+use flexor_engine::Data;
+use flexor_engine::lie::{LieGroup, SE2, SE3};
+use flexor_engine::model::*;
+use flexor_engine::sensitivity::Adjoint;
+use proptest::prelude::*;
+use trees::{BASES, SECTIONS, planar_tree, spatial_tree};
+
+/// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
+fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    description: &Description,
+    state: &[f64],
+    load: &[f64],
+) -> Result<(), TestCaseError> {
+    let model = Model::<G, D, P>::new(description).unwrap();
+    let n = model.dof();
+    let load = &load[..model.inputs().len()];
+    let q: Vec<f64> = (0..n).map(|i| 0.25 * state[i % state.len()]).collect();
+    let lambda: Vec<f64> = (0..n).map(|i| state[(7 * i + 3) % state.len()]).collect();
+    let p = model.parameters().to_vec();
+    let all: Vec<usize> = (0..p.len()).collect();
+    let mut data = Data::new(&model);
+    let mut adjoint = Adjoint::new(&model, &all);
+    data.evaluate(&model, &q, load);
+    let exact = adjoint.virtual_work_gradient(&model, &data, &q, load, &lambda).to_vec();
+    let size = exact.iter().zip(&p).fold(0.0f64, |m, (g, p)| m.max((g * p).abs()));
+    for (name, range) in model.layout().iter() {
+        for i in range {
+            // A planar system has no third direction to move in.
+            if D == 3 && (name.ends_with("translation") || name.ends_with("rotation")) {
+                let component = i - model.layout().get(name).unwrap().start;
+                if (component == 1) != name.ends_with("rotation") {
+                    continue;
+                }
+            }
+            let h = 1e-5 * if p[i] == 0.0 { 0.1 } else { p[i].abs() };
+            let mut difference = 0.0;
+            let mut touching = None;
+            let mut smooth = true;
+            for (step, weight) in [(1.0, 45.0), (2.0, -9.0), (3.0, 1.0)] {
+                for sign in [-1.0, 1.0] {
+                    let mut moved = p.clone();
+                    moved[i] += sign * step * h;
+                    data.set_parameters(&model, &moved);
+                    data.evaluate(&model, &q, load);
+                    let pairs: Vec<_> = data.touches(&model).iter().map(|t| (t.0, t.1)).collect();
+                    smooth &= touching.replace(pairs.clone()).is_none_or(|t| t == pairs);
+                    let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
+                    difference += sign * weight * work / (60.0 * h);
+                }
+            }
+            let scale = size / if p[i] == 0.0 { 1.0 } else { p[i].abs() };
+            let error = (difference - exact[i]).abs();
+            prop_assert!(!smooth || error <= 1e-7 * scale, "{name}[{i}]: {difference} {}", exact[i]);
+        }
+    }
+    Ok(())
+}
+
+fn basis() -> impl Strategy<Value = flexor_engine::strain::BasisKind> {
+    prop::sample::select(BASES.to_vec())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn spatial(
+        state in prop::collection::vec(-1.0..1.0f64, 97),
+        bases in prop::array::uniform6(basis()),
+        section in prop::sample::select(SECTIONS.to_vec()),
+        order in prop::sample::select(vec![2usize, 4]),
+        follower: bool,
+        load in prop::collection::vec(-1.0..2.0f64, 5),
+    ) {
+        check::<SE3, 6, 3>(&spatial_tree(bases, section, order, follower), &state, &load)?;
+    }
+
+    #[test]
+    fn planar(
+        state in prop::collection::vec(-1.0..1.0f64, 53),
+        bases in prop::array::uniform3(basis()),
+        section in prop::sample::select(SECTIONS.to_vec()),
+        order in prop::sample::select(vec![2usize, 4]),
+        follower: bool,
+        load in prop::collection::vec(-1.0..2.0f64, 5),
+    ) {
+        check::<SE2, 3, 2>(&planar_tree(bases, section, order, follower), &state, &load)?;
+    }
+}
