@@ -145,7 +145,7 @@ def _tell(found: MethodComparison, seconds: float, files: list[FilePath]) -> Non
                 f"{100.0 * each.success:.0f} %",
                 _count(each.evaluations),
                 _count(each.expected_evaluations),
-                "" if math.isnan(each.seconds) else f"{each.seconds:.2f} s",
+                "" if math.isnan(each.seconds) else f"{number(each.seconds, 2)} s",
             )
             for each in sorted(summaries, key=_rank)
         ]

@@ -112,6 +112,7 @@ def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None
         linewidth=0.0,
         antialiased=False,
         shade=True,
+        rasterized=True,
         zorder=1,
     )
     space.set_xlim(x[0], x[-1])

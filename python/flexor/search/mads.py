@@ -69,8 +69,12 @@ class Mads(Method):
             f"BB_MAX_BLOCK_SIZE {max(2 * run.size, 2)}",
             "NB_THREADS_PARALLEL_EVAL 1",
         ]
-        if not self.models:
-            parameters += ["QUAD_MODEL_SEARCH no", "DIRECTION_TYPE ORTHO 2N"]
+        # The simple search on models takes less than half the time of the default, for as much.
+        parameters += ["QUAD_MODEL_SEARCH no"] + (
+            ["QUAD_MODEL_SEARCH_SIMPLE_MADS yes", "DIRECTION_TYPE ORTHO N+1 NEG"]
+            if self.models
+            else ["DIRECTION_TYPE ORTHO 2N"]
+        )
         with _process() as (process, complaints):
             _say(process, {"start": start.tolist(), "parameters": parameters})
             assert process.stdout is not None
