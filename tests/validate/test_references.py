@@ -7,9 +7,10 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from flexor.validate.boundary_value import StrongForm
-from flexor.validate.cantilever import elliptic
+from flexor.validate.cantilever import elliptic, follower
 from flexor.validate.elastica import elastica
 from flexor.validate.elliptic import first, second
+from flexor.validate.sections import rectangle
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3, 0.7499999999999999, 0.97])
@@ -79,3 +80,19 @@ def test_strong_form_inverts_the_law_of_the_section() -> None:
     wrench += tension * np.concatenate([np.cross(offset, unit), unit])
     found = form.strain(np.zeros(1), wrench[:, None], tension)
     np.testing.assert_allclose(found[:, 0], strain, atol=1e-13)
+
+
+@pytest.mark.parametrize("alpha", [0.5, 4.0, 13.0])
+def test_cantilever_under_a_following_load(alpha: float) -> None:
+    positions, slope = follower(alpha, np.array([0.0, 0.3, 1.0]))
+    tip = slope[-1]
+    # L² θ″ = -α cos(θ - θ_tip), and the curvature at the clamp balances the load there.
+    clamp = np.sqrt(2.0 * alpha * np.sin(tip))
+    found = _integrated(clamp, lambda theta: -alpha * np.cos(theta - tip))
+    np.testing.assert_allclose(found, [*positions[-1], tip, 0.0], atol=1e-8)
+
+
+def test_torsion_of_a_square() -> None:
+    """Timoshenko and Goodier, Theory of Elasticity, § 109: 0.1406 a⁴."""
+    assert rectangle(1.0, 1.0) == pytest.approx(0.1406, abs=5e-5)
+    assert rectangle(2.0, 1.0) == pytest.approx(0.229 * 2.0, abs=2e-3)

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import ellipj, ellipkm1
+from scipy.special import ellipj, ellipk, ellipkm1
 
+from flexor._engine import sample_points
 from flexor.model import Model
 from flexor.plot.style import shades
 from flexor.validate.case import CLOSED_FORM, Case, Outcome
 from flexor.validate.comparison import compare
 from flexor.validate.drawing import dots
 from flexor.validate.elliptic import first, second
-from flexor.validate.systems import build, rod, sample_points, vector
+from flexor.validate.systems import build, rod, vector
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,6 +25,8 @@ Array = NDArray[np.float64]
 LENGTH, RADIUS, YOUNG = 0.2, 0.004, 1e6
 EI = YOUNG * np.pi / 4.0 * RADIUS**4
 ALPHA = np.array([0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 7.0, 10.0])  # P L² / EI
+ELEMENTS, POINTS = 64, 3
+X = sample_points(ELEMENTS, POINTS)
 
 
 def elliptic(alpha: float, fractions: Array) -> tuple[Array, Array, Array]:
@@ -67,34 +70,78 @@ def elliptic(alpha: float, fractions: Array) -> tuple[Array, Array, Array]:
     return np.stack([x, down], axis=1), slope, 2.0 * np.sqrt(m * alpha) * cosine
 
 
-def cantilever(strain: object = "nodal_quadratic", **fields: Any) -> Model:
+def follower(alpha: float, fractions: Array) -> tuple[Array, Array]:
+    """Solve an inextensible cantilever under a load that stays across its tip.
+
+    Parameters
+    ----------
+    alpha
+        P L² / EI, up to 4 K(1/2)² = 13.75.
+    fractions : (m,) array
+        Places s / L.
+
+    Returns
+    -------
+    positions : (m, 2) array
+        x / L, and the deflection in the direction of the load over L.
+    slope : (m,) array
+        The angle θ against the x axis [rad].
+
+    Notes
+    -----
+    The angle χ = θ_tip - θ obeys L² χ″ = α cos χ with χ = χ′ = 0 at the tip. With m = 1/2 and
+    sin χ = cos² φ this is √α (1 - s/L) = K(m) - F(φ, m).
+    """
+    if alpha == 0.0:
+        return np.stack([fractions, 0.0 * fractions], axis=1), 0.0 * fractions
+    root, m = np.sqrt(alpha), 0.5
+    every = np.concatenate([[0.0], fractions])
+    sine, cosine, _, phi = ellipj(ellipk(m) - root * (1.0 - every), m)
+    quarter = np.arcsin(cosine**2)
+    behind = np.where(sine >= 0.0, quarter, np.pi - quarter)  # χ
+    along = np.sqrt(2.0) / root * (cosine[0] - cosine)  # ∫ cos χ
+    across = 2.0 / root * (second(phi, m) - second(phi[0], m)) - every  # ∫ sin χ
+    c, s = np.cos(behind[0]), np.sin(behind[0])
+    positions = np.stack([c * along + s * across, s * along - c * across], axis=1)
+    return positions[1:], behind[0] - behind[1:]
+
+
+def cantilever(strain: object = "nodal_quadratic", frame: str = "world", **fields: Any) -> Model:
     """Build the inextensible cantilever; its load along -z is counted in units of EI/L².
 
     Parameters
     ----------
     strain
         Basis of the curvature.
+    frame
+        In which the load keeps its direction, "world" or "body".
     **fields
         Further fields of the rod, such as its ``elements``.
     """
-    chosen = {"young_modulus": YOUNG, "elements": 64, "gauss_points": 3, **fields}
+    chosen = {"young_modulus": YOUNG, "elements": ELEMENTS, "gauss_points": POINTS, **fields}
     body = rod(LENGTH, RADIUS, {"bend_y": strain}, **chosen)
     force = vector((0.0, 0.0, -EI / LENGTH**2), "N")
-    load = {"body": "rod", "at": "tip", "force": force, "input": True}
+    load = {"body": "rod", "at": "tip", "force": force, "frame": frame, "input": True}
     return build("cantilever", {"rod": body}, wrenches={"load": load})
 
 
 def large_deflection() -> Outcome:
-    """Compare shape and slope along the rod up to ten times EI/L²."""
-    model = cantilever()
-    path = model.equilibrium(ALPHA, tolerance=1e-12)
-    X = sample_points(model, "rod")
-    references = [elliptic(alpha, X) for alpha in ALPHA]
+    """Compare shape and slope under a load that keeps its direction."""
+    return _compared("world", [elliptic(alpha, X)[:2] for alpha in ALPHA])
+
+
+def following_load() -> Outcome:
+    """Compare shape and slope under a load that turns with the tip."""
+    return _compared("body", [follower(alpha, X) for alpha in ALPHA])
+
+
+def _compared(frame: str, references: list[tuple[Array, Array]]) -> Outcome:
+    path = cantilever(frame=frame).equilibrium(ALPHA, tolerance=1e-12)
     poses = np.stack([path.frames(step)["rod"] for step in range(len(path))])
-    shape = np.stack([positions for positions, _, _ in references])
-    slope = np.stack([angles for _, angles, _ in references])
+    shape = np.stack([positions for positions, _ in references])
+    slope = np.stack([angles for _, angles in references])
     found = np.stack([poses[..., 0, 3], -poses[..., 2, 3]], axis=-1) / LENGTH
-    angles = np.arctan2(-poses[..., 2, 0], poses[..., 0, 0])
+    angles = np.unwrap(np.arctan2(-poses[..., 2, 0], poses[..., 0, 0]))
     comparisons = (
         compare("tip x / L", shape[:, -1, 0], found[:, -1, 0], 1e-9, 1.0),
         compare("tip deflection / L", shape[:, -1, 1], found[:, -1, 1], 1e-9, 1.0),
@@ -126,5 +173,14 @@ CASES = (
         "its direction, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and "
         "Drucker, 1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.",
         large_deflection,
+    ),
+    Case(
+        "following-load",
+        "A cantilever under a load that follows its tip",
+        CLOSED_FORM,
+        "The same rod under a load that stays across its tip, which has no potential. "
+        "Seen from the tip the rod obeys the equation of a pendulum from rest; elliptic integrals "
+        "of parameter ½ solve it.",
+        following_load,
     ),
 )

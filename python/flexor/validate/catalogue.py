@@ -11,7 +11,7 @@ from flexor.validate.case import Case
 
 # A new family is one file with its `CASES` and one word here.
 _MODULES = (
-    *("bending", "chambers", "cantilever", "elastica", "contact", "joint_limits"),
+    *("bending", "sections", "chambers", "cantilever", "elastica", "contact", "joint_limits"),
     *("rigid_trees", "strong_form", "discrete_rod", "variable_strain"),
     *("convergence", "toolbox"),
 )
