@@ -65,7 +65,7 @@ class Model:
         threads: int = 0,
         *,
         tolerance: float = 1e-9,
-        max_iterations: int = 20_000,
+        max_iterations: float = 20_000,
         min_step: float = 1e-3,
         base: ArrayLike | None = None,
         gradient: ArrayLike | None = None,
