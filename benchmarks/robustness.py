@@ -1,56 +1,83 @@
 """How 10,000 random designs end: every status, with both sets of constants.
 
 Designs are drawn from the whole of the search bounds of L+R01 and followed from 0 to 5 N in 1 N
-steps. Printed are the designs by the worst status along their path, and how many are stable
-throughout; the exit code is 1 if a number is not finite.
+steps. A design counts by the worst that happened on its way; the exit code is 1 if a number of a
+step that converged is not finite, or fewer than 99.9 % converged and are stable at every step.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections import Counter
 
 import numpy as np
+from _machine import machine
+from _random_designs import geometry, random_vectors
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
 import flexor
 from flexor._engine import STATUS
-from flexor.design import parameter_set
+from flexor.model import Batch
 
-DESIGNS = 10_000
-PART = 500
+PART = 100
+GOOD = "converged and stable at every step"
 
 
 def main() -> int:
     """Evaluate, and print the table."""
-    table = Table("constants", "status", "designs", "share")
+    reading = argparse.ArgumentParser(description=__doc__)
+    reading.add_argument("--designs", type=int, default=10_000, help="of each set of constants")
+    asked = reading.parse_args()
+    table = Table("constants", "how designs end", "designs", "share")
     for column in table.columns[2:]:
         column.justify = "right"
-    finite = True
+    good = True
     for constants in ("calibrated", "printed"):
-        model = flexor.load("finger", constants=constants)
-        chosen = parameter_set("L+R01", model.design)
-        unit = np.random.default_rng(2).uniform(size=(DESIGNS, chosen.size))
-        designs = chosen.lower + unit * (chosen.upper - chosen.lower)
+        model = flexor.load("finger", constants)
+        vectors = random_vectors(model, asked.designs, seed=2)
         ends: Counter[str] = Counter()
-        parts = range(0, DESIGNS, PART)
+        events = iterations = snapping = broken = 0
+        parts = range(0, asked.designs, PART)
         for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
-            geometry = chosen.geometry(designs[first : first + PART], model.X)
-            batch = model.evaluate(geometry)
-            finite &= bool(np.isfinite(batch.q).all() and np.isfinite(batch.energy).all())
-            for statuses, stable in zip(batch.status, batch.stable, strict=True):
-                worst = next((STATUS[code] for code in statuses if STATUS[code] != "converged"), "")
-                ends[worst or ("converged, stable" if stable.all() else "converged, unstable")] += 1
-            snaps = len(set(batch.events["design"].tolist()))
-            ends["(with a snap on the way)"] += snaps
-        for status, count in sorted(ends.items(), key=lambda item: (item[0][0] == "(", -item[1])):
-            table.add_row(constants, status, f"{count:,}", f"{100.0 * count / DESIGNS:.2f} %")
+            batch = model.evaluate(geometry(model, vectors[first : first + PART]))
+            ends.update(worst(batch))
+            events += len(batch.events["design"])
+            snapping += len(set(batch.events["design"].tolist()))
+            iterations += int(batch.iterations.sum())
+            broken += not_finite(batch)
+        good &= ends[GOOD] >= 0.999 * asked.designs and broken == 0
+        for status, count in ends.most_common():
+            table.add_row(constants, status, f"{count:,}", f"{count / asked.designs:.2%}")
+            constants = ""
+        table.add_row("", "of them with events", f"{snapping:,}", f"{snapping / asked.designs:.2%}")
+        table.add_row("", "events per design", f"{events / asked.designs:.2f}", "")
+        table.add_row("", "iterations per design", f"{iterations / asked.designs:.1f}", "")
+        table.add_row("", "converged steps with a number not finite", f"{broken:,}", "")
+        table.add_section()
     console = Console()
+    console.print(machine(), markup=False)
     console.print(table)
-    console.print("every number is finite" if finite else "some numbers are not finite")
-    return 0 if finite else 1
+    return 0 if good else 1
+
+
+def worst(batch: Batch) -> list[str]:
+    """Name the first status of each design that is not the good one."""
+    names = []
+    for codes, stable in zip(batch.status.tolist(), batch.stable.tolist(), strict=True):
+        bad = [STATUS[code] for code in codes if STATUS[code] != "converged"]
+        names.append(bad[0] if bad else GOOD if all(stable) else "unstable")
+    return names
+
+
+def not_finite(batch: Batch) -> int:
+    """Count the converged steps of which any number is not finite."""
+    finite = np.isfinite(batch.q).all(axis=2)
+    for numbers in (batch.energy, batch.residual, batch.tip_force):
+        finite &= np.isfinite(numbers)
+    return int((batch.converged & ~finite).sum())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,92 @@
+"""Whether the load step matters: random designs taken to 5 N in 1 N and in 0.1 N steps.
+
+States are compared at every force of the coarse path that lies before the first event of either
+path (all of them where there is none), each rod's bending as the angle that it adds up to; the exit
+code is 1 if they differ by more than 1e-8 rad anywhere. Events say where a branch ended; designs
+with events are counted, and how many of them end alike all the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+import numpy as np
+from _machine import machine
+from _random_designs import geometry, random_vectors
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+import flexor
+from flexor.model import Batch
+
+PART = 50
+BAR = 1e-8  # rad
+
+
+def main() -> int:
+    """Evaluate, and print the table."""
+    reading = argparse.ArgumentParser(description=__doc__)
+    reading.add_argument("--designs", type=int, default=1_000, help="of each set of constants")
+    asked = reading.parse_args()
+    columns = ("calibrated", "printed")
+    rows: dict[str, list[str]] = {}
+    good = True
+    for constants in columns:
+        model = flexor.load("finger", constants)
+        vectors = random_vectors(model, asked.designs, seed=3)
+        apart, ends, eventful, compared = [], [], [], 0
+        parts = range(0, asked.designs, PART)
+        for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
+            chosen = vectors[first : first + PART]
+            coarse = model.evaluate(geometry(model, chosen), "0:5:1")
+            fine = model.evaluate(geometry(model, chosen), "0:5:0.1")
+            before = coarse.force < np.minimum(first_event(coarse), first_event(fine))[:, None]
+            gap = np.abs(angles(coarse, chosen[:, 0]) - angles(fine, chosen[:, 0])[:, ::10])
+            gap = np.where(coarse.converged & fine.converged[:, ::10], gap.max(axis=2), np.inf)
+            apart += np.where(before, gap, 0.0).max(axis=1).tolist()
+            ends += gap[:, -1].tolist()
+            eventful += (~before.all(axis=1)).tolist()
+            compared += int(before.sum())
+        events, same = np.array(eventful), np.array(ends) <= BAR
+        good &= max(apart) <= BAR
+        facts = {
+            "designs": f"{asked.designs:,}",
+            "without an event": f"{(~events).sum():,}",
+            "of them ending alike to 1e-8 rad": f"{(same & ~events).sum():,}",
+            "with an event": f"{events.sum():,}",
+            "of them ending alike all the same": f"{(same & events).sum():,}",
+            "steps compared, before any event": f"{compared:,}",
+            "largest difference there / rad": f"{max(apart):.1e}",
+            "designs that differ there": f"{sum(gap > BAR for gap in apart):,}",
+        }
+        for name, value in facts.items():
+            rows.setdefault(name, []).append(value)
+    table = Table("", *columns)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for name, values in rows.items():
+        table.add_row(name, *values)
+    console = Console()
+    console.print(machine(), markup=False)
+    console.print(table)
+    return 0 if good else 1
+
+
+def first_event(batch: Batch) -> NDArray[np.float64]:
+    """Return the force of each design's first event, (n,) [N]; infinite without one."""
+    found = np.full(len(batch), np.inf)
+    np.minimum.at(found, batch.events["design"], batch.events["load"][:, 0])
+    return found
+
+
+def angles(batch: Batch, length: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the states with curvatures [1/m] as angles [rad], (n, steps, dof)."""
+    bends = np.array(["bend" in name for name in batch.model.engine.coordinates])
+    return batch.q * np.where(bends, length[:, None, None], 1.0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
