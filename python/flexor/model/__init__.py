@@ -7,7 +7,7 @@ those of many designs as a `Batch`. What a file may say is in `flexor.model.sche
 from __future__ import annotations
 
 from flexor.model.batch import Batch
-from flexor.model.geometry import DesignSpace, Geometry
+from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loading import load
 from flexor.model.loads import forces
 from flexor.model.model import Model
@@ -23,6 +23,7 @@ __all__ = [
     "DesignSpace",
     "Event",
     "Geometry",
+    "GeometryJacobian",
     "Model",
     "ModelFile",
     "Path",

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import STATUS
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor._engine import Events
-    from flexor.model.geometry import Rows
+    from flexor.model.geometry import GeometryJacobian, Rows
     from flexor.model.model import Model
     from flexor.model.path import Path
 
@@ -51,6 +52,15 @@ class Batch:
         ``before`` and ``after``.
     geometry : Rows or None
         Geometry of the designs; None for the model as it is.
+    gradient : (n, joints + 1, slots) array or None
+        If it was asked for: total derivatives of the joints' coordinates and, last, of the tip
+        force at the last step, with respect to the engine's parameters that
+        `Model.geometry_slots` places; NaN where there is no equilibrium.
+    regularity : (n,) array of str or None
+        What these derivatives are worth: ``"regular"``; ``"snapped"``, where they are those of the
+        branch the path ended on and do not see the snap move or vanish; ``"contact-threshold"``,
+        where a sphere just touches; ``"nearly-singular"``, where the stiffness all but vanishes;
+        ``"no-equilibrium"``.
     """
 
     model: Model
@@ -66,6 +76,8 @@ class Batch:
     tip_force: Array
     events: Events
     geometry: Rows | None
+    gradient: Array | None = None
+    regularity: NDArray[np.object_] | None = None
 
     @property
     def force(self) -> Array:
@@ -86,6 +98,30 @@ class Batch:
     def spheres(self) -> int:
         """Number of spheres of the contacts' first groups."""
         return self.model.first_spheres
+
+    def chained(self, jacobian: GeometryJacobian) -> Array:
+        """Derivatives with respect to the parameters from which the geometries were made.
+
+        Parameters
+        ----------
+        jacobian
+            Derivative of the geometries with respect to k parameters, at the points `Model.X`;
+            `flexor.design.ParameterSet.jacobian` gives it. The base of a rod that is placed by its
+            underside moves with S(0).
+
+        Returns
+        -------
+        (n, joints + 1, k) array
+            Of the joints' coordinates and, last, of the tip force at the last step.
+
+        Raises
+        ------
+        InputError
+            If the batch was evaluated without its gradient.
+        """
+        if self.gradient is None:
+            raise InputError("the batch has no gradient: evaluate it with gradient=True.")
+        return np.asarray(self.gradient @ self.model.geometry_slot_jacobian(jacobian))
 
     def parameters(self, index: int) -> Array:
         """Return the engine's parameters of one design, (P,).

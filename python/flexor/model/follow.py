@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor._engine import REGULARITY
 from flexor.errors import InputError
 from flexor.model.batch import Batch
 from flexor.model.geometry import Rows
@@ -32,6 +33,7 @@ _Array = Literal[
     "touching",
     "tip_force",
 ]
+_REGULARITY: NDArray[np.object_] = np.array(REGULARITY, dtype=object)
 _ARRAYS: tuple[_Array, ...] = get_args(_Array)
 
 
@@ -41,6 +43,7 @@ def follow(
     loads: Array,
     threads: int,
     options: Mapping[str, float],
+    gradient: bool = False,
 ) -> Batch:
     """Follow designs from rest through the same loads.
 
@@ -56,6 +59,8 @@ def follow(
         How many; 0 for one per core. Results do not depend on it.
     options
         Settings of the engine's solver.
+    gradient
+        Whether to differentiate the last step with respect to the geometry.
 
     Raises
     ------
@@ -68,13 +73,16 @@ def follow(
     count = 1 if geometry is None else len(geometry)
     found: dict[str, NDArray[Any]] = {}
     events = []
+    slopes: list[Array] = []
+    codes: list[NDArray[np.uint8]] = []
     for first in range(0, max(count, 1), PART):
         if geometry is None:
             indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
         else:
             indices, values = model.geometry_slots(geometry[first : first + PART])
         try:
-            part = model.engine.path(indices, values, steps, threads, **options)
+            wanted: Any = {"gradient": indices.astype(np.int64)} if gradient else {}
+            part = model.engine.path(indices, values, steps, threads, **wanted, **options)
         except (TypeError, ValueError) as error:
             raise InputError(f"{str(error).rstrip('.')}.") from None
         events.append(_events(part["events"], first, lead, model.joint_columns))
@@ -82,11 +90,16 @@ def follow(
             array = part[name][:, lead:]
             whole = found.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             whole[first : first + PART] = array
+        if gradient:
+            slopes.append(part["gradient"])
+            codes.append(part["regularity"])
     return Batch(
         model=model,
         loads=loads,
         geometry=geometry,
         events=_joined(events),
+        gradient=np.concatenate(slopes) if gradient else None,
+        regularity=_REGULARITY[np.concatenate(codes)] if gradient else None,
         **found,
     )
 

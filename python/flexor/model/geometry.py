@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexor.errors import InputError
 from flexor.model.lowering import dorsal, points
-from flexor.model.schema import ModelFile
+from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.profile import surface
 
 Array = NDArray[np.float64]
@@ -34,6 +34,25 @@ class Geometry(Protocol):
     @property
     def slope(self) -> Array:
         """Its derivative dS/dX [m], (n, m)."""
+        ...
+
+
+class GeometryJacobian(Protocol):
+    """Derivative of a `Geometry` with respect to k parameters of each design."""
+
+    @property
+    def length(self) -> Array:
+        """dL/dp, (n, k)."""
+        ...
+
+    @property
+    def radius(self) -> Array:
+        """dS/dp, (n, m, k)."""
+        ...
+
+    @property
+    def slope(self) -> Array:
+        """d(dS/dX)/dp, (n, m, k)."""
         ...
 
 
@@ -186,9 +205,38 @@ def slot_values(
     rows = Rows.of(file, name, geometry)
     columns = [rows.length[:, None], rows.radius, rows.slope]
     ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
-    if rod.placement.reference == "underside":
+    if follows_surface(rod):
         place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
         columns.append(place + rows.radius[:, :1] * dorsal(rod))
         ranges.append(slots[f"{name}.translation"])
     indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
     return indices, np.concatenate(columns, axis=1)
+
+
+def slot_jacobian(file: ModelFile, name: str, jacobian: GeometryJacobian) -> Array:
+    """Derivative of the values of `slot_values`, which are linear in the geometry.
+
+    Parameters
+    ----------
+    file
+        The model file.
+    name
+        The rod.
+    jacobian
+        Derivative of the geometry of n designs with respect to k parameters.
+
+    Returns
+    -------
+    (n, slots, k) array
+        Rows in the order of the indices of `slot_values`.
+    """
+    rod = file.rod(name)
+    rows = [jacobian.length[:, None, :], jacobian.radius, jacobian.slope]
+    if follows_surface(rod):
+        rows.append(jacobian.radius[:, :1, :] * dorsal(rod)[None, :, None])
+    return np.concatenate(rows, axis=1)
+
+
+def follows_surface(rod: Rod) -> bool:
+    """Whether the base of a rod is placed by its underside and so moves with S(0)."""
+    return rod.placement.reference == "underside"

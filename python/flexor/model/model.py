@@ -15,7 +15,14 @@ from flexor import _engine
 from flexor.errors import InputError
 from flexor.model.batch import Batch
 from flexor.model.follow import follow
-from flexor.model.geometry import DesignSpace, Geometry, Rows, slot_values
+from flexor.model.geometry import (
+    DesignSpace,
+    Geometry,
+    GeometryJacobian,
+    Rows,
+    slot_jacobian,
+    slot_values,
+)
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
 from flexor.model.path import Path
@@ -182,8 +189,29 @@ class Model:
         """
         return slot_values(self.file, self.design.rod, self.engine.slots, geometry)
 
+    def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> Array:
+        """Differentiate the values of `geometry_slots`, with the same linear map.
+
+        Parameters
+        ----------
+        jacobian
+            Derivative of the geometry of n designs with respect to k parameters.
+
+        Returns
+        -------
+        (n, slots, k) array
+            Rows in the order of the indices of `geometry_slots`.
+        """
+        return slot_jacobian(self.file, self.design.rod, jacobian)
+
     def evaluate(
-        self, geometry: Geometry, force: Force | None = None, threads: int = 0, **options: float
+        self,
+        geometry: Geometry,
+        force: Force | None = None,
+        threads: int = 0,
+        *,
+        gradient: bool = False,
+        **options: float,
     ) -> Batch:
         """Follow the equilibria of many designs, in parallel.
 
@@ -198,6 +226,10 @@ class Model:
             As for `equilibrium`.
         threads
             How many; 0 for one per core. Results do not depend on it.
+        gradient
+            Whether to differentiate the joints' coordinates and the tip force at the last step,
+            exactly, with respect to the geometry: `Batch.gradient` and `Batch.regularity`, and
+            `Batch.chained` with respect to the parameters of a set.
         **options
             Settings of the engine's solver.
 
@@ -207,7 +239,7 @@ class Model:
             If forces, geometry or options cannot be used.
         """
         rows = Rows.of(self.file, self.design.rod, geometry)
-        return follow(self, rows, self._loads(force), threads, options)
+        return follow(self, rows, self._loads(force), threads, options, gradient)
 
     def equilibrium(
         self, force: Force | None = None, design: Geometry | None = None, **options: float

@@ -52,6 +52,16 @@ class Objective(ABC):
             f'objective "{self.name}" is not the norm of a vector, which least squares needs.'
         )
 
+    @property
+    def differentiable(self) -> bool:
+        """Whether it has a `gradient`."""
+        return type(self).gradient is not Objective.gradient
+
+    @property
+    def residual_differentiable(self) -> bool:
+        """Whether it is the norm of a vector that has a `residual_gradient`."""
+        return type(self).residual_gradient is not Objective.residual_gradient
+
     def gradient(self, paths: Paths) -> PathGradient:
         """Differentiate the value: joint angles (n, steps, j), tip force (n, steps).
 

@@ -25,7 +25,8 @@ class BendingContact(Objective):
     form, lets contact overrule bending: its best designs hold the finger straight or bend it
     backwards.)
 
-    Differentiable between jumps of n_c.
+    Differentiable between jumps of n_c: the count is piecewise constant, so that the gradient is
+    that of the angles' part alone, and does not see a sphere come into contact or leave it.
     """
 
     name: str = "bending-contact"
