@@ -4,10 +4,17 @@ use crate::dispatch::{AnyModel, State, on_model};
 use flexor_engine::equilibrium::{Options, Status};
 use flexor_engine::model::Description;
 use flexor_engine::{Batch, BatchEvent};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use numpy::{
+    AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+/// Anything NumPy makes an array of numbers from.
+type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+type Table<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
+type Indices<'py> = PyArrayLike1<'py, i64, AllowTypeChange>;
 
 /// A built model: immutable, shared by all threads.
 #[pyclass(frozen, module = "flexor._engine")]
@@ -73,21 +80,16 @@ impl Model {
         on_model!(&self.inner, m => m.frame_names().to_vec())
     }
 
-    fn energy(
-        &self,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
-        u: PyReadonlyArray1<f64>,
-    ) -> PyResult<f64> {
+    fn energy(&self, parameters: Numbers<'_>, q: Numbers<'_>, u: Numbers<'_>) -> PyResult<f64> {
         Ok(self.state(&parameters, &q, Some(&u))?.energy)
     }
 
     fn residual<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
-        u: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+        u: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(self.state(&parameters, &q, Some(&u))?.residual.into_pyarray(py))
     }
@@ -95,9 +97,9 @@ impl Model {
     fn tangent<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
-        u: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+        u: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let n = self.dof();
         self.state(&parameters, &q, Some(&u))?.tangent.into_pyarray(py).reshape([n, n])
@@ -106,8 +108,8 @@ impl Model {
     fn actuator_lengths<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(self.state(&parameters, &q, None)?.lengths.into_pyarray(py))
     }
@@ -115,8 +117,8 @@ impl Model {
     fn frames<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let frames = self.state(&parameters, &q, None)?.frames;
         let flat: Vec<f64> = frames.iter().flatten().flatten().copied().collect();
@@ -126,8 +128,8 @@ impl Model {
     fn spheres<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let spheres = self.state(&parameters, &q, None)?.spheres;
         spheres.as_flattened().to_pyarray(py).reshape([spheres.len(), 4])
@@ -136,8 +138,8 @@ impl Model {
     fn contacts<'py>(
         &self,
         py: Python<'py>,
-        parameters: PyReadonlyArray1<f64>,
-        q: PyReadonlyArray1<f64>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let touches = self.state(&parameters, &q, None)?.touches;
         let forces: Vec<f64> = touches.iter().flat_map(|t| t.2).collect();
@@ -155,20 +157,20 @@ impl Model {
     fn path<'py>(
         &self,
         py: Python<'py>,
-        slot_indices: PyReadonlyArray1<i64>,
-        values: PyReadonlyArray2<f64>,
-        loads: PyReadonlyArray2<f64>,
+        slot_indices: Indices<'_>,
+        values: Table<'_>,
+        loads: Table<'_>,
         threads: usize,
         tolerance: f64,
         max_iterations: usize,
         min_step: f64,
-        base: Option<PyReadonlyArray1<f64>>,
-        gradient: Option<PyReadonlyArray1<i64>>,
+        base: Option<Numbers<'_>>,
+        gradient: Option<Indices<'_>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let default = on_model!(&self.inner, m => m.parameters().to_vec());
         let base = base.map_or(default, |b| b.as_array().to_vec());
         let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
-        let indices = |a: &PyReadonlyArray1<i64>| -> Vec<usize> {
+        let indices = |a: &Indices<'_>| -> Vec<usize> {
             a.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect()
         };
         let varied = indices(&slot_indices);
@@ -231,12 +233,7 @@ impl Model {
 }
 
 impl Model {
-    fn state(
-        &self,
-        parameters: &PyReadonlyArray1<f64>,
-        q: &PyReadonlyArray1<f64>,
-        u: Option<&PyReadonlyArray1<f64>>,
-    ) -> PyResult<State> {
+    fn state(&self, parameters: &Numbers<'_>, q: &Numbers<'_>, u: Option<&Numbers<'_>>) -> PyResult<State> {
         let parameters = parameters.as_array().to_vec();
         let q = q.as_array().to_vec();
         let (slots, inputs) = on_model!(&self.inner, m => (m.parameters().len(), m.inputs().len()));

@@ -21,7 +21,7 @@ pub(crate) fn factors(section: Section) -> [f64; 6] {
 /// Saint-Venant torsion constant of a rectangle with half-sides 1 and `r`, by its series.
 fn rectangle_torsion(r: f64) -> f64 {
     let (long, short) = (2.0 * r.max(1.0), 2.0 * r.min(1.0));
-    let series: f64 = (0..20)
+    let series: f64 = (0..200)
         .map(|n| 2.0 * f64::from(n) + 1.0)
         .map(|m| (m * PI * long / (2.0 * short)).tanh() / m.powi(5))
         .sum();

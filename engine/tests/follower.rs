@@ -69,6 +69,23 @@ fn end_moment_closes_a_circle() {
     }
 }
 
+/// The same moment on a spatial rod with all six modes: the symmetric part of its tangent is
+/// indefinite from half a turn on, yet no motion grows.
+#[test]
+fn end_moment_on_a_rod_with_all_modes() {
+    let full = 2.0 * std::f64::consts::PI * bending_stiffness() / LENGTH;
+    let loads: Vec<f64> = (0..=8).map(|i| full * f64::from(i) / 8.0).collect();
+    let mut d = cantilever(false, [0.0; 3], [0.0, 1.0, 0.0], WrenchFrame::World);
+    let ShapeDescription::Rod(beam) = &mut d.bodies[0].shape else { unreachable!() };
+    beam.strain = Mode::ALL.map(|m| strain(m, BasisKind::NodalLinear)).to_vec();
+    let (q, events) = solve::<SE3, 6, 3>(&d, &loads);
+    assert_eq!(events, 0);
+    for (i, kappa) in q.iter().enumerate() {
+        let expected = if (9..18).contains(&i) { 2.0 * std::f64::consts::PI } else { 0.0 };
+        assert!((kappa - expected).abs() < 1e-6, "{i}: {kappa}");
+    }
+}
+
 /// A transverse follower force F: with s from the tip, EI θ'' = −F cos(θ_tip − θ), and the tip's
 /// angle follows from an initial value problem that starts at the tip with θ' = 0.
 #[test]

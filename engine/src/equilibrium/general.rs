@@ -2,28 +2,24 @@
 
 use nalgebra::{DMatrix, Dyn, LU};
 
-/// `S A S = P⁻¹ L U`, beside the symmetric part of `A`.
+/// `P S A S = L U`.
 #[derive(Clone, Debug)]
 pub(super) struct GeneralFactor {
     lu: LU<f64, Dyn, Dyn>,
-    symmetric: Vec<f64>,
 }
 
 impl GeneralFactor {
     pub fn new(n: usize) -> Self {
-        Self { lu: DMatrix::identity(n, n).lu(), symmetric: vec![0.0; n * n] }
+        Self { lu: DMatrix::identity(n, n).lu() }
     }
 
-    /// Factorises `S A S`; returns the symmetric part of `A`.
-    pub fn factorise(&mut self, a: &[f64], scale: &[f64]) -> &[f64] {
-        let n = scale.len();
-        self.lu = DMatrix::from_fn(n, n, |i, j| a[i * n + j] * scale[i] * scale[j]).lu();
-        for i in 0..n {
-            for j in 0..n {
-                self.symmetric[i * n + j] = 0.5 * (a[i * n + j] + a[j * n + i]);
-            }
-        }
-        &self.symmetric
+    /// Factorises `S A S`; whether its determinant is positive.
+    ///
+    /// Along a path from a stable state the determinant changes sign where stability is lost by
+    /// divergence, whether the tangent is symmetric or not.
+    pub fn factorise(&mut self, a: &[f64], scale: &[f64]) -> bool {
+        self.lu = scaled(a, scale).lu();
+        self.lu.determinant() > 0.0
     }
 
     /// Solves in place; a singular matrix gives NaN, which every caller takes as failure.
@@ -34,6 +30,12 @@ impl GeneralFactor {
         } else {
             b.fill(f64::NAN);
         }
+    }
+
+    /// Ratio of the smallest to the largest pivot of the last factorisation.
+    pub fn pivot_ratio(&self) -> f64 {
+        let pivots = self.lu.u().diagonal().abs();
+        pivots.min() / pivots.max()
     }
 
     /// Solves with the transposed matrix, in place.
@@ -48,4 +50,15 @@ impl GeneralFactor {
             b.fill(f64::NAN);
         }
     }
+}
+
+/// Whether every eigenvalue of `S A S` has a positive real part: no motion grows by itself.
+pub(super) fn is_stable(a: &[f64], scale: &[f64]) -> bool {
+    let matrix = scaled(a, scale);
+    matrix.iter().all(|x| x.is_finite()) && matrix.complex_eigenvalues().iter().all(|e| e.re > 0.0)
+}
+
+fn scaled(a: &[f64], scale: &[f64]) -> DMatrix<f64> {
+    let n = scale.len();
+    DMatrix::from_fn(n, n, |i, j| a[i * n + j] * scale[i] * scale[j])
 }

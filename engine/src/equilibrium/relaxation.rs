@@ -1,5 +1,6 @@
 //! Damped Newton on the residual, for loads that have no potential to descend.
 
+use super::general::is_stable;
 use super::solver::{Solver, largest, norm};
 use super::status::Status;
 use crate::lie::LieGroup;
@@ -17,9 +18,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if !size.is_finite() {
                 return Status::Diverged;
             }
-            let definite = self.factorise(0.0);
+            self.factorise(0.0);
             if size <= self.options.tolerance {
-                return if definite { Status::Converged } else { Status::Unstable };
+                let stable = is_stable(self.data.tangent(), &self.data.design.scale);
+                return if stable { Status::Converged } else { Status::Unstable };
             }
             if self.iterations - first > self.options.max_iterations {
                 return Status::IterationLimit;

@@ -120,7 +120,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     /// Ratio of the smallest to the largest pivot of the factor at hand.
     pub(crate) fn pivot_ratio(&self) -> f64 {
-        self.factor.pivot_ratio()
+        match &self.general {
+            None => self.factor.pivot_ratio(),
+            Some(general) => general.pivot_ratio(),
+        }
     }
 
     /// The current state.
@@ -143,14 +146,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         if self.data.energy().is_finite() { largest } else { f64::NAN }
     }
 
-    /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite.
-    ///
-    /// Without a potential, definiteness is that of the symmetric part: positive second-order work.
+    /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,
+    /// without a potential, when its determinant is not positive.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
         let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
         match &mut self.general {
             None => self.factor.factorise(tangent, scale, shift),
-            Some(general) => self.factor.factorise(general.factorise(tangent, scale), scale, shift),
+            Some(general) => general.factorise(tangent, scale),
         }
     }
 

@@ -6,7 +6,7 @@
 pub enum Status {
     /// A stable equilibrium: residual below tolerance and tangent positive definite.
     Converged = 0,
-    /// An equilibrium whose tangent is not positive definite.
+    /// An equilibrium from which some motion grows by itself.
     Unstable = 1,
     /// The allowed number of iterations was used up.
     IterationLimit = 2,
