@@ -186,7 +186,7 @@ def test_other_settings_are_refused(
             analytic.AnalyticModel(), folder=tmp_path / "s", resume=True, **{**OPTIONS, **changed}
         )
     assert said in str(refusal.value)
-    with pytest.raises(InputError, match=r'model\.hash = "0123", not "9999"'):
+    with pytest.raises(InputError, match='a model "analytic" that differs from the one now'):
         optimize(analytic.AnalyticModel(hash="9999"), folder=tmp_path / "s", resume=True, **OPTIONS)
 
 
@@ -213,6 +213,17 @@ def test_own_functions_must_be_given_and_be_the_same(analytic: ModuleType, tmp_p
     assert study.evaluations == 40
 
 
+CHANGES: dict[str, dict[str, Any]] = {
+    "future": {"format": 2},
+    "one bound": {
+        "parameters": {"name": "L", "labels": ["L"], "units": ["cm"], "lower": [], "upper": [1.0]}
+    },
+    "no budget": {"budget": 7},
+    "odd start": {"start": "nowhere"},
+    "odd options": {"method": {"name": "pattern-search", "options": [3]}},
+}
+
+
 def break_folder(folder: Path, kind: str) -> None:
     settings = folder / "settings.json"
     if kind == "gone":
@@ -231,8 +242,8 @@ def break_folder(folder: Path, kind: str) -> None:
         settings.write_text("[1, 2]")
     elif kind == "half":
         settings.write_text('{"format": 1, "model": {"name": "x"}}')
-    elif kind == "future":
-        settings.write_text(json.dumps({**json.loads(settings.read_text()), "format": 2}))
+    elif kind in CHANGES:
+        settings.write_text(json.dumps({**json.loads(settings.read_text()), **CHANGES[kind]}))
     elif kind == "no record":
         (folder / "record.sqlite").unlink()
     elif kind == "broken record":
@@ -247,11 +258,15 @@ def break_folder(folder: Path, kind: str) -> None:
     [
         ("gone", "is not a study: there is no such folder"),
         ("empty", "is not a study: it has no settings.json"),
-        ("file", "is not a study: there is no such folder"),
+        ("file", "is not a study: it is a file"),
         ("not json", "is damaged: it is not the settings of a study"),
         ("not utf-8", "is damaged: it is not the settings of a study"),
         ("list", "is damaged: it is not the settings of a study"),
         ("half", "is damaged: it is not the settings of a study"),
+        ("one bound", "is damaged: it is not the settings of a study"),
+        ("no budget", "is damaged: it is not the settings of a study"),
+        ("odd start", "is damaged: it is not the settings of a study"),
+        ("odd options", "is damaged: it is not the settings of a study"),
         ("future", "has format 2; this version of Flexor reads format 1"),
         ("no record", "is damaged: it has no record.sqlite"),
         ("broken record", "cannot be used: file is not a database"),

@@ -125,7 +125,9 @@ class Problem:
         )
 
     def _follow(self, geometry: Geometry, threads: int) -> Outcomes:
-        batch: Batch = self.model.evaluate(geometry, self.force, threads, **self.options)
+        batch: Batch = self.model.evaluate(
+            geometry, self.force, threads, gradient=False, **self.options
+        )
         paths = PathArrays.of(batch)
         judged = judge(self.objective, paths, lambda design, step: batch[design].status[step])
         return Outcomes(

@@ -14,6 +14,7 @@ from flexor.errors import InputError
 from flexor.search import Budget, Search
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
+from flexor.study.schema import complete
 
 FORMAT = 1
 # What may differ when a study is resumed: when it began, and how far it is to go.
@@ -85,15 +86,13 @@ class Settings:
         """
         path = folder / "settings.json"
         if not path.is_file():
-            what = "it has no settings.json" if folder.is_dir() else "there is no such folder"
+            what = "there is no such folder"
+            if folder.exists():
+                what = "it has no settings.json" if folder.is_dir() else "it is a file"
             raise InputError(f'"{folder}" is not a study: {what}.')
         try:
             values = json.loads(path.read_text(encoding="utf-8"))
             found = values["format"]
-            names = [
-                values[part]["name"] for part in ("model", "parameters", "objective", "method")
-            ]
-            complete = set(values) == _KEYS and all(isinstance(name, str) for name in names)
         except OSError as error:
             raise InputError(
                 f'"{path}" cannot be read: {(error.strerror or str(error)).lower()}.'
@@ -104,7 +103,7 @@ class Settings:
             raise InputError(
                 f'"{path}" has format {found!r}; this version of Flexor reads format {FORMAT}.'
             )
-        if not complete:
+        if not complete(values):
             raise InputError(f'"{path}" is damaged: it is not the settings of a study.')
         return cls(values)
 
@@ -129,26 +128,17 @@ class Settings:
         """
         mine, theirs = dict(_flat(self.values)), dict(_flat(other.values))
         for key in [*mine, *(key for key in theirs if key not in mine)]:
-            if key.split(".")[0] not in _FREE and mine.get(key) != theirs.get(key):
+            if key.split(".")[0] in _FREE or mine.get(key) == theirs.get(key):
+                continue
+            if key == "model.hash":
                 raise InputError(
-                    f'the study "{folder}" was made with {key} = {_shown(mine.get(key))}, not '
-                    f"{_shown(theirs.get(key))}: resume it as it was or begin another."
+                    f'the study "{folder}" was made with a model "{mine["model.name"]}" that '
+                    "differs from the one now given: resume it as it was or begin another."
                 )
-
-
-_KEYS = {
-    "format",
-    "flexor",
-    "created",
-    "model",
-    "parameters",
-    "objective",
-    "method",
-    "start",
-    "seed",
-    "engine",
-    "budget",
-}
+            raise InputError(
+                f'the study "{folder}" was made with {key} = {_shown(mine.get(key))}, not '
+                f"{_shown(theirs.get(key))}: resume it as it was or begin another."
+            )
 
 
 def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
