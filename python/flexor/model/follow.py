@@ -12,6 +12,7 @@ from flexor._engine import REGULARITY
 from flexor.errors import InputError
 from flexor.model.batch import Batch
 from flexor.model.geometry import Rows
+from flexor.model.solver import solver_options
 
 if TYPE_CHECKING:
     from flexor._engine import Events
@@ -67,6 +68,7 @@ def follow(
     InputError
         If an option is not known or cannot be used.
     """
+    settings = solver_options(options)
     # The engine starts at the first load, from the reference state; paths start without load.
     lead = int(bool(loads[0].any()))
     steps = np.concatenate([np.zeros((lead, loads.shape[1])), loads])
@@ -82,7 +84,7 @@ def follow(
             indices, values = model.geometry_slots(geometry[first : first + PART])
         try:
             wanted: Any = {"gradient": indices.astype(np.int64)} if gradient else {}
-            part = model.engine.path(indices, values, steps, threads, **wanted, **options)
+            part = model.engine.path(indices, values, steps, threads, **wanted, **settings)
         except (TypeError, ValueError) as error:
             raise InputError(f"{str(error).rstrip('.')}.") from None
         events.append(_events(part["events"], first, lead, model.joint_columns))

@@ -1,0 +1,51 @@
+"""Settings of the solver are refused in one sentence, or used."""
+
+from __future__ import annotations
+
+import pytest
+
+import flexor
+from flexor.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("option", "sentence"),
+    [
+        (
+            {"tolerence": 1e-9},
+            'unknown solver option "tolerence" (did you mean "tolerance"?): allowed are '
+            '"tolerance", "max_iterations", "min_step".',
+        ),
+        ({"tolerance": 0.0}, "solver option tolerance is 0.0: it must be above 0 and at most 1."),
+        (
+            {"tolerance": float("nan")},
+            "solver option tolerance is nan: it must be above 0 and at most 1.",
+        ),
+        ({"tolerance": "fine"}, 'solver option tolerance is "fine": a number is needed.'),
+        ({"min_step": -1}, "solver option min_step is -1: it must be above 0 and at most 1."),
+        (
+            {"max_iterations": -1},
+            "solver option max_iterations is -1: a whole number from 1 is needed.",
+        ),
+        (
+            {"max_iterations": 2.5},
+            "solver option max_iterations is 2.5: a whole number from 1 is needed.",
+        ),
+        (
+            {"max_iterations": float("inf")},
+            "solver option max_iterations is inf: a whole number from 1 is needed.",
+        ),
+        ({"max_iterations": True}, "solver option max_iterations is true: a number is needed."),
+    ],
+)
+def test_one_sentence(option: dict[str, float], sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        flexor.load("finger").equilibrium([0, 1], **option)
+    assert str(caught.value) == sentence
+
+
+def test_too_few_iterations_are_told_not_raised() -> None:
+    path = flexor.load("finger").equilibrium("0:5:1", max_iterations=2.0)
+    assert path.status[-1] == "not-reached"
+    assert "iteration-limit" in path.status
+    assert not path.converged[-1]
