@@ -108,7 +108,9 @@ step = "500 mN"
 
 def test_presets_are_the_examples() -> None:
     assert presets() == ALL
-    assert tuple(sorted(file.stem for file in (ROOT / "examples").glob("*.toml"))) == ALL
+    files = sorted(file.stem for file in (ROOT / "examples").glob("*.toml"))
+    # Targets of a calibration stand beside the models that they are about.
+    assert tuple(name for name in files if not name.endswith("-targets")) == ALL
 
 
 @pytest.mark.parametrize("name", ALL)
