@@ -57,6 +57,7 @@ _PACKAGES = (
     "errors",
     "model",
     "objective",
+    "paper",
     "plot",
     "search",
     "study",

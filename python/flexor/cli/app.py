@@ -14,6 +14,7 @@ from flexor.cli import (
     methods,
     optimize,
     presets,
+    reproduce,
     sets,
     simulate,
     validate,
@@ -35,6 +36,7 @@ app.command("optimize")(optimize.optimize)
 app.command("landscape")(landscape.landscape)
 app.command("compare")(compare.compare)
 app.command("calibrate")(calibrate.calibrate)
+app.command("reproduce")(reproduce.reproduce)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)

@@ -1,0 +1,253 @@
+"""Fig. 4: the landscape of f_b over base and tip radius, and two methods on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexor.model import load
+from flexor.paper import published
+from flexor.paper.context import FINGER, Context
+from flexor.paper.default import target
+from flexor.paper.folder import Data, Part
+from flexor.paper.optimum import true_optimum
+from flexor.paper.section import Cell, Column, Compared, Picture, Section, Table, number
+from flexor.search import starting_designs
+from flexor.study import Settings, Study, StudyProgress, optimize
+from flexor.survey import Landscape, SearchPath, landscape
+
+# How contact is modelled: the name of the landscape, and what to change in the model file. The
+# paper's is spheres; a smooth alternative is one more line.
+CONTACTS: dict[str, Mapping[str, object]] = {"spheres": {}}
+STARTS = {
+    "levenberg-marquardt": published.LEAST_SQUARES_STARTS,
+    "pattern-search": published.PATTERN_SEARCH_STARTS,
+}
+LETTERS = {"levenberg-marquardt": "L", "pattern-search": "P"}
+NAMES = {"levenberg-marquardt": "Levenberg-Marquardt", "pattern-search": "pattern search"}
+
+
+def fig4(context: Context) -> Section:
+    """Survey the landscape and send both methods over it.
+
+    Parameters
+    ----------
+    context : Context
+        Models, settings and folder.
+
+    Returns
+    -------
+    Section
+        Fig. 4.
+    """
+    surveys = {name: _landscape(context, name) for name in CONTACTS}
+    searches = searches_on_landscape(context).data
+    spheres = surveys["spheres"]
+    best = true_optimum(context, "R01")
+    paths = [
+        SearchPath(
+            label=f"${LETTERS[method]}_{{{i + 1}}}$",
+            method=method,
+            designs=np.array(run["designs"]),
+            values=np.array(run["values"]),
+            evaluations=np.array(run["evaluations"], dtype=np.float64),
+        )
+        for method in STARTS
+        for i, run in enumerate(searches[method])
+    ]
+    from flexor import plot
+
+    pictures = [
+        Picture(
+            "fig4" if name == "spheres" else f"fig4-{name}",
+            f"Objective f_b over base and tip radius ({survey.value.shape[0]} × "
+            f"{survey.value.shape[1]} designs, contact by {name}), in perspective and from above, "
+            "with the paths of the searches from start to end. Dots: the finger snaps on the way "
+            "to 5 N.",
+            plot.landscape(survey, paths if name == "spheres" else ()),
+        )
+        for name, survey in surveys.items()
+    ]
+    R_0, R_1 = (100.0 * value for value in best.design)
+    published_minimum = published.GLOBAL_MINIMUM
+    compared = tuple(
+        Compared(f"global minimum, {label}", published_minimum.place, 100.0 * theirs, ours, "cm")
+        for label, theirs, ours in zip(
+            ("R_0", "R_1"), published_minimum.design, (R_0, R_1), strict=True
+        )
+    )
+    return Section(
+        name="fig4",
+        title="Fig. 4: the landscape of f_b over base and tip radius",
+        text=_text(context, spheres, searches, best.value, (R_0, R_1)),
+        compared=compared,
+        tables=(_searches_table(searches, target(context, best.value)), *_numbers(surveys)),
+        pictures=tuple(pictures),
+    )
+
+
+def searches_on_landscape(context: Context) -> Part:
+    """Run both methods from seeded random starts on R01.
+
+    Returns
+    -------
+    Part
+        By method, a list of searches: every improvement (``designs``, ``values``,
+        ``evaluations``), ``spent`` evaluations, ``snaps`` of the end point, and ``reason``.
+    """
+    problem = context.problem("R01")
+    chosen = problem.parameters
+
+    def compute() -> Data:
+        random = np.random.default_rng(context.settings.seed)
+        data: Data = {}
+        for method, count in STARTS.items():
+            # One hypercube for each method, so that its starts are spread over the range.
+            starts = starting_designs(None, count, chosen.lower, chosen.upper, random)
+            data[method] = []
+            for i, start in enumerate(starts):
+                context.say(f"{NAMES[method]}, start {i + 1} of {count}")
+                study = optimize(
+                    problem.model, chosen, "bending", method, start=start,
+                    seed=context.settings.seed,
+                )  # fmt: skip
+                data[method].append(_described(study))
+        return data
+
+    return context.part("fig4-searches", compute)
+
+
+def _described(study: Study) -> Data:
+    result = study.result
+    assert result is not None
+    return {
+        "designs": result.improvement_designs.tolist(),
+        "values": result.improvement_values.tolist(),
+        "evaluations": result.improvement_evaluations.tolist(),
+        "spent": result.evaluations,
+        "snaps": study.best.events,
+        "reason": result.reason,
+    }
+
+
+def _landscape(context: Context, contact: str) -> Landscape:
+    settings = context.settings
+    place, begun = context.folder.study(f"landscape-{contact}")
+    model = load(FINGER, constants=settings.constants, changes=CONTACTS[contact])
+
+    def tell(at: StudyProgress) -> None:
+        context.say(f"landscape, {at.evaluations:,} designs", at.evaluations / settings.grid**2)
+
+    def compute() -> Data:
+        landscape(model, "R01", "bending", grid=settings.grid, folder=place, resume=begun,
+                  progress=tell)  # fmt: skip
+        return {"settings": Settings.read(place).values["method"]}
+
+    context.part(f"fig4-landscape-{contact}", compute)
+    return Landscape.open(place)
+
+
+def _text(
+    context: Context, survey: Landscape, searches: Data, best: float, at: tuple[float, float]
+) -> tuple[str, ...]:
+    reached = target(context, best)
+    found = {
+        method: sum(run["values"][-1] <= reached for run in runs)
+        for method, runs in searches.items()
+    }
+    low, high = (100.0 * bound for bound in published.SURVEYED)
+    grid_best = survey.minimum
+    inside = all(low + 0.011 < value < high - 0.011 for value in at)
+    edge = (
+        "inside the range surveyed, as the paper found"
+        if inside
+        else "at the edge of the range surveyed, where the paper found it inside"
+    )
+    theirs = " and ".join(f"{100.0 * value:.2f}" for value in published.GLOBAL_MINIMUM.design)
+    minima = len(survey.local_minima())
+    snapping = float((survey.events > 0).mean())
+    ends = ", ".join(
+        f"{found[method]} of {len(searches[method])} {NAMES[method]} starts" for method in STARTS
+    )
+    return (
+        f"The lowest f_b is {best:.4f} rad at R_0 = {at[0]:.3f} cm and R_1 = {at[1]:.3f} cm "
+        f"({edge}, at {theirs} cm). The best of the grid is {grid_best.value:.4f} rad. The "
+        f"landscape has {minima} local minima on this grid, and {100.0 * snapping:.0f} % of its "
+        "designs snap at least once on the way to 5 N: a branch of equilibria ends and the finger "
+        "jumps to another. Steps between neighbouring designs come from there.",
+        "With 99 % of the minimum's gain over the default design, that is at "
+        f"f_b ≤ {number(reached, 5)} rad, end {ends}.",
+    )
+
+
+def _searches_table(searches: Data, reached: float) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for method in STARTS:
+        for i, run in enumerate(searches[method]):
+            first, last = run["designs"][0], run["designs"][-1]
+            rows.append(
+                (
+                    f"{LETTERS[method]}_{i + 1}",
+                    NAMES[method],
+                    *(100.0 * value for value in first),
+                    run["values"][0],
+                    *(100.0 * value for value in last),
+                    run["values"][-1],
+                    run["spent"],
+                    run["values"][-1] <= reached,
+                )
+            )
+    return Table(
+        name="fig4-searches",
+        caption="Where each search of Fig. 4 began and ended.",
+        columns=(
+            Column("search"),
+            Column("method"),
+            Column("start R_0", "cm", 3),
+            Column("start R_1", "cm", 3),
+            Column("start f_b", "rad"),
+            Column("end R_0", "cm", 3),
+            Column("end R_1", "cm", 3),
+            Column("end f_b", "rad"),
+            Column("evaluations"),
+            Column("found the minimum"),
+        ),
+        rows=tuple(rows),
+    )
+
+
+def _numbers(surveys: Mapping[str, Landscape]) -> tuple[Table, ...]:
+    rows: list[tuple[Cell, ...]] = []
+    for name, survey in surveys.items():
+        best = survey.minimum
+        rows.append(
+            (
+                name,
+                survey.value.size,
+                *(100.0 * float(value) for value in best.vector),
+                best.value,
+                best.bending,
+                len(survey.local_minima()),
+                100.0 * float((survey.events > 0).mean()),
+                int(survey.failed.sum()),
+            )
+        )
+    return (
+        Table(
+            name="fig4-landscape",
+            caption="The landscape in numbers.",
+            columns=(
+                Column("contact by"),
+                Column("designs"),
+                Column("best of the grid: R_0", "cm", 3),
+                Column("R_1", "cm", 3),
+                Column("f_b", "rad", 5),
+                Column("bending", "rad"),
+                Column("local minima"),
+                Column("designs that snap", "%", 3),
+                Column("designs that fail"),
+            ),
+            rows=tuple(rows),
+        ),
+    )
