@@ -113,7 +113,8 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
         with style():
             figure.savefig(target, metadata=metadata)
     except OSError as error:
-        raise InputError(f"cannot write the figure {target}: {error.strerror}") from None
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f'cannot write the figure "{target}": {why}.') from None
     return target
 
 
@@ -138,8 +139,10 @@ def writable(file: str | FilePath) -> FilePath:
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:
         raise InputError(
-            f"cannot write the figure {target}: its name must end in {', '.join(FORMATS)}"
+            f'cannot write the figure "{target}": its name must end in {", ".join(FORMATS)}.'
         )
     if not target.parent.is_dir():
-        raise InputError(f"cannot write the figure {target}: there is no folder {target.parent}")
+        raise InputError(
+            f'cannot write the figure "{target}": there is no folder "{target.parent}".'
+        )
     return target
