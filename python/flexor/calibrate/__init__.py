@@ -8,8 +8,9 @@ from __future__ import annotations
 from flexor.calibrate.calibration import Calibration, Fit
 from flexor.calibrate.constants import Constant
 from flexor.calibrate.knowledge import Direction, Knowledge, Profile
+from flexor.calibrate.progress import Progress
 from flexor.calibrate.reading import parse, read
-from flexor.calibrate.run import Progress, calibrate
+from flexor.calibrate.run import calibrate
 from flexor.calibrate.schema import TargetsFile
 
 __all__ = [

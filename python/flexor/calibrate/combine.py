@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from itertools import product
+from itertools import accumulate, product
 
 from flexor.calibrate.constants import Constant, check_fields, full
 from flexor.calibrate.follow import PathRun, merged
 from flexor.calibrate.goal import Goal, bound, run_key
-from flexor.calibrate.optimum import OptimumRun
 from flexor.calibrate.schema import Option, TargetsFile
 from flexor.calibrate.system import System
 from flexor.calibrate.variant import Run, Variant
@@ -96,20 +94,20 @@ def _held(
 
 def _files(file: TargetsFile, main: Model, options: Mapping[str, Option], source: str) -> Files:
     """Load the models, the options' own in place of the file's, with the options' changes."""
-    paths = dict(file.models)
-    if main.name in paths:
+    given = dict(file.models)
+    if main.name in given:
         raise InputError(f'{source}: models has "{main.name}", the name of the model calibrated.')
     for choice, option in options.items():
-        for name, path in option.models.items():
-            if name not in paths:
+        for name, other in option.models.items():
+            if name not in given:
                 place = f'{source}: choice "{choice}", option "{option.name}", models'
-                raise InputError(f"{place} has the {unknown_name('model', name, paths)}.")
-            paths[name] = path
+                raise InputError(f"{place} has the {unknown_name('model', name, given)}.")
+            given[name] = other
     files = {main.name: main.file}
-    for name, path in paths.items():
-        beside = pathlib.Path(source).parent / path
+    for name, each in given.items():
+        beside = pathlib.Path(source).parent / each.file
         try:
-            files[name] = load(beside if beside.is_file() else path).file
+            files[name] = load(beside if beside.is_file() else each.file, changes=each.set).file
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
     return {name: _changed(name, files, options, source) for name in files}
@@ -136,36 +134,35 @@ def _goals(
     file: TargetsFile, systems: Mapping[str, System], main: str, source: str
 ) -> tuple[tuple[Goal, ...], tuple[Run, ...], tuple[tuple[int, slice], ...]]:
     """Bind the targets, and join the runs that are one."""
-    goals, single, keys = [], [], []
+    goals, single, parts, keys = [], [], [], []
     for target in file.target:
         place = f'{source}: target "{target.name}"'
         name = main if target.model is None else target.model
         if name not in systems:
             raise InputError(f"{place}.model is the {unknown_name('model', name, systems)}.")
-        goal, run = bound(target, systems[name], place)
+        goal, run, part = bound(target, systems[name], place)
         goals.append(goal)
         single.append(run)
-        # What is fitted and what is only predicted never share an optimum, which is dear.
-        keys.append((not goal.fitted, name, run_key(target)))
-    joined: list[tuple[Run, list[int]]] = []
+        parts.append(part)
+        keys.append((name, run_key(target)))
+    joined: list[tuple[Run, dict[int, slice]]] = []
     for key in dict.fromkeys(keys):
         members = [i for i, each in enumerate(keys) if each == key]
-        joined.append((_joined([single[i] for i in members]), members))
+        first, where = single[members[0]], {i: parts[i] for i in members}
+        if isinstance(first, PathRun):
+            # Paths are joined value by value; of an optimum all look at the same values.
+            ends = list(accumulate((single[i].size for i in members), initial=0))
+            where = {i: slice(*ends[n : n + 2]) for n, i in enumerate(members)}
+            first = merged(
+                [run for run in (single[i] for i in members) if isinstance(run, PathRun)]
+            )
+        joined.append((first, where))
     joined.sort(key=lambda entry: entry[0].cost)
-    places: dict[int, tuple[int, slice]] = {}
-    for index, (_, members) in enumerate(joined):
-        first = 0
-        for i in members:
-            places[i] = (index, slice(first, first + single[i].size))
-            first += single[i].size
-    runs = tuple(run for run, _ in joined)
-    return tuple(goals), runs, tuple(places[i] for i in range(len(goals)))
-
-
-def _joined(runs: Sequence[Run]) -> Run:
-    first = runs[0]
-    if isinstance(first, PathRun):
-        return merged([run for run in runs if isinstance(run, PathRun)])
-    assert isinstance(first, OptimumRun)
-    observed = [part for run in runs if isinstance(run, OptimumRun) for part in run.observed]
-    return replace(first, observed=tuple(observed))
+    places = {
+        i: (index, part) for index, (_, where) in enumerate(joined) for i, part in where.items()
+    }
+    return (
+        tuple(goals),
+        tuple(run for run, _ in joined),
+        tuple(places[i] for i in range(len(goals))),
+    )

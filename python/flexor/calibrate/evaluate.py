@@ -9,10 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.calibrate.follow import PathRun
 from flexor.calibrate.record import Key, Record
 from flexor.calibrate.variant import Variant
 
 Array = NDArray[np.float64]
+# Parts of a range: wider than the roughness of sphere contacts, narrower than their effect, and
+# for optima wider than what a search leaves open.
+_STEP, _WIDE = 1e-3, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,7 @@ class Evaluator:
         """Values (n, m) of one run at n points; NaN where it failed."""
         if self.stopped.is_set():
             raise KeyboardInterrupt
+        haste = haste and isinstance(self.variant.runs[run], PathRun)
         x = np.ascontiguousarray(self.variant.x(u), dtype="<f8") + 0.0  # one kind of zero
         keys: list[Key] = [(self.number, run, haste, row.tobytes()) for row in x]
         values = [self.record.get(key) for key in keys]
@@ -62,12 +67,9 @@ class Evaluator:
         self.told()
         return np.array(values).reshape(len(u), self.variant.runs[run].size)
 
-    def residuals(self, u: Array, threads: int = 0) -> Array:
-        """Residuals (n, r) of all fitted targets at n points; NaN where a path failed."""
-        parts = [
-            self._scaled(self.observed(u, run, threads=threads), run)
-            for run in self.variant.fitted_runs
-        ]
+    def residuals(self, u: Array, runs: Sequence[int], threads: int = 0) -> Array:
+        """Residuals (n, r) of the fitted targets of some runs; NaN where a path failed."""
+        parts = [self._scaled(self.observed(u, run, threads=threads), run) for run in runs]
         return np.concatenate(parts, axis=1)
 
     def misfit(self, u: Array, runs: Sequence[int], worst: float = np.inf) -> Array:
@@ -92,6 +94,46 @@ class Evaluator:
             total[rows] += np.nan_to_num((scaled**2).sum(axis=1), nan=np.inf)
         total[total > worst] = np.inf
         return total
+
+    def slopes(self, u: Array, columns: Sequence[int], runs: Sequence[int]) -> Array:
+        """Differentiate the residuals at a point (f,) by some coordinates.
+
+        Parameters
+        ----------
+        u : (f,) array
+            Where.
+        columns : sequence of k int
+            By which coordinates.
+        runs : sequence of int
+            Whose residuals.
+
+        Returns
+        -------
+        (r, k) array
+            NaN where a path failed.
+
+        Notes
+        -----
+        Central differences, over a thousandth of each range for paths and a hundredth for optima,
+        which are searched for anew beside the one at the point.
+        """
+        return np.concatenate([self._slopes(u, columns, run) for run in runs])
+
+    def _slopes(self, u: Array, columns: Sequence[int], run: int) -> Array:
+        each = self.variant.runs[run]
+        step = _STEP if isinstance(each, PathRun) else _WIDE
+        points = np.repeat(u[None, :], 2 * len(columns), axis=0)
+        for row, column in enumerate(columns):
+            points[2 * row, column] = min(u[column] + step, 1.0)
+            points[2 * row + 1, column] = max(u[column] - step, 0.0)
+        if isinstance(each, PathRun):
+            values = self.observed(points, run, threads=1)
+        else:
+            best = self.observed(u[None, :], run, threads=1)[0]
+            values = each.beside(self.variant.x(points), best)
+        found = self._scaled(values, run)
+        moved = np.array([points[2 * r, c] - points[2 * r + 1, c] for r, c in enumerate(columns)])
+        return np.asarray(((found[::2] - found[1::2]) / moved[:, None]).T)
 
     def _scaled(self, values: Array, run: int) -> Array:
         parts = [

@@ -60,8 +60,8 @@ def explore(
     """
     variant = evaluator.variant
     points = _sobol(samples, len(variant.free), seed)
-    paths = [run for run in variant.fitted_runs if not variant.is_dear(run)]
-    optima = [run for run in variant.fitted_runs if variant.is_dear(run)]
+    paths = variant.path_runs
+    optima = [run for run in variant.fitted_runs if run not in paths]
     misfit = np.full(samples, np.inf)
     for first in range(0, samples, _PART):
         rows = slice(first, first + _PART)

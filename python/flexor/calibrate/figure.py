@@ -79,13 +79,19 @@ def _targets(axes: Axes, shown: list[Row]) -> None:
 
 def _profile(axes: Axes, calibration: Calibration, i: int) -> None:
     known = calibration.knowledge
-    constant, profile = known.constants[i], known.profiles[i]
-    values = constant.value(profile.u) / constant.unit.factor
-    axes.plot(values, profile.rise, "o-", color=FORCE, markersize=2.5, linewidth=0.9)
+    constant, dots = known.constants[i], "o-"
+    if known.profiles:
+        u, rise = known.profiles[i].u, known.profiles[i].rise
+    else:
+        # Without profiles, what the misfit would do if the model were linear.
+        u, dots = np.clip(known.u[i] + known.deviation[i] * np.linspace(-3.5, 3.5, 29), 0, 1), "--"
+        rise = ((u - known.u[i]) / known.deviation[i]) ** 2
+    values = constant.value(u) / constant.unit.factor
+    axes.plot(values, rise, dots, color=FORCE, markersize=2.5, linewidth=0.9)
     low, high = (end / constant.unit.factor for end in known.interval(i))
     axes.axvspan(low, high, color="#E3E8EC", zorder=0, linewidth=0)
     axes.axhline(3.84, color=LINE, linewidth=0.5, linestyle=":")
-    axes.set_ylim(0.0, max(5.0, min(15.0, float(np.nanmax(profile.rise)) * 1.05)))
+    axes.set_ylim(0.0, max(5.0, min(15.0, float(np.nanmax(rise)) * 1.05)))
     axes.set_xlabel(f"{constant.name} / {constant.unit.text}".removesuffix(" / "), labelpad=1)
     axes.locator_params(axis="x", nbins=3)
     if i % 2 == 0:

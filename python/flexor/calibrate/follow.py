@@ -98,7 +98,6 @@ class PathRun:
         assert rates is not None
         base = model.parameters.copy()
         if self._geometry is not None:
-            self._check_design()
             indices, values = model.geometry_slots(self._geometry)
             base[indices] = values[0]
         return base, np.flatnonzero(np.any(rates != 0.0, axis=1))
@@ -109,22 +108,6 @@ class PathRun:
             return None
         points = self.system.reference.design.points
         return self.parameters.geometry(self.design[None, :], points)
-
-    def _check_design(self) -> None:
-        """Refuse a constant that moves what the design sets."""
-        rates, rod = self.system.rates, self.system.reference.design.rod
-        assert rates is not None and self.parameters is not None
-        slots = self.system.reference.engine.slots
-        taken = ["length"] if self.parameters.length_column is not None else []
-        taken += ["radius", "slope"] if self.parameters.profile is not None else []
-        for part in taken:
-            start, stop = slots[f"{rod}.{part}"]
-            for i, constant in enumerate(self.system.constants):
-                if np.any(rates[start:stop, i] != 0.0):
-                    raise InputError(
-                        f'{self.place}.design sets the {part} of "{rod}", which the constant '
-                        f'"{constant.name}" sets as well: one of them must leave it.'
-                    )
 
     def _moved(self, x: Array) -> _Start:
         rates = self.system.rates
@@ -172,3 +155,22 @@ def merged(runs: Sequence[PathRun]) -> PathRun:
     first = runs[0]
     observed = tuple(entry for run in runs for entry in run.observed)
     return PathRun(first.system, first.design, first.parameters, first.loads, observed, first.place)
+
+
+def check_design(parameters: ParameterSet, system: System, place: str) -> None:
+    """Refuse a constant that moves what a design sets.
+
+    Raises
+    ------
+    InputError
+        Naming both.
+    """
+    rod = system.reference.design.rod
+    taken = ["length"] if parameters.length_column is not None else []
+    taken += ["radius"] if parameters.profile is not None else []
+    for part in taken:
+        if (name := system.mover(f"{rod}.{part}")) is not None:
+            raise InputError(
+                f'{place}: a design of {parameters.name} sets the {part} of "{rod}", which the '
+                f'constant "{name}" sets as well: one of them must leave it.'
+            )

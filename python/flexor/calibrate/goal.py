@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.calibrate.amount import Unit, amount
-from flexor.calibrate.follow import PathRun
+from flexor.calibrate.follow import PathRun, check_design
 from flexor.calibrate.observable import observable
-from flexor.calibrate.optimum import OptimumRun
+from flexor.calibrate.optimum import BENDING, OptimumRun
 from flexor.calibrate.schema import Target
 from flexor.calibrate.system import System
 from flexor.design import ParameterSet, parameter_set
@@ -74,7 +74,7 @@ class Goal:
         return self.tolerance / _HARD if self.hard else self.tolerance
 
 
-def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | OptimumRun]:
+def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | OptimumRun, slice]:
     """Bind a target to the system of its model.
 
     Parameters
@@ -88,8 +88,8 @@ def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | O
 
     Returns
     -------
-    Goal, PathRun or OptimumRun
-        What should come out, and the run of which it does.
+    Goal, PathRun or OptimumRun, slice
+        What should come out, the run of which it does, and where among its values.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | O
     force = tuple(float(u) for u in steps[list(chosen), 0]) if steps.shape[1] else ()
     design, parameters = _design(target, system, place)
     run = PathRun(system, design, parameters, steps, ((seen, chosen),), place)
-    return Goal(target, unit, value, tolerance, force), run
+    return Goal(target, unit, value, tolerance, force), run, slice(0, run.size)
 
 
 def run_key(target: Target) -> str:
@@ -189,16 +189,18 @@ def _design(target: Target, system: System, place: str) -> tuple[Array | None, P
 
 def _set(name: str, system: System, place: str) -> ParameterSet:
     try:
-        return parameter_set(name, system.reference.design)
+        chosen = parameter_set(name, system.reference.design)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
+    check_design(chosen, system, place)
+    return chosen
 
 
-def _optimum(target: Target, system: System, place: str) -> tuple[Goal, OptimumRun]:
+def _optimum(target: Target, system: System, place: str) -> tuple[Goal, OptimumRun, slice]:
     chosen = _set(str(target.parameters), system, place)
     kinds: Mapping[str, Dimension | None] = {
         **dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True)),
-        "bending": ANGLE,
+        BENDING: ANGLE,
     }
     part = str(target.of)
     if part not in kinds:
@@ -213,6 +215,7 @@ def _optimum(target: Target, system: System, place: str) -> tuple[Goal, OptimumR
         search = method(target.method, **{**usual, **target.options})
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
-    force = None if target.force is None else _loads(target, system, place)[:, 0]
-    run = OptimumRun(system, chosen.name, wanted.name, force, search, (part,), place)
-    return Goal(target, unit, value, tolerance, ()), run
+    if target.force is not None:
+        wanted = wanted.at(_loads(target, system, place)[:, 0])
+    run = OptimumRun(system, chosen, wanted, search, place)
+    return Goal(target, unit, value, tolerance, ()), run, run.column(part)

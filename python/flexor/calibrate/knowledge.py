@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexor.calibrate.constants import Constant
 from flexor.calibrate.evaluate import Evaluator
-from flexor.calibrate.refine import Minimum, jacobian, refine
+from flexor.calibrate.refine import Minimum, refine
 
 Array = NDArray[np.float64]
 Verdict = Literal["pinned down", "only in combination", "not determined"]
@@ -83,6 +83,8 @@ class Knowledge:
     ----------
     constants : tuple of Constant
         The f free constants.
+    u : (f,) array
+        Where the fit is, in parts of their ranges.
     jacobian : (r, f) array
         Of the residuals, by parts of the ranges.
     deviation : (f,) array
@@ -92,10 +94,11 @@ class Knowledge:
     directions : tuple of Direction
         The best known first.
     profiles : tuple of Profile
-        One for each constant.
+        One for each constant, or none.
     """
 
     constants: tuple[Constant, ...]
+    u: Array
     jacobian: Array
     deviation: Array
     alone: Array
@@ -110,7 +113,11 @@ class Knowledge:
 
     def interval(self, i: int) -> tuple[float, float]:
         """Values between which a constant lies with 95 % likelihood, SI."""
-        low, high = self.profiles[i].ends()
+        if self.profiles:
+            low, high = self.profiles[i].ends()
+        else:
+            reach = 1.96 * self.deviation[i]
+            low, high = max(self.u[i] - reach, 0.0), min(self.u[i] + reach, 1.0)
         values = self.constants[i].value(np.array([low, high]))
         return float(values[0]), float(values[1])
 
@@ -147,7 +154,8 @@ def know(evaluator: Evaluator, minimum: Minimum) -> Knowledge:
     minimum : Minimum
         The fit.
     """
-    slopes = np.nan_to_num(jacobian(evaluator, minimum.u))
+    every = range(len(minimum.u))
+    slopes = np.nan_to_num(evaluator.slopes(minimum.u, every, evaluator.variant.fitted_runs))
     information = slopes.T @ slopes + np.eye(len(minimum.u)) / _RANGE
     strengths, vectors = np.linalg.eigh(information)
     order = np.argsort(-strengths)
@@ -157,6 +165,7 @@ def know(evaluator: Evaluator, minimum: Minimum) -> Knowledge:
     )
     return Knowledge(
         constants=evaluator.variant.free,
+        u=minimum.u,
         jacobian=slopes,
         deviation=np.sqrt(np.diag(np.linalg.inv(information))),
         alone=1.0 / np.sqrt(np.diag(information)),

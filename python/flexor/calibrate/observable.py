@@ -92,25 +92,34 @@ def observable(target: Target, model: Model, place: str) -> Observable:
     return Observable(LENGTH, lambda paths: _frames_of(paths, first, count)[:, :, row, axis, 3])
 
 
-def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Array]:
-    angular = {
+def bending(model: Model) -> Callable[[Followed], Array]:
+    """Return the sum of all angles of a model's joints [rad]."""
+    columns = list(_angular(model).values())
+    return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
+
+
+def _angular(model: Model) -> dict[str, int]:
+    return {
         name: int(column)
         for name, column in zip(model.joints, model.joint_columns, strict=True)
         if name.rpartition(".")[2].startswith("theta")
     }
+
+
+def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Array]:
+    angular = _angular(model)
     if not angular:
         raise InputError(
             f'{place}.observable is "{target.observable}", but the model "{model.name}" has no '
             "joint that turns."
         )
     if target.of is None:
-        columns = list(angular.values())
-    else:
-        short = {name.removesuffix(".theta"): column for name, column in angular.items()}
-        if target.of not in short and target.of not in angular:
-            raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
-        columns = [{**short, **angular}[target.of]]
-    return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
+        return bending(model)
+    short = {name.removesuffix(".theta"): column for name, column in angular.items()}
+    if target.of not in short and target.of not in angular:
+        raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
+    column = {**short, **angular}[target.of]
+    return lambda paths: np.asarray(paths.q[:, :, column])
 
 
 def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:

@@ -1,4 +1,4 @@
-"""The local fit: bounded least squares, and the derivatives it needs."""
+"""The local fit: bounded least squares."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from flexor.calibrate.evaluate import Evaluator
 
 Array = NDArray[np.float64]
-_STEP = 1e-3  # of a range: wider than the roughness of sphere contacts, narrower than their effect
 _FAILED = 1e4  # residual of a path that failed, to be stepped back from
 _MOST = 40  # evaluations of the residuals, besides those for derivatives
+_MOST_DEAR = 20  # where each needs a search
 _INSIDE = 1e-9  # least squares starts inside the bounds
 
 
@@ -60,11 +60,22 @@ def refine(evaluator: Evaluator, start: Array, held: tuple[int, ...] = ()) -> Mi
     Notes
     -----
     Trust-region reflective least squares (Branch, Coleman and Li 1999) in the unit cube, with
-    central differences over a thousandth of each range.
+    central differences. Where optima are among the targets, the
+    paths are fitted first, which takes the long way without any search for an optimum.
     """
-    from scipy.optimize import least_squares
-
     free = [i for i in range(len(start)) if i not in held]
+    variant = evaluator.variant
+    if variant.dear and variant.path_runs:
+        start = _fitted(evaluator, start, free, variant.path_runs, _MOST)
+    u = _fitted(evaluator, start, free, variant.fitted_runs, _MOST_DEAR if variant.dear else _MOST)
+    found = evaluator.residuals(u[None, :], variant.fitted_runs, threads=1)[0]
+    return Minimum(u, np.asarray(np.nan_to_num(found, nan=_FAILED)))
+
+
+def _fitted(
+    evaluator: Evaluator, start: Array, free: list[int], runs: tuple[int, ...], most: int
+) -> Array:
+    from scipy.optimize import least_squares
 
     def point(v: Array) -> Array:
         u = start.copy()
@@ -72,43 +83,22 @@ def refine(evaluator: Evaluator, start: Array, held: tuple[int, ...] = ()) -> Mi
         return u
 
     def residuals(v: Array) -> Array:
-        found = evaluator.residuals(point(v)[None, :], threads=1)[0]
+        found = evaluator.residuals(point(v)[None, :], runs, threads=1)[0]
         return np.asarray(np.nan_to_num(found, nan=_FAILED))
 
     if not free:
-        return Minimum(start, residuals(np.empty(0)))
+        return start
     ended = least_squares(
         residuals,
         np.clip(start[free], _INSIDE, 1.0 - _INSIDE),
-        jac=lambda v: np.nan_to_num(jacobian(evaluator, point(v), free)),
+        jac=lambda v: np.nan_to_num(evaluator.slopes(point(v), free, runs)),
         bounds=(0.0, 1.0),
         ftol=1e-10,
         xtol=1e-10,
         gtol=1e-12,
-        max_nfev=_MOST,
+        max_nfev=most,
     )
-    return Minimum(point(ended.x), np.asarray(ended.fun))
-
-
-def jacobian(evaluator: Evaluator, u: Array, free: list[int] | None = None) -> Array:
-    """Differentiate the residuals at a point (f,) by central differences.
-
-    Returns
-    -------
-    (r, k) array
-        By the k coordinates named, or all.
-    """
-    columns = list(range(len(u))) if free is None else free
-    points = np.repeat(u[None, :], 2 * len(columns), axis=0)
-    for row, column in enumerate(columns):
-        points[2 * row, column] = min(u[column] + _STEP, 1.0)
-        points[2 * row + 1, column] = max(u[column] - _STEP, 0.0)
-    found = evaluator.residuals(points, threads=1)
-    widths = [points[2 * r, c] - points[2 * r + 1, c] for r, c in enumerate(columns)]
-    slopes = np.stack(
-        [(found[2 * r] - found[2 * r + 1]) / width for r, width in enumerate(widths)], axis=1
-    )
-    return np.asarray(slopes)
+    return point(ended.x)
 
 
 def distinct(minima: list[Minimum], apart: float = 0.02) -> list[Minimum]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from flexor.calibrate.calibration import Calibration, Fit
 from flexor.calibrate.goal import Goal
+from flexor.calibrate.knowledge import Knowledge
 from flexor.errors import InputError
 
 _NOTHING = 1e-9  # of what was wanted
@@ -190,10 +191,7 @@ def to_dict(calibration: Calibration) -> dict[str, Any]:
                 "range": [constant.low, constant.high],
                 "verdict": known.verdict(i),
                 "deviation_of_range": float(known.deviation[i]),
-                "profile": {
-                    "value": constant.value(known.profiles[i].u).tolist(),
-                    "rise": known.profiles[i].rise.tolist(),
-                },
+                "profile": _profile(known, i),
             }
             for i, constant in enumerate(known.constants)
         },
@@ -212,6 +210,13 @@ def to_dict(calibration: Calibration) -> dict[str, Any]:
             for direction in known.directions
         ],
     }
+
+
+def _profile(known: Knowledge, i: int) -> dict[str, Any] | None:
+    if not known.profiles:
+        return None
+    value = known.constants[i].value(known.profiles[i].u)
+    return {"value": value.tolist(), "rise": known.profiles[i].rise.tolist()}
 
 
 def _fit(fit: Fit) -> dict[str, Any]:

@@ -41,6 +41,20 @@ def _at(value: object) -> object:
     return value
 
 
+def _file(value: object) -> object:
+    return {"file": value} if isinstance(value, str) else value
+
+
+class ModelFile(Table):
+    """A model: a preset or a file beside the targets file, with values for some of its fields."""
+
+    file: Text
+    set: dict[Name, Any] = Field(default_factory=dict)
+
+
+Models = dict[Name, Annotated[ModelFile, BeforeValidator(_file)]]
+
+
 class Constant(Table):
     """Something that is to be found: fields of the models that share one value."""
 
@@ -54,7 +68,7 @@ class Option(Table):
     """One way a choice may be made: other models, other fields, constants that are held."""
 
     name: Name
-    models: dict[Name, Text] = Field(default_factory=dict)
+    models: Models = Field(default_factory=dict)
     set: dict[Name, Any] = Field(default_factory=dict)
     hold: dict[Name, Any] = Field(default_factory=dict)
 
@@ -125,7 +139,7 @@ class TargetsFile(Table):
     """A whole targets file."""
 
     title: Text = ""
-    models: dict[Name, Text] = Field(default_factory=dict)
+    models: Models = Field(default_factory=dict)
     search: Search = Search()
     constant: tuple[Constant, ...] = ()
     choice: tuple[Choice, ...] = ()

@@ -102,24 +102,42 @@ class System:
         changes one in another way than proportionally; the model is then built for each value.
         """
         corner, columns = self.middle.copy(), []
-        for i, constant in enumerate(self.constants):
-            other = self.middle.copy()
-            if constant.name not in self.held and any(self._fields(constant)):
-                other[i] = corner[i] = constant.high
-            if other[i] == self.middle[i]:
-                columns.append(np.zeros_like(self.reference.parameters))
-                continue
-            moved = self.model(other)
-            if _structure(moved.file) != _structure(self.reference.file):
-                return None
-            change = moved.parameters - self.reference.parameters
-            columns.append(change / (other[i] - self.middle[i]))
+        for i, moved in enumerate(self._moved):
+            change = np.zeros_like(self.reference.parameters)
+            if moved is not None:
+                if _structure(moved.file) != _structure(self.reference.file):
+                    return None
+                corner[i] = self.constants[i].high
+                change = moved.parameters - self.reference.parameters
+                change /= corner[i] - self.middle[i]
+            columns.append(change)
         rates = np.stack(columns, axis=1)
         expected = self.reference.parameters + rates @ (corner - self.middle)
         exact = self.model(corner).parameters
         if np.any(np.abs(expected - exact) > _EXACT * np.abs(exact) + 1e-300):
             return None
         return rates
+
+    def mover(self, slot: str) -> str | None:
+        """Return the name of a constant that moves a parameter of the engine, if one does."""
+        start, stop = self.reference.engine.slots[slot]
+        for constant, moved in zip(self.constants, self._moved, strict=True):
+            if moved is not None and np.any(
+                moved.parameters[start:stop] != self.reference.parameters[start:stop]
+            ):
+                return constant.name
+        return None
+
+    @cached_property
+    def _moved(self) -> tuple[Model | None, ...]:
+        """For each constant the model with it at the end of its range; None if it has no effect."""
+        moved: list[Model | None] = []
+        for i, constant in enumerate(self.constants):
+            other = self.middle.copy()
+            other[i] = constant.high
+            free = constant.name not in self.held and any(self._fields(constant))
+            moved.append(self.model(other) if free else None)
+        return tuple(moved)
 
     def _fields(self, constant: Constant) -> list[str]:
         found = (full(field, self.file) for field in constant.fields)

@@ -65,9 +65,15 @@ class Variant:
         needed = {self.places[i][0] for i, goal in enumerate(self.goals) if goal.fitted}
         return tuple(sorted(needed))
 
-    def is_dear(self, run: int) -> bool:
-        """Say whether a run is a search of its own."""
-        return isinstance(self.runs[run], OptimumRun)
+    @cached_property
+    def path_runs(self) -> tuple[int, ...]:
+        """Those of the fitted runs that need no search."""
+        return tuple(run for run in self.fitted_runs if isinstance(self.runs[run], PathRun))
+
+    @property
+    def dear(self) -> bool:
+        """Whether the fit needs searches for optima."""
+        return self.path_runs != self.fitted_runs
 
     def x(self, u: Array) -> Array:
         """Return constants (n, c), SI, of points (n, f) of the unit cube of the free ones."""

@@ -219,7 +219,8 @@ class _Shown:
         return self
 
     def __exit__(self, *ended: object) -> None:
-        self._bar.stop()
+        if err.is_interactive:
+            self._bar.stop()
 
     def __call__(self, at: Progress) -> None:
         known = f"{at.evaluated + at.replayed:,} evaluations"
