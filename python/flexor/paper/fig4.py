@@ -10,22 +10,22 @@ from flexor.model import load
 from flexor.paper import published
 from flexor.paper.context import FINGER, Context
 from flexor.paper.default import target
-from flexor.paper.folder import Data, Part
+from flexor.paper.fig4_searches import (
+    LETTERS,
+    NAMES,
+    STARTS,
+    searches_on_landscape,
+    searches_table,
+)
+from flexor.paper.folder import Data
 from flexor.paper.optimum import true_optimum
 from flexor.paper.section import Cell, Column, Compared, Picture, Section, Table, number
-from flexor.search import starting_designs
-from flexor.study import Settings, Study, StudyProgress, optimize
+from flexor.study import Settings, StudyProgress
 from flexor.survey import Landscape, SearchPath, landscape
 
 # How contact is modelled: the name of the landscape, and what to change in the model file. The
 # paper's is spheres; a smooth alternative is one more line.
 CONTACTS: dict[str, Mapping[str, object]] = {"spheres": {}}
-STARTS = {
-    "levenberg-marquardt": published.LEAST_SQUARES_STARTS,
-    "pattern-search": published.PATTERN_SEARCH_STARTS,
-}
-LETTERS = {"levenberg-marquardt": "L", "pattern-search": "P"}
-NAMES = {"levenberg-marquardt": "Levenberg-Marquardt", "pattern-search": "pattern search"}
 
 
 def fig4(context: Context) -> Section:
@@ -82,53 +82,9 @@ def fig4(context: Context) -> Section:
         title="Fig. 4: the landscape of f_b over base and tip radius",
         text=_text(context, spheres, searches, best.value, (R_0, R_1)),
         compared=compared,
-        tables=(_searches_table(searches, target(context, best.value)), *_numbers(surveys)),
+        tables=(searches_table(searches, target(context, best.value)), *_numbers(surveys)),
         pictures=tuple(pictures),
     )
-
-
-def searches_on_landscape(context: Context) -> Part:
-    """Run both methods from seeded random starts on R01.
-
-    Returns
-    -------
-    Part
-        By method, a list of searches: every improvement (``designs``, ``values``,
-        ``evaluations``), ``spent`` evaluations, ``snaps`` of the end point, and ``reason``.
-    """
-    problem = context.problem("R01")
-    chosen = problem.parameters
-
-    def compute() -> Data:
-        random = np.random.default_rng(context.settings.seed)
-        data: Data = {}
-        for method, count in STARTS.items():
-            # One hypercube for each method, so that its starts are spread over the range.
-            starts = starting_designs(None, count, chosen.lower, chosen.upper, random)
-            data[method] = []
-            for i, start in enumerate(starts):
-                context.say(f"{NAMES[method]}, start {i + 1} of {count}")
-                study = optimize(
-                    problem.model, chosen, "bending", method, start=start,
-                    seed=context.settings.seed,
-                )  # fmt: skip
-                data[method].append(_described(study))
-        return data
-
-    return context.part("fig4-searches", compute)
-
-
-def _described(study: Study) -> Data:
-    result = study.result
-    assert result is not None
-    return {
-        "designs": result.improvement_designs.tolist(),
-        "values": result.improvement_values.tolist(),
-        "evaluations": result.improvement_evaluations.tolist(),
-        "spent": result.evaluations,
-        "snaps": study.best.events,
-        "reason": result.reason,
-    }
 
 
 def _landscape(context: Context, contact: str) -> Landscape:
@@ -173,47 +129,11 @@ def _text(
     return (
         f"The lowest f_b is {best:.4f} rad at R_0 = {at[0]:.3f} cm and R_1 = {at[1]:.3f} cm "
         f"({edge}, at {theirs} cm). The best of the grid is {grid_best.value:.4f} rad. The "
-        f"landscape has {minima} local minima on this grid, and {100.0 * snapping:.0f} % of its "
-        "designs snap at least once on the way to 5 N: a branch of equilibria ends and the finger "
-        "jumps to another. Steps between neighbouring designs come from there.",
+        f"landscape has {minima} local minim{'um' if minima == 1 else 'a'} on this grid, and "
+        f"{100.0 * snapping:.0f} % of its designs snap at least once on the way to 5 N: a branch "
+        "of equilibria ends and the finger jumps to another. Steps between neighbouring designs come from there.",
         "With 99 % of the minimum's gain over the default design, that is at "
         f"f_b ≤ {number(reached, 5)} rad, end {ends}.",
-    )
-
-
-def _searches_table(searches: Data, reached: float) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for method in STARTS:
-        for i, run in enumerate(searches[method]):
-            first, last = run["designs"][0], run["designs"][-1]
-            rows.append(
-                (
-                    f"{LETTERS[method]}_{i + 1}",
-                    NAMES[method],
-                    *(100.0 * value for value in first),
-                    run["values"][0],
-                    *(100.0 * value for value in last),
-                    run["values"][-1],
-                    run["spent"],
-                    run["values"][-1] <= reached,
-                )
-            )
-    return Table(
-        name="fig4-searches",
-        caption="Where each search of Fig. 4 began and ended.",
-        columns=(
-            Column("search"),
-            Column("method"),
-            Column("start R_0", "cm", 3),
-            Column("start R_1", "cm", 3),
-            Column("start f_b", "rad"),
-            Column("end R_0", "cm", 3),
-            Column("end R_1", "cm", 3),
-            Column("end f_b", "rad"),
-            Column("evaluations"),
-            Column("found the minimum"),
-        ),
-        rows=tuple(rows),
     )
 
 

@@ -117,6 +117,11 @@ def _text(comparison: MethodComparison) -> tuple[str, ...]:
         "of the best design known, over the default design. Success over all sets: "
         f"{said}.",
     ]
+    if "levenberg-marquardt" in comparison.methods:
+        text.append(
+            "Levenberg-Marquardt is the only one that uses derivatives. They are exact, come with "
+            "each design from one more linear solve, and are not counted as evaluations."
+        )
     if absent:
         text.append(f"Not installed where this was run, and so not compared: {', '.join(absent)}.")
     return tuple(text)

@@ -34,8 +34,9 @@ table { border-collapse: collapse; font-size: .875rem; line-height: 1.35; }
 th, td { padding: .28rem .7rem .28rem 0; border-bottom: 1px solid var(--line);
   vertical-align: top; text-align: left; }
 th { font-weight: 600; vertical-align: bottom; border-bottom: 2px solid var(--ink); }
-th.number, td.number { text-align: right; white-space: nowrap;
-  font-variant-numeric: tabular-nums; }
+th.number, td.number { text-align: right; font-variant-numeric: tabular-nums; }
+td.number { white-space: nowrap; }
+sub { line-height: 0; }
 tbody tr:hover { background: #f4f6f8; }
 .yes { color: var(--yes); font-weight: 600; } .no { color: var(--no); font-weight: 600; }
 .hash { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .8125rem;

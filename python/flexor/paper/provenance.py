@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import platform
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 
 from flexor.model import load
 from flexor.paper.context import ALONE, FINGER, TWO_LINKS
 from flexor.paper.settings import Settings
 
 # What decides the numbers besides Flexor: the libraries that search.
-LIBRARIES = ("numpy", "scipy", "pymoo", "cma")
+LIBRARIES = ("numpy", "scipy", "pymoo", "cma", "PyNomadBBO")
 
 
 def provenance(settings: Settings) -> dict[str, str]:
@@ -30,7 +30,7 @@ def provenance(settings: Settings) -> dict[str, str]:
         f"model {name}": load(name, constants=settings.constants).hash
         for name in (FINGER, TWO_LINKS, ALONE)
     }
-    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    libraries = ", ".join(f"{name} {found}" for name in LIBRARIES if (found := _version(name)))
     return {
         "flexor": version("flexor"),
         "command": command(settings),
@@ -39,6 +39,13 @@ def provenance(settings: Settings) -> dict[str, str]:
         **hashes,
         "libraries": f"Python {platform.python_version()}, {libraries}",
     }
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return ""
 
 
 def command(settings: Settings) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 MARGINS = 0.62  # in, beside the axes: labels of the leftmost column
 TITLE = 0.3  # in, above each row of axes
-LEGEND = 0.55  # in, above all axes, and the numbers and label below them
+LEGEND = 0.62  # in, above all axes, and the numbers and label below them
 
 
 @dataclass(frozen=True)

@@ -187,21 +187,24 @@ def comparison_table(section: Section) -> Table:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number with so many significant digits, without trailing zeros, exponents or -0.
+    """Return a number with so many significant digits, without trailing zeros or -0.
 
     Parameters
     ----------
     value : float
         What to show.
     digits : int
-        Significant digits; whole numbers keep theirs.
+        Significant digits; whole numbers keep all of theirs. What rounding leaves of a zero is
+        shown as zero.
     """
     if not math.isfinite(value):
         return "–" if math.isnan(value) else ("∞" if value > 0.0 else "-∞")
-    if value != 0.0 and not 1e-4 <= abs(value) < 1e6:
+    if abs(value) < 1e-12:
+        return "0"
+    if not 1e-4 <= abs(value) < 1e6:
         return f"{value:.{digits}g}"
-    size = math.floor(math.log10(abs(value))) if value != 0.0 else 0
+    size = math.floor(math.log10(abs(value)))
     text = f"{value:.{max(digits - 1 - size, 0)}f}"
     if "." in text:
         text = text.rstrip("0").rstrip(".")
-    return "0" if float(text) == 0.0 else text
+    return text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from html import escape
 
-_SUBSCRIPT = re.compile(r"\b(f|R|n|q|a|phi)_(exo|bc|b|c|A|B|\d+)\b")
+_SUBSCRIPT = re.compile(r"\b(f|R|n|q|a|L|P|phi)_(exo|bc|b|c|A|B|\d+)\b")
 
 
 def marked(text: str) -> str:

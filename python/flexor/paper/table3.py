@@ -163,15 +163,6 @@ def _compared(
                 strict=True,
             )
         ]
-        rows.append(
-            Compared(
-                f"time of the search of {name} (ours: thorough)",
-                published.TABLE_III[name].place,
-                published.TABLE_III[name].minutes,
-                best[name].seconds / 60.0,
-                "min",
-            )
-        )
     return tuple(rows)
 
 

@@ -94,15 +94,6 @@ def _compared(best: dict[str, Optimum]) -> tuple[Compared, ...]:
                     "cm",
                 )
             )
-        rows.append(
-            Compared(
-                f"time of the search for {SYMBOLS[name]} (ours: thorough)",
-                printed.place,
-                printed.minutes,
-                best[name].seconds / 60.0,
-                "min",
-            )
-        )
     return tuple(rows)
 
 
