@@ -1,0 +1,104 @@
+"""The reference page of the model file has every key with its default, and its examples work."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic_core import PydanticUndefined
+
+import flexor
+from flexor.model import Model, parse, schema
+from flexor.model.schema.strain import BASES, MODES
+from flexor.model.schema.table import Table
+
+PAGE = (Path(__file__).parent.parent / "docs" / "model-files.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^##+ (.+)\n((?:(?!##).*\n)*)", PAGE, flags=re.MULTILINE))
+TABLES: dict[str, type[Table]] = {
+    "The file itself": schema.ModelFile,
+    "Rods": schema.Rod,
+    "Links": schema.Link,
+    "Placement": schema.Placement,
+    "Spheres": schema.SphereGroup,
+    "Contacts": schema.Contact,
+    "Actuators": schema.Actuator,
+    "Springs": schema.Spring,
+    "Wrenches": schema.Wrench,
+    "Design": schema.Design,
+    "Evaluation": schema.Evaluation,
+}
+
+
+def rows(section: str) -> dict[str, list[str]]:
+    """Return the cells behind each key of a section's tables."""
+    lines = [line for line in SECTIONS[section].splitlines() if line.startswith("| `")]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return {key.strip("`"): rest for key, *rest in cells}
+
+
+def as_written(default: Any) -> str | None:
+    """Return a default as TOML has it; None for those that the page puts into words."""
+    if isinstance(default, float) and hasattr(default, "text"):
+        return f'"{default.text}"'
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, str):
+        return f'"{default}"'
+    return repr(default) if isinstance(default, (int, float)) else None
+
+
+@pytest.mark.parametrize("section", TABLES)
+def test_every_key_stands_there_with_its_default(section: str) -> None:
+    fields = TABLES[section].model_fields
+    found = rows(section)
+    assert list(found) == list(fields)
+    for key, field in fields.items():
+        said = found[key][1]
+        assert (said == "needed") == field.is_required(), key
+        if field.default is not PydanticUndefined and (text := as_written(field.default)):
+            assert said == f"`{text}`", key
+
+
+def test_joints() -> None:
+    found = rows("Joints")
+    for kind, column in ((schema.RevoluteJoint, 1), (schema.PrismaticJoint, 3)):
+        for key, field in kind.model_fields.items():
+            if text := as_written(field.default):
+                assert found[key][column] == f"`{text}`", key
+            assert key == "kind" or key in found
+    for key in (*schema.FreeJoint.model_fields, "universal", "spherical", "prismatic"):
+        assert f"`{key}`" in SECTIONS["Joints"] or f'`"{key}"`' in SECTIONS["Joints"]
+
+
+def test_modes_bases_and_sections() -> None:
+    for name in (*MODES, *BASES):
+        assert f"`{name}`" in SECTIONS["Strain"]
+    for kind in ("circular", "elliptic", "rectangular"):
+        assert f'`"{kind}"`' in SECTIONS["Sections"]
+
+
+def test_its_model_is_one() -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)
+    model = Model(parse(text))
+    path = model.equilibrium("0:5:1")
+    assert path.stable.all()
+    assert path.joint_angles[-1, 0] > 0.1
+    assert flexor.optimize(model, "L+R01", budget=5).evaluations == 5
+    (sets,) = re.findall(r"```\n(use = .*?)```", PAGE, flags=re.DOTALL)
+    head, tables = text.split("[bodies.suit]", 1)
+    use, constants = sets.split("\n\n", 1)
+    both = f"{head}{use}\n\n[bodies.suit]{tables}\n{constants}"
+    assert Model(parse(both)).slot("suit.young_modulus").tolist() == [1e5]
+    assert Model(parse(both, use="stiff")).slot("suit.young_modulus").tolist() == [3e5]
+
+
+def test_its_python_runs() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    exec(compile(code, "model-files.md", "exec"), {})
+
+
+def test_its_links_lead_to_its_headings() -> None:
+    headings = {re.sub(r"[^\w -]", "", name).lower().replace(" ", "-") for name in SECTIONS}
+    assert set(re.findall(r"\]\(#([^)]+)\)", PAGE)) <= headings
