@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexor.errors import InputError
     from flexor.model import Model, Path, load
-    from flexor.study import Study, optimize
+    from flexor.study import Study, objective_function, optimize
     from flexor.survey import Landscape, MethodComparison, compare, landscape
 
     __version__: str
@@ -33,6 +33,7 @@ __all__ = [
     "compare",
     "landscape",
     "load",
+    "objective_function",
     "optimize",
 ]
 
@@ -48,6 +49,7 @@ _HOME = {
     "compare": "flexor.survey",
     "landscape": "flexor.survey",
     "load": "flexor.model",
+    "objective_function": "flexor.study",
     "optimize": "flexor.study",
 }
 _PACKAGES = (

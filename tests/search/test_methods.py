@@ -230,7 +230,7 @@ def test_an_error_of_the_function_passes_through(name: str) -> None:
 
 
 def test_global_methods_leave_a_local_minimum(name: str) -> None:
-    if name in ("pattern-search", "levenberg-marquardt", "mads"):
+    if name in ("pattern-search", "pattern-search+polish", "levenberg-marquardt", "mads"):
         pytest.skip("a local method")
 
     def two_wells(x: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from flexor.design import DesignSpace, Geometry
+from flexor.design import DesignSpace, Geometry, GeometryJacobian
 from flexor.objective import OnePath
 
 
@@ -33,6 +33,18 @@ class AnalyticBatch:
     iterations: np.ndarray
     events: dict[str, np.ndarray]
     spheres: int = 42
+    # Of the bending with respect to the length, and to the radius of base and tip.
+    slopes: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    regularity: np.ndarray | None = None
+
+    def chained(self, jacobian: GeometryJacobian) -> np.ndarray:
+        assert self.slopes is not None
+        length, base, tip = (each[:, None] for each in self.slopes)
+        slope = length * jacobian.length
+        slope = slope + base * jacobian.radius[:, 0] + tip * jacobian.radius[:, -1]
+        slope[~self.converged[:, -1]] = np.nan
+        weights = np.array([1.0, 0.8, 0.6, 0.3]) * self.force[-1] / 5.0
+        return np.asarray(weights[:, None] * slope[:, None, :])
 
     def __getitem__(self, i: int) -> Any:
         words = tuple("converged" if good else "iteration limit" for good in self.converged[i])
@@ -64,7 +76,12 @@ class AnalyticModel:
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
     def evaluate(
-        self, geometry: Geometry, force: Any, threads: int = 0, **options: float
+        self,
+        geometry: Geometry,
+        force: Any,
+        threads: int = 0,
+        gradient: bool = False,
+        **options: float,
     ) -> AnalyticBatch:
         self.before_batch(self)
         self.calls.append(len(geometry.length))
@@ -82,7 +99,16 @@ class AnalyticModel:
         good = np.broadcast_to((tip >= 0.0045)[:, None], angles.shape[:2]).copy()
         good[:, u < 0.5] = True
         angles[~good] = np.nan
+        wave = 0.05 * 40.0 * np.sin(40.0 * (base / 0.004 - tip / 0.003))
+        slopes = (
+            -bend * 2.0 * (geometry.length - 0.11) / 0.04**2,
+            -bend * (2.0 * (base - 0.0065) / 0.004**2 - wave / 0.004),
+            -bend * ((tip - 0.008) / 0.004**2 + wave / 0.003),
+        )
+        words = np.where(good[:, -1], "regular", "no-equilibrium").astype(object)
         return AnalyticBatch(
+            slopes=slopes if gradient else None,
+            regularity=words if gradient else None,
             force=np.asarray(force, dtype=float),
             joint_angles=angles,
             tip_force=0.3 * bend[:, None] * u,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +55,9 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
     for field in fields(Outcomes):
+        if getattr(back, field.name) is None:
+            assert field.name in ("derivatives", "regularity")
+            continue
         wanted = np.concatenate([getattr(g[1], field.name) for g in given])
         got = getattr(back, field.name)
         assert got.dtype == wanted.dtype
@@ -150,3 +153,19 @@ def test_a_damaged_file_is_one_clear_sentence(tmp_path: Path, kind: str) -> None
     assert said.startswith(f'the record "{path}" cannot be used: ')
     assert said.endswith(".")
     assert "\n" not in said
+
+
+def test_derivatives_come_back_to_the_last_bit(tmp_path: Path) -> None:
+    where, found = designs(4, 1), outcomes(4, 2)
+    slopes = np.random.default_rng(3).standard_normal((4, JOINTS + 1, K))
+    words = np.array(["regular", "snapped", "regular", "no-equilibrium"], dtype=object)
+    record = Record(tmp_path / "r.sqlite", (K, STEPS, JOINTS))
+    record.append(where, found)
+    assert record.derivatives(where[0]) is None
+    record.append_derivatives(where, replace(found, derivatives=slopes, regularity=words))
+    record.close()
+    record = Record(tmp_path / "r.sqlite", write=False)
+    for row, slope, word in zip(where, slopes, words, strict=True):
+        back = record.derivatives(row)
+        assert back is not None
+        assert (back[0].tobytes(), back[1]) == (slope.tobytes(), word)

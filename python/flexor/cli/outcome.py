@@ -11,7 +11,16 @@ from flexor.cli.progress import duration
 from flexor.cli.table import number, table
 
 if TYPE_CHECKING:
-    from flexor.study import Study
+    from flexor.study import Sensitivity, Study
+
+
+_CAVEATS = {
+    "snapped": "The finger snaps on its way to the optimum: the slopes are those of the branch it "
+    "ends on.",
+    "contact-threshold": "A sphere just touches at the optimum: the slopes hold on one side only.",
+    "nearly-singular": "The optimum is nearly unstable: its slopes hold for tiny changes only.",
+    "no-equilibrium": "The optimum has no equilibrium, and no slopes.",
+}
 
 
 def tell(study: Study, seconds: float, resumed: bool = False) -> None:
@@ -39,6 +48,8 @@ def tell(study: Study, seconds: float, resumed: bool = False) -> None:
         )
     out.print(table(("", beginning(study), "optimum", "change"), rows))
     out.print(_gain(study), markup=False, soft_wrap=True)
+    if math.isfinite(study.best.value) and study.problem.model.joints:
+        _tell_sensitivity(study.best.sensitivity)
     reason = study.finished or (study.result.reason if study.result else "")
     out.print(
         f"{study.evaluations:,} designs in {'all, resumed for ' if resumed else ''}"
@@ -103,7 +114,8 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
     -------
     dict
         `start` and `best` (each `parameters` in SI, `value`, `bending` [rad], `joint_angles` at
-        the last load [rad], `tip_force` [N]), `evaluations`, `seconds`, `reason` and `folder`.
+        the last load [rad], `tip_force` [N]), `sensitivity` (see `_sensitivity`), `evaluations`,
+        `seconds`, `reason` and `folder`.
     """
     return {
         "objective": study.problem.objective.name,
@@ -118,11 +130,55 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
             }
             for name, design in (("start", study.start), ("best", study.best))
         },
+        "sensitivity": _sensitivity(study.best.sensitivity),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished or (study.result.reason if study.result else ""),
         "folder": None if study.folder is None else str(study.folder),
     }
+
+
+def _tell_sensitivity(found: Sensitivity) -> None:
+    """Print what a small change of each parameter does to the optimum."""
+    rows = []
+    for k, (label, step) in enumerate(zip(found.labels, found.steps, strict=True)):
+        slope = float(found.joint_angles[:, k].sum() * found.step[k])
+        off = [
+            "fails" if math.isnan(bending) else _signed(math.degrees(bending - found.bending))
+            for bending in found.off[k].tolist()
+        ]
+        force = number(float(found.tip_force[k] * found.step[k]), 2)
+        rows.append((f"{label} + {step}", _signed(math.degrees(slope)), force, *off))
+    names = ("slope", "bending", "tip force / N", "if less by it", "if more by it")
+    out.print(table(names, rows))
+    if found.regularity != "regular":
+        out.print(_CAVEATS[found.regularity], markup=False, soft_wrap=True)
+
+
+def _sensitivity(found: Sensitivity) -> dict[str, Any]:
+    """Return for each parameter, per SI unit, derivatives at the optimum at the last load.
+
+    `joint_angles` [rad], `tip_force` [N], `value` of the objective, and `loss` [rad], the largest
+    loss of bending if it is off by `step` either way; besides, `regularity`.
+    """
+    return {
+        "regularity": found.regularity,
+        "parameters": {
+            label: {
+                "joint_angles": [_finite(x) for x in found.joint_angles[:, k].tolist()],
+                "tip_force": _finite(float(found.tip_force[k])),
+                "value": None if found.value is None else _finite(float(found.value[k])),
+                "step": float(found.step[k]),
+                "loss": _finite(float(found.tolerance[k])),
+            }
+            for k, label in enumerate(found.labels)
+        },
+    }
+
+
+def _signed(degrees: float) -> str:
+    text = f"{degrees:+.1f}"
+    return "0.0°" if float(text) == 0.0 else f"{text.replace('-', '−')}°"
 
 
 def _gain(study: Study) -> str:

@@ -13,18 +13,22 @@ from flexor.search.grid import Grid, grid_axes, grid_designs
 from flexor.search.interface import (
     BatchFunction,
     Budget,
+    DifferentiableFunction,
     DifferentiableVectorFunction,
     Progress,
     ProgressCallback,
     Search,
     SearchResult,
     VectorFunction,
+    uses_gradients,
 )
 from flexor.search.levenberg_marquardt import LevenbergMarquardt
 from flexor.search.mads import Mads
 from flexor.search.method import Method, Run
+from flexor.search.multistart_bfgs import MultistartBfgs
 from flexor.search.particle_swarm import ParticleSwarm
 from flexor.search.pattern import PatternSearch
+from flexor.search.polished_pattern import PolishedPattern
 from flexor.search.starts import starting_designs
 from flexor.search.surrogate import Surrogate
 
@@ -34,6 +38,7 @@ __all__ = [
     "BudgetSpent",
     "CmaEs",
     "Counted",
+    "DifferentiableFunction",
     "DifferentiableVectorFunction",
     "DifferentialEvolution",
     "Direct",
@@ -44,8 +49,10 @@ __all__ = [
     "LevenbergMarquardt",
     "Mads",
     "Method",
+    "MultistartBfgs",
     "ParticleSwarm",
     "PatternSearch",
+    "PolishedPattern",
     "Progress",
     "ProgressCallback",
     "Run",
@@ -61,4 +68,5 @@ __all__ = [
     "method",
     "names",
     "starting_designs",
+    "uses_gradients",
 ]

@@ -17,8 +17,10 @@ from flexor.search.grid import Grid
 from flexor.search.interface import Search
 from flexor.search.levenberg_marquardt import LevenbergMarquardt
 from flexor.search.mads import Mads
+from flexor.search.multistart_bfgs import MultistartBfgs
 from flexor.search.particle_swarm import ParticleSwarm
 from flexor.search.pattern import PatternSearch
+from flexor.search.polished_pattern import PolishedPattern
 from flexor.search.surrogate import Surrogate
 
 
@@ -59,6 +61,18 @@ _METHODS: dict[str, Entry] = {
         "Levenberg-Marquardt",
         ("lm", "ls", "least-squares"),
         "the paper's LS: least squares on the objective's vector; local",
+    ),
+    "multistart-bfgs": Entry(
+        MultistartBfgs,
+        "multi-start BFGS",
+        ("bfgs", "l-bfgs-b"),
+        "quasi-Newton steps by the exact gradient, from several starts",
+    ),
+    "pattern-search+polish": Entry(
+        PolishedPattern,
+        "polished pattern search",
+        ("ps+polish", "polish"),
+        "pattern search on a coarse mesh, then descents by the exact gradient",
     ),
     "genetic-algorithm": Entry(
         GeneticAlgorithm, "genetic algorithm", ("ga",), "evolution by crossover and mutation"

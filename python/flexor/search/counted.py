@@ -10,6 +10,7 @@ from flexor.errors import InputError
 from flexor.search.interface import (
     BatchFunction,
     Budget,
+    DifferentiableFunction,
     DifferentiableVectorFunction,
     FloatArray,
     Progress,
@@ -95,7 +96,15 @@ class Counted:
         """Exact Jacobians (n, r, k) at designs (n, k); None if the function has none."""
         if not isinstance(self._function, DifferentiableVectorFunction):
             return None
-        return np.asarray(self._function.jacobian(designs), dtype=np.float64)
+        found = self._function.jacobian(designs)
+        return None if found is None else np.asarray(found, dtype=np.float64)
+
+    def gradient(self, designs: FloatArray) -> FloatArray | None:
+        """Exact gradients (n, k) at designs (n, k); None if the function has none."""
+        if not isinstance(self._function, DifferentiableFunction):
+            return None
+        found = self._function.gradient(designs)
+        return None if found is None else np.asarray(found, dtype=np.float64)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

@@ -40,10 +40,28 @@ class VectorFunction(Protocol):
 class DifferentiableVectorFunction(VectorFunction, Protocol):
     """A vector function that also knows its exact Jacobian; without it differences are taken."""
 
-    def jacobian(self, designs: FloatArray) -> FloatArray:
+    def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """From n designs (n, k) to the derivatives of their vectors, (n, r, k); NaN where failed.
 
-        It is asked only for designs whose vectors have been asked for before.
+        It is asked only for designs whose vectors have been asked for before. None if there are
+        none after all.
+        """
+        ...
+
+
+@runtime_checkable
+class DifferentiableFunction(Protocol):
+    """A batch function that also knows its exact gradient; without it differences are taken."""
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        ...
+
+    def gradient(self, designs: FloatArray) -> FloatArray | None:
+        """From n designs (n, k) to the gradients of their values, (n, k); NaN where failed.
+
+        It is asked only for designs whose values have been asked for before. None if there are
+        none after all.
         """
         ...
 
@@ -192,3 +210,14 @@ class Search(Protocol):
             If a start is outside the bounds.
         """
         ...
+
+
+def uses_gradients(search: Search) -> bool:
+    """Tell whether a search asks for gradients or Jacobians where there are some.
+
+    Parameters
+    ----------
+    search : Search
+        It says so by an attribute ``gradients``.
+    """
+    return bool(getattr(search, "gradients", False))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -65,6 +66,8 @@ class LevenbergMarquardt(Method):
     iterations : int
         At most so many.
     """
+
+    gradients: ClassVar[bool] = True
 
     starts: int = 1
     difference: float = 1e-6

@@ -85,6 +85,11 @@ class UnitBox:
         found = self.function.jacobian(self.designs(points))
         return None if found is None else found * (self.upper - self.lower)
 
+    def gradient(self, points: ArrayLike) -> FloatArray | None:
+        """Exact gradients (n, k) at points (n, k), or None if the function has none."""
+        found = self.function.gradient(self.designs(points))
+        return None if found is None else found * (self.upper - self.lower)
+
 
 def finite(values: FloatArray) -> NDArray[np.float64]:
     """Return values with failures as a large finite number, for methods that compute with them."""

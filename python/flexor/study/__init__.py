@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexor.study.design import Design
 from flexor.study.executor import Executor, Threads
+from flexor.study.function import ObjectiveFunction, Slopes, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.outcomes import Outcomes
 from flexor.study.problem import Problem
@@ -11,6 +12,7 @@ from flexor.study.progress import StudyCallback, StudyProgress
 from flexor.study.record import Record
 from flexor.study.recorded import Recorded
 from flexor.study.run import run
+from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study
 
@@ -18,15 +20,19 @@ __all__ = [
     "Comparison",
     "Design",
     "Executor",
+    "ObjectiveFunction",
     "Outcomes",
     "Problem",
     "Record",
     "Recorded",
+    "Sensitivity",
     "Settings",
+    "Slopes",
     "Study",
     "StudyCallback",
     "StudyProgress",
     "Threads",
+    "objective_function",
     "optimize",
     "resume",
     "run",

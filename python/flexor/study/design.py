@@ -10,6 +10,7 @@ import numpy as np
 
 from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
+from flexor.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:
     from flexor.model import Path
@@ -82,6 +83,11 @@ class Design:
     def path(self) -> Path:
         """The whole path of equilibria, followed anew."""
         return self.problem.path(self.vector)
+
+    @cached_property
+    def sensitivity(self) -> Sensitivity:
+        """How it answers to small changes of its parameters: exact derivatives, evaluated anew."""
+        return Sensitivity.of(self.problem, self.vector)
 
     def __repr__(self) -> str:
         chosen = self.problem.parameters

@@ -12,8 +12,11 @@ from flexor.study.problem import Problem
 class Executor(Protocol):
     """Evaluates batches of designs somewhere."""
 
-    def evaluate(self, problem: Problem, designs: FloatArray) -> Outcomes:
-        """Evaluate designs (n, k); outcomes in their order, the same wherever it happens."""
+    def evaluate(self, problem: Problem, designs: FloatArray, gradient: bool = False) -> Outcomes:
+        """Evaluate designs (n, k); outcomes in their order, the same wherever it happens.
+
+        ``gradient`` asks for their derivatives as well.
+        """
         ...
 
 
@@ -29,6 +32,6 @@ class Threads:
 
     threads: int = 0
 
-    def evaluate(self, problem: Problem, designs: FloatArray) -> Outcomes:
+    def evaluate(self, problem: Problem, designs: FloatArray, gradient: bool = False) -> Outcomes:
         """Evaluate designs (n, k)."""
-        return problem.evaluate(designs, self.threads)
+        return problem.evaluate(designs, self.threads, gradient)

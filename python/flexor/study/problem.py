@@ -55,7 +55,12 @@ class Problem:
         """Geometry of designs (n, k) at the model's sample points."""
         return self.parameters.geometry(designs, self.model.design.points)
 
-    def evaluate(self, designs: FloatArray, threads: int = 0) -> Outcomes:
+    @property
+    def differentiable(self) -> bool:
+        """Whether the objective has a gradient."""
+        return self.objective.differentiable
+
+    def evaluate(self, designs: FloatArray, threads: int = 0, gradient: bool = False) -> Outcomes:
         """Follow and judge the paths of n designs.
 
         Parameters
@@ -64,6 +69,8 @@ class Problem:
             Designs, SI.
         threads : int
             Threads of the engine, 0 for one per core. The outcomes do not depend on it.
+        gradient : bool
+            Whether to differentiate as well, exactly.
 
         Returns
         -------
@@ -76,16 +83,19 @@ class Problem:
             self.force.size,
             len(self.model.joints),
             "has a length or radius that is not positive",
+            self.parameters.size if gradient else None,
         )
         for first in range(0, len(designs), PART):
-            geometry = self.geometry(designs[first : first + PART])
+            vectors = designs[first : first + PART]
+            geometry = self.geometry(vectors)
             sound = np.isfinite(geometry.length) & (geometry.length > 0.0)
             sound &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
             sound &= np.all(np.isfinite(geometry.slope), axis=1)
             rows = np.flatnonzero(sound)
             if rows.size:
                 part = Geometry(geometry.length[rows], geometry.radius[rows], geometry.slope[rows])
-                outcomes.fill(first + rows, self._follow(part, threads))
+                to_be_differentiated = vectors[rows] if gradient else None
+                outcomes.fill(first + rows, self._follow(part, threads, to_be_differentiated))
         return outcomes
 
     def residuals(self, outcomes: Outcomes) -> FloatArray:
@@ -106,7 +116,62 @@ class Problem:
         InputError
             If the objective is not the norm of a vector.
         """
-        paths = PathArrays(
+        vectors = self.objective.residual(self._paths(outcomes))
+        return np.where(np.isfinite(outcomes.value)[:, None], vectors, np.nan)
+
+    def gradients(self, outcomes: Outcomes) -> FloatArray:
+        """Gradients of the objective's values with respect to the parameters.
+
+        Parameters
+        ----------
+        outcomes : Outcomes
+            Of n designs, with their derivatives.
+
+        Returns
+        -------
+        (n, k) array
+            NaN where a design failed.
+
+        Raises
+        ------
+        InputError
+            If the objective has no gradient.
+        """
+        assert outcomes.derivatives is not None
+        found = self.objective.gradient(self._paths(outcomes)).chained(outcomes.derivatives)
+        return np.where(np.isfinite(outcomes.value)[:, None], found, np.nan)
+
+    def jacobians(self, outcomes: Outcomes) -> FloatArray:
+        """Jacobians of `residuals` with respect to the parameters.
+
+        Parameters
+        ----------
+        outcomes : Outcomes
+            Of n designs, with their derivatives.
+
+        Returns
+        -------
+        (n, r, k) array
+            NaN where a design failed.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector with a gradient.
+        """
+        assert outcomes.derivatives is not None
+        found = self.objective.residual_gradient(self._paths(outcomes))
+        chained = found.chained(outcomes.derivatives)
+        return np.where(np.isfinite(outcomes.value)[:, None, None], chained, np.nan)
+
+    def path(self, design: FloatArray) -> Path:
+        """Follow the path of one design (k,) and keep all of it."""
+        return self.model.equilibrium(
+            self.force, design=self.geometry(design[None, :]), **self.options
+        )
+
+    def _paths(self, outcomes: Outcomes) -> PathArrays:
+        return PathArrays(
             force=self.force,
             joint_angles=outcomes.joint_angles,
             tip_force=outcomes.tip_force,
@@ -115,19 +180,17 @@ class Problem:
             converged=outcomes.converged,
             stable=outcomes.stable,
         )
-        vectors = self.objective.residual(paths)
-        return np.where(np.isfinite(outcomes.value)[:, None], vectors, np.nan)
 
-    def path(self, design: FloatArray) -> Path:
-        """Follow the path of one design (k,) and keep all of it."""
-        return self.model.equilibrium(
-            self.force, design=self.geometry(design[None, :]), **self.options
-        )
-
-    def _follow(self, geometry: Geometry, threads: int) -> Outcomes:
+    def _follow(self, geometry: Geometry, threads: int, designs: FloatArray | None) -> Outcomes:
+        """Follow and judge; differentiate with respect to the designs (n, k), if they are given."""
+        differentiate = designs is not None
         batch: Batch = self.model.evaluate(
-            geometry, self.force, threads, gradient=False, **self.options
+            geometry, self.force, threads, gradient=differentiate, **self.options
         )
+        derivatives = None
+        if designs is not None:
+            points = self.model.design.points
+            derivatives = batch.chained(self.parameters.jacobian(designs, points))
         paths = PathArrays.of(batch)
         judged = judge(self.objective, paths, lambda design, step: batch[design].status[step])
         return Outcomes(
@@ -141,4 +204,6 @@ class Problem:
             stable=paths.stable,
             events=np.bincount(batch.events["design"], minlength=len(paths)).astype(np.int64),
             iterations=np.asarray(batch.iterations).sum(axis=1).astype(np.int64),
+            derivatives=derivatives,
+            regularity=batch.regularity if differentiate else None,
         )

@@ -35,7 +35,16 @@ CREATE TABLE evaluations (
     stable BLOB NOT NULL         -- uint8 (steps)
 );
 """
+# What a search with gradients records besides; a table of its own, for searches without have none.
+_DERIVATIVES = """
+CREATE TABLE IF NOT EXISTS derivatives (
+    design BLOB PRIMARY KEY,     -- as in evaluations
+    outputs BLOB NOT NULL,       -- float64 (joints + 1, parameters): angles, tip force; last step
+    regularity TEXT NOT NULL     -- what they are worth
+) WITHOUT ROWID;
+"""
 _INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * 13})"
+_INSERT_DERIVATIVES = "REPLACE INTO derivatives VALUES (?, ?, ?)"
 _COLUMNS = (
     "value, shown, reason, events, iterations, joint_angles, tip_force, touching, converged, stable"
 )
@@ -82,6 +91,8 @@ class Record:
                 raise sqlite3.DatabaseError("it is damaged")
             if (noted := self.noted("sizes")) is None:
                 raise sqlite3.DatabaseError("it is not the record of a study")
+            if write:
+                self._sql.executescript(_DERIVATIVES)
             k, steps, joints = noted
             self._k, self._steps, self._joints = int(k), int(steps), int(joints)
 
@@ -107,6 +118,8 @@ class Record:
     def append(self, designs: FloatArray, outcomes: Outcomes) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
 
+        With their derivatives, if the outcomes have them.
+
         Raises
         ------
         InputError
@@ -129,15 +142,33 @@ class Record:
             _blobs(outcomes.stable, "u1"),
         )
         rows = list(zip(*columns, strict=True))
+        slopes = _derivatives(designs, outcomes)
+        with self._explained(), self._transaction():
+            self._sql.executemany(_INSERT, rows)
+            self._sql.executemany(_INSERT_DERIVATIVES, slopes)
+
+    def append_derivatives(self, designs: FloatArray, outcomes: Outcomes) -> None:
+        """Record the derivatives of designs (n, k) that are in it already.
+
+        Raises
+        ------
+        InputError
+            If the file can no longer be written.
+        """
+        slopes = _derivatives(designs, outcomes)
+        with self._explained(), self._transaction():
+            self._sql.executemany(_INSERT_DERIVATIVES, slopes)
+
+    def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
+        """Find derivatives (j + 1, k) of a design (k,), and their regularity; None without."""
+        key = (design + 0.0).astype("<f8").tobytes()
         with self._explained():
-            self._sql.execute("BEGIN IMMEDIATE")
-            try:
-                self._sql.executemany(_INSERT, rows)
-            except BaseException:
-                if self._sql.in_transaction:
-                    self._sql.execute("ROLLBACK")
-                raise
-            self._sql.execute("COMMIT")
+            row = self._sql.execute(
+                "SELECT outputs, regularity FROM derivatives WHERE design = ?", (key,)
+            ).fetchone()
+            if row is None:
+                return None
+            return self._decoded([row[0]], "<f8", (self._joints + 1, self._k))[0], str(row[1])
 
     def known(self) -> dict[bytes, float]:
         """Value of every design by its exact bytes; +inf for those that failed."""
@@ -201,6 +232,17 @@ class Record:
         row = self._sql.execute(query, arguments).fetchone()
         return None if row is None else row[0]
 
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._sql.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            if self._sql.in_transaction:
+                self._sql.execute("ROLLBACK")
+            raise
+        self._sql.execute("COMMIT")
+
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
         array = np.frombuffer(b"".join(blobs), dtype=kind)
         if array.size != len(blobs) * int(np.prod(shape)):
@@ -223,6 +265,14 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     whole = np.ascontiguousarray(array, dtype=kind).tobytes()
     size = len(whole) // max(len(array), 1)
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
+
+
+def _derivatives(designs: FloatArray, outcomes: Outcomes) -> list[tuple[bytes, bytes, str]]:
+    """Rows of the derivatives; none if there are none."""
+    if outcomes.derivatives is None or outcomes.regularity is None:
+        return []
+    blobs = _blobs(designs, "<f8"), _blobs(outcomes.derivatives, "<f8")
+    return list(zip(*blobs, outcomes.regularity.tolist(), strict=True))
 
 
 def _numbers(values: FloatArray, failed: NDArray[np.bool_]) -> list[float | None]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexor.study.executor import Executor
-from flexor.study.outcomes import FloatArray
+from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import PART, Problem
 from flexor.study.record import Record
 
@@ -17,14 +19,29 @@ class Recorded:
     appended in one transaction per ``PART``. A deterministic search that is simply run again
     therefore finds its way to where it was interrupted without evaluating anything twice.
 
+    Parameters
+    ----------
+    problem : Problem
+        What is evaluated.
+    record : Record
+        Where it is kept.
+    executor : Executor
+        Where it is evaluated.
+    gradients : bool
+        Whether the search asks for gradients. Then every design is differentiated as it is
+        evaluated, for a twentieth of the time, and its derivatives are recorded with it.
+
     Attributes
     ----------
     evaluated, replayed : int
         Designs evaluated now, and designs answered from what an earlier run had recorded.
     """
 
-    def __init__(self, problem: Problem, record: Record, executor: Executor) -> None:
+    def __init__(
+        self, problem: Problem, record: Record, executor: Executor, gradients: bool = False
+    ) -> None:
         self._problem, self._record, self._executor = problem, record, executor
+        self._gradients = gradients and problem.differentiable
         self._known = record.known()
         self._earlier = set(self._known)
         self.evaluated = 0
@@ -45,7 +62,7 @@ class Recorded:
         rows = np.array(list(fresh.values()), dtype=np.intp)
         for first in range(0, rows.size, PART):
             part = designs[rows[first : first + PART]]
-            outcomes = self._executor.evaluate(self._problem, part)
+            outcomes = self._evaluate(part)
             self._record.append(part, outcomes)
             for row, value in zip(part, outcomes.value.tolist(), strict=True):
                 self._known[row.tobytes()] = value
@@ -63,3 +80,48 @@ class Recorded:
         self(designs)
         vectors = [self._problem.residuals(self._record.outcomes(design)) for design in designs]
         return np.concatenate(vectors)
+
+    def gradient(self, designs: FloatArray) -> FloatArray | None:
+        """Gradients (n, k) at designs (n, k); NaN for those that failed.
+
+        None if the search was not to have them or the objective has none.
+        """
+        if not self._gradients:
+            return None
+        return self._problem.gradients(self._differentiated(designs))
+
+    def jacobian(self, designs: FloatArray) -> FloatArray | None:
+        """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
+
+        None if the search was not to have them or the objective has none.
+        """
+        if not (self._gradients and self._problem.objective.residual_differentiable):
+            return None
+        return self._problem.jacobians(self._differentiated(designs))
+
+    def _evaluate(self, designs: FloatArray) -> Outcomes:
+        if not self._gradients:
+            return self._executor.evaluate(self._problem, designs)
+        return self._executor.evaluate(self._problem, designs, gradient=True)
+
+    def _differentiated(self, designs: FloatArray) -> Outcomes:
+        """Outcomes with derivatives, from the record."""
+        designs = np.ascontiguousarray(designs, dtype="<f8") + 0.0
+        self(designs)
+        bare = [row for row in designs if self._record.derivatives(row) is None]
+        if bare:  # recorded by a search that had no use for them
+            again = np.array(bare)
+            self._record.append_derivatives(again, self._evaluate(again))
+        parts = []
+        for row in designs:
+            found = self._record.derivatives(row)
+            assert found is not None
+            slopes, regularity = found
+            parts.append(
+                replace(
+                    self._record.outcomes(row),
+                    derivatives=slopes[None],
+                    regularity=np.array([regularity], dtype=object),
+                )
+            )
+        return Outcomes.joined(parts)

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from flexor.search import Budget, Progress, Search, SearchResult
+from flexor.search import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.study.design import Design
 from flexor.study.executor import Executor, Threads
 from flexor.study.outcomes import FloatArray
@@ -48,7 +48,8 @@ def run(
     SearchResult
         What the search found.
     """
-    recorded = Recorded(study.problem, study.record, executor or Threads())
+    gradients = uses_gradients(search)
+    recorded = Recorded(study.problem, study.record, executor or Threads(), gradients)
     began = time.monotonic()
     best: Design | None = None
 

@@ -12,7 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from flexor.search import Budget, LevenbergMarquardt, Search, starting_designs
+from flexor.search import (
+    Budget,
+    LevenbergMarquardt,
+    Search,
+    starting_designs,
+    uses_gradients,
+)
 from flexor.study import Executor, Problem, Record, Recorded, Threads
 from flexor.study.outcomes import FloatArray
 from flexor.survey import comparison_folder as folders
@@ -99,8 +105,10 @@ class _Stopped(BaseException):
 class _Watched(Recorded):
     """The recorded function of one search, which counts for all and can be stopped."""
 
-    def __init__(self, problem: Problem, record: Record, executor: Executor, tally: _Tally) -> None:
-        super().__init__(problem, record, executor)
+    def __init__(
+        self, problem: Problem, record: Record, executor: Executor, gradients: bool, tally: _Tally
+    ) -> None:
+        super().__init__(problem, record, executor, gradients)
         self._tally = tally
 
     def __call__(self, designs: FloatArray) -> FloatArray:
@@ -251,7 +259,8 @@ def _search(
     path = None if folder is None else folders.record_file(folder, *key)
     record = _record(problem, path)
     try:
-        function = _Watched(problem, record, executor, tally)
+        gradients = uses_gradients(plan.methods[method])
+        function = _Watched(problem, record, executor, gradients, tally)
         result = plan.methods[method].minimize(
             function,
             problem.parameters.lower,

@@ -1,0 +1,173 @@
+"""An objective as a plain function of the parameters, with its exact gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError
+from flexor.objective import Objective
+from flexor.objective import objective as named_objective
+from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+
+if TYPE_CHECKING:
+    from flexor.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Values of n designs with their gradients, and what these are worth.
+
+    Attributes
+    ----------
+    value : (n,) array
+        Value of the objective; +inf where the design failed.
+    gradient : (n, k) array
+        Its derivative with respect to the parameters, per SI unit; NaN where the design failed.
+    regularity : (n,) array of str
+        ``"regular"``, or why the gradient is less than that; see `flexor.model.Batch`.
+    reason : (n,) array of str
+        Empty, or why the design failed.
+    """
+
+    value: FloatArray
+    gradient: FloatArray
+    regularity: NDArray[np.object_]
+    reason: NDArray[np.object_]
+
+    @property
+    def meaningful(self) -> NDArray[np.bool_]:
+        """Where the value is smooth and the gradient is its slope, (n,).
+
+        Elsewhere the path snapped (the gradient is that of the branch on which it ended), a sphere
+        is at the threshold of contact, the stiffness is nearly singular, or the design failed.
+        """
+        return np.asarray((self.regularity == "regular") & np.isfinite(self.value))
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectiveFunction:
+    """From parameters to value and gradient, as ``scipy.optimize`` takes it with ``jac=True``.
+
+    Made by `objective_function`.
+
+    Attributes
+    ----------
+    problem : Problem
+        Model, parameter set and objective.
+    failed : float
+        Value given for designs that fail, with a gradient of zero: optimisers compute with it.
+    """
+
+    problem: Problem
+    failed: float
+
+    def __call__(self, p: ArrayLike) -> tuple[float, FloatArray]:
+        """Value and gradient (k,) at parameters (k,), SI.
+
+        Raises
+        ------
+        InputError
+            If there are not k parameters.
+        """
+        found = self.evaluate(np.atleast_1d(np.asarray(p, dtype=np.float64))[None, :])
+        if not np.isfinite(found.value[0]):
+            return self.failed, np.zeros(found.gradient.shape[1])
+        return float(found.value[0]), found.gradient[0]
+
+    def evaluate(self, designs: ArrayLike, threads: int = 0) -> Slopes:
+        """Values, gradients and what they are worth, of designs (n, k), SI.
+
+        Parameters
+        ----------
+        designs : (n, k) array
+            Designs.
+        threads : int
+            Threads of the engine, 0 for one per core.
+
+        Raises
+        ------
+        InputError
+            If the array has not k columns.
+        """
+        vectors = np.atleast_2d(np.asarray(designs, dtype=np.float64))
+        outcomes = self.problem.evaluate(vectors, threads, gradient=True)
+        assert outcomes.regularity is not None
+        return Slopes(
+            outcomes.value, self.problem.gradients(outcomes), outcomes.regularity, outcomes.reason
+        )
+
+    @property
+    def start(self) -> FloatArray:
+        """Where the parameter set starts, (k,), SI."""
+        return self.problem.parameters.start
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Lower and upper bound of each parameter, SI."""
+        chosen = self.problem.parameters
+        return list(zip(chosen.lower.tolist(), chosen.upper.tolist(), strict=True))
+
+
+def objective_function(
+    model: Model,
+    parameters: str | ParameterSet = "L+R01",
+    objective: str | Objective = "bending",
+    *,
+    force: ArrayLike | None = None,
+    failed: float = 1e3,
+    engine_options: Mapping[str, float] | None = None,
+) -> ObjectiveFunction:
+    """Make a function with an exact gradient, for any optimiser.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with a ``[design]``.
+    parameters : str or ParameterSet
+        What may be changed.
+    objective : str or Objective
+        What is minimised; f_bc is differentiated with its count of contacts held.
+    force : (steps,) array, optional
+        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+    failed : float
+        Value given for designs that fail.
+    engine_options : dict, optional
+        Of the engine's solver.
+
+    Returns
+    -------
+    ObjectiveFunction
+        To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
+        and says what their gradients are worth.
+
+    Raises
+    ------
+    InputError
+        If a name is not known or the objective has no gradient.
+
+    Examples
+    --------
+    >>> import flexor
+    >>> from scipy.optimize import minimize
+    >>> function = flexor.objective_function(flexor.load("finger"), "L", "f_b")
+    >>> found = minimize(function, function.start, jac=True, bounds=function.bounds)
+    >>> bool(found.fun < function(function.start)[0])
+    True
+    >>> function.evaluate([[0.09], [0.10]]).gradient.shape
+    (2, 1)
+    """
+    chosen = parameter_set(parameters, model.design) if isinstance(parameters, str) else parameters
+    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    if force is not None:
+        wanted = wanted.at(force)
+    if not wanted.differentiable:
+        raise InputError(f'objective "{wanted.name}" has no gradient.')
+    problem = Problem(model, chosen.on(model.design), wanted, dict(engine_options or {}))
+    return ObjectiveFunction(problem, float(failed))

@@ -1,0 +1,102 @@
+"""How a design answers to small changes of its parameters, and to errors of fabrication."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+
+# Change of one parameter in a workshop's measure, by its display unit: the text, and SI.
+STEPS = {
+    "m": ("1 mm", 1e-3),
+    "cm": ("1 mm", 1e-3),
+    "mm": ("0.1 mm", 1e-4),
+    "rad": ("1°", np.pi / 180.0),
+    "deg": ("1°", np.pi / 180.0),
+    "1": ("0.01", 0.01),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Exact derivatives at a design, and what becomes of it if a parameter is off.
+
+    Attributes
+    ----------
+    labels : tuple of k str
+        The parameters.
+    steps : tuple of k str
+        Changes of the parameters that people think in, for example ``"1 mm"``.
+    step : (k,) array
+        The same in SI.
+    joint_angles : (j, k) array
+        Derivatives of the joint angles at the last load [rad per SI unit].
+    tip_force : (k,) array
+        Of the tip force [N per SI unit].
+    value : (k,) array or None
+        Of the objective; None if it has no gradient.
+    regularity : str
+        What the derivatives are worth; see `flexor.model.Batch`. The designs of `off` were
+        evaluated and hold in any case.
+    off : (k, 2) array
+        The sum of the joint angles [rad] if one parameter is smaller, and if it is greater, by its
+        step; NaN where that design fails.
+    bending : float
+        The same for the design itself [rad].
+    """
+
+    labels: tuple[str, ...]
+    steps: tuple[str, ...]
+    step: FloatArray
+    joint_angles: FloatArray
+    tip_force: FloatArray
+    value: FloatArray | None
+    regularity: str
+    off: FloatArray
+    bending: float
+
+    @classmethod
+    def of(cls, problem: Problem, design: FloatArray) -> Sensitivity:
+        """Evaluate the design (k,) and those around it.
+
+        Parameters
+        ----------
+        problem : Problem
+            Whose design it is.
+        design : (k,) array
+            Parameters, SI.
+        """
+        chosen = problem.parameters
+        texts, sizes = zip(*(STEPS[unit] for unit in chosen.units), strict=True)
+        step = np.array(sizes)
+        here = problem.evaluate(design[None, :], gradient=True)
+        assert here.derivatives is not None
+        assert here.regularity is not None
+        # As made, not as searched: an error of fabrication knows no bounds.
+        around = design + np.concatenate((-np.diag(step), np.diag(step)))
+        off = problem.evaluate(around)
+        angles = off.joint_angles[:, -1].sum(axis=1)
+        angles = np.where(np.isfinite(off.value), angles, np.nan)
+        return cls(
+            labels=chosen.labels,
+            steps=texts,
+            step=step,
+            joint_angles=here.derivatives[0, :-1],
+            tip_force=here.derivatives[0, -1],
+            value=problem.gradients(here)[0] if problem.differentiable else None,
+            regularity=str(here.regularity[0]),
+            off=angles.reshape(2, -1).T,
+            bending=float(here.joint_angles[0, -1].sum()),
+        )
+
+    @property
+    def tolerance(self) -> FloatArray:
+        """Largest loss of bending if one parameter is off by its step, either way, (k,) [rad].
+
+        Zero where both ways gain; NaN where a design that is off fails.
+        """
+        loss: FloatArray = np.maximum((self.bending - self.off).max(axis=1), 0.0)
+        return loss
