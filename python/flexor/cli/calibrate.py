@@ -14,14 +14,15 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
+from flexor.cli.options import Constants, Model, Seed, Set, Threads
 from flexor.cli.progress import duration
-from flexor.cli.simulate import Constants, Model, Set
 from flexor.cli.table import number, table
 from flexor.cli.values import assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.calibrate import Calibration, Fit, Progress
+    from flexor.calibrate.report import Row
 
 CALIBRATIONS = FilePath("calibrations")
 
@@ -38,7 +39,7 @@ def calibrate(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the calibration in that folder.")
     ] = False,
-    seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    seed: Seed = 0,
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
     choose: Annotated[
@@ -48,9 +49,7 @@ def calibrate(
     name: Annotated[
         str, typer.Option(help="What to call the set of constants that is written.")
     ] = "calibrated",
-    threads: Annotated[
-        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
-    ] = 0,
+    threads: Threads = 0,
     constants: Constants = None,
     changes: Set = None,
     as_json: Annotated[
@@ -148,7 +147,7 @@ def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
                 row.unit,
                 number(row.wanted),
                 number(row.found) if math.isfinite(row.found) else "-",
-                number(row.off, 2) if math.isfinite(row.off) else "",
+                _off(row),
                 number(row.tolerance, 2) if math.isfinite(row.tolerance) else "",
                 judged[row.weight],
             )
@@ -162,6 +161,13 @@ def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
     out.print(_sentence(found, seconds), markup=False, soft_wrap=True)
     for file in files:
         out.print(str(file), markup=False, soft_wrap=True)
+
+
+def _off(row: Row) -> str:
+    if not math.isfinite(row.off):
+        return ""
+    nothing = 1e-3 * (row.tolerance if math.isfinite(row.tolerance) else abs(row.wanted))
+    return "0" if abs(row.off) < nothing else number(row.off, 2)
 
 
 def _tell_others(found: Calibration) -> None:

@@ -14,8 +14,8 @@ import typer
 from flexor.cli.changes import load_changed
 from flexor.cli.comparison_progress import ComparisonBar
 from flexor.cli.console import err, out
+from flexor.cli.options import Constants, JudgedForce, ModelUnlessResumed, Set
 from flexor.cli.progress import duration
-from flexor.cli.simulate import Constants, Set
 from flexor.cli.studies import free_folder, interrupted
 from flexor.cli.table import number, table
 from flexor.errors import InputError
@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 
 
 def compare(
-    model: Annotated[
-        str | None,
-        typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
-    ] = None,
+    model: ModelUnlessResumed = None,
     parameters: Annotated[
         str | None,
         typer.Option(
@@ -49,9 +46,7 @@ def compare(
     ] = None,
     seeds: Annotated[int, typer.Option(help="So many searches of each, each from its start.")] = 10,
     budget: Annotated[int, typer.Option(help="Designs that each search may evaluate.")] = 500,
-    force: Annotated[
-        str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
-    ] = None,
+    force: JudgedForce = None,
     folder: Annotated[
         FilePath | None,
         typer.Option("--out", help="The folder to make; one in `studies/` by default."),

@@ -11,8 +11,16 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
+from flexor.cli.options import (
+    Constants,
+    JudgedForce,
+    ModelUnlessResumed,
+    Parameters,
+    Set,
+    StudyFolder,
+    Threads,
+)
 from flexor.cli.progress import duration
-from flexor.cli.simulate import Constants, Set
 from flexor.cli.studies import free_folder, interrupted
 from flexor.cli.table import number
 from flexor.errors import InputError
@@ -24,13 +32,8 @@ if TYPE_CHECKING:
 
 
 def landscape(
-    model: Annotated[
-        str | None,
-        typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
-    ] = None,
-    parameters: Annotated[
-        str, typer.Option("--parameters", "-p", help="What may change (see `flexor sets`).")
-    ] = "R01",
+    model: ModelUnlessResumed = None,
+    parameters: Parameters = "R01",
     objective: Annotated[
         str, typer.Option("--objective", "-o", help="What is evaluated (see `flexor sets`).")
     ] = "bending",
@@ -46,9 +49,7 @@ def landscape(
         str | None,
         typer.Option(help="Where the others stay, such as `L=8 cm`; the model's own by default."),
     ] = None,
-    force: Annotated[
-        str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
-    ] = None,
+    force: JudgedForce = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
@@ -57,16 +58,11 @@ def landscape(
             "may be repeated.",
         ),
     ] = None,
-    folder: Annotated[
-        FilePath | None,
-        typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
-    ] = None,
+    folder: StudyFolder = None,
     resume: Annotated[
         FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
     ] = None,
-    threads: Annotated[
-        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
-    ] = 0,
+    threads: Threads = 0,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[

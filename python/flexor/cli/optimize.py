@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli.changes import load_changed
-from flexor.cli.simulate import Constants, Set
+from flexor.cli.options import (
+    Constants,
+    JudgedForce,
+    ModelUnlessResumed,
+    Parameters,
+    Seed,
+    Set,
+    StudyFolder,
+    Threads,
+)
 from flexor.cli.studies import free_folder, interrupted
 from flexor.errors import InputError
 
@@ -19,13 +28,8 @@ if TYPE_CHECKING:
 
 
 def optimize(
-    model: Annotated[
-        str | None,
-        typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
-    ] = None,
-    parameters: Annotated[
-        str, typer.Option("--parameters", "-p", help="What may change (see `flexor sets`).")
-    ] = "L+R01",
+    model: ModelUnlessResumed = None,
+    parameters: Parameters = "L+R01",
     objective: Annotated[
         str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
     ] = "bending",
@@ -45,21 +49,14 @@ def optimize(
             "0.8 cm`, or `R_0=0.7 cm`; may be repeated. The model's own exosuit by default."
         ),
     ] = None,
-    force: Annotated[
-        str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    force: JudgedForce = None,
+    seed: Seed = 0,
     budget: Annotated[int | None, typer.Option(help="Evaluate at most so many designs.")] = None,
-    folder: Annotated[
-        FilePath | None,
-        typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
-    ] = None,
+    folder: StudyFolder = None,
     resume: Annotated[
         FilePath | None, typer.Option(help="Go on with the study in this folder.")
     ] = None,
-    threads: Annotated[
-        int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
-    ] = 0,
+    threads: Threads = 0,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[

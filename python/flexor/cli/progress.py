@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -11,13 +13,24 @@ from flexor.cli.console import err
 from flexor.cli.table import number
 
 if TYPE_CHECKING:
+    if sys.version_info >= (3, 11):
+        from typing import Self
+    else:
+        from typing_extensions import Self
+
     from flexor.study import StudyProgress
 
 
-class SearchProgress:
-    """Shows best so far, evaluations, designs per second and the time left, while in use."""
+class LiveLine:
+    """A line that is written anew with all news, in terminals only; gone at the end.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    first : str
+        What it says until the first news.
+    """
+
+    def __init__(self, first: str) -> None:
         self._bar = Progress(
             SpinnerColumn(finished_text="●"),
             TextColumn("{task.description}"),
@@ -27,9 +40,9 @@ class SearchProgress:
             transient=True,
         )
         self._shown = False
-        self._task: TaskID = self._bar.add_task("first designs", total=None, left="")
+        self._task: TaskID = self._bar.add_task(first, total=None, left="")
 
-    def __enter__(self) -> SearchProgress:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -41,13 +54,36 @@ class SearchProgress:
         if self._shown:
             self._bar.stop()
 
-    def __call__(self, at: StudyProgress) -> None:
-        """Take in where the search stands; the line appears with the first news."""
+    def show(self, parts: Sequence[str], done: int, total: int | None, left: str) -> None:
+        """Write the line; it appears when this is first called.
+
+        Parameters
+        ----------
+        parts : sequence of str
+            What it says.
+        done, total : int
+            Length of the bar; a total of None is not known.
+        left : str
+            The time left, in words.
+        """
+        if not err.is_interactive:
+            return
         if not self._shown:
-            if not err.is_interactive:
-                return
             self._bar.start()
             self._shown = True
+        self._bar.update(
+            self._task, description=" · ".join(parts), completed=done, total=total, left=left
+        )
+
+
+class SearchProgress(LiveLine):
+    """Shows best so far, evaluations, designs per second and the time left, while in use."""
+
+    def __init__(self) -> None:
+        super().__init__("first designs")
+
+    def __call__(self, at: StudyProgress) -> None:
+        """Take in where the search stands."""
         parts = ["every design failed so far"]
         if at.best is not None:
             objective = at.best.problem.objective
@@ -58,13 +94,7 @@ class SearchProgress:
             parts.append(f"{at.rate:,.0f}/s")
         total = None if at.remaining is None else at.evaluations + at.remaining
         left = "" if at.seconds_left is None else f"{duration(at.seconds_left)} left"
-        self._bar.update(
-            self._task,
-            description=" · ".join(parts),
-            completed=at.evaluations,
-            total=total,
-            left=left,
-        )
+        self.show(parts, at.evaluations, total, left)
 
 
 def duration(seconds: float) -> str:

@@ -11,24 +11,11 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
+from flexor.cli.options import Constants, Model, Set
 from flexor.cli.table import number, table
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
-
-Model = Annotated[
-    str,
-    typer.Argument(
-        metavar="MODEL", help="A model file, or the name of a preset (see `flexor presets`)."
-    ),
-]
-Constants = Annotated[
-    str | None, typer.Option(help="The file's set of constants to use, such as `printed`.")
-]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a field of the file; may be repeated."),
-]
 
 
 def simulate(
