@@ -16,6 +16,16 @@ class Outcome:
     out: str
     err: str
 
+    @property
+    def refusal(self) -> str:
+        """The one sentence with which input was refused, and nothing else was said."""
+        assert self.code == 2
+        assert self.out == ""
+        assert self.err.startswith("error: ")
+        assert self.err.endswith((".\n", "?\n"))
+        assert self.err.count("\n") == 1
+        return self.err
+
 
 Run = Callable[..., Outcome]
 

@@ -121,11 +121,7 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
 )
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
     ran = flexor("optimize", *arguments)
-    assert ran.code == 2
-    assert ran.out == ""
-    assert ran.err.startswith("error: ")
-    assert ran.err.count("\n") == 1
-    assert words in ran.err
+    assert words in ran.refusal
     assert list(tmp_path.iterdir()) == []
 
 
@@ -133,12 +129,10 @@ def test_an_unreadable_study_is_refused(flexor, tmp_path) -> None:
     flexor(*SMALL, "--out", "study", "--json")
     (tmp_path / "study" / "settings.json").write_text("{")
     ran = flexor("optimize", "--resume", "study")
-    assert ran.code == 2
-    assert ran.err.count("\n") == 1 and "damaged" in ran.err
+    assert "damaged" in ran.refusal
 
 
 def test_settings_must_fit_the_study_that_is_resumed(flexor) -> None:
     flexor(*SMALL, "--out", "study", "--json")
     ran = flexor("optimize", "finger", "--parameters", "L", "--resume", "study")
-    assert ran.code == 2
-    assert "was made with" in ran.err
+    assert "was made with" in ran.refusal

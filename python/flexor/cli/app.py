@@ -83,7 +83,8 @@ def main(arguments: list[str] | None = None) -> None:
         complain(str(error))
         code = 2
     except typer.TyperException as error:
-        complain(error.format_message())
+        said = error.format_message()
+        complain(said if said.endswith((".", "?")) else f"{said}.")
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         complain("interrupted.")
