@@ -10,8 +10,8 @@ import pytest
 
 @pytest.fixture(scope="session")
 def analytic() -> ModuleType:
-    """The stand-in model's module, ``analytic.py``."""
-    path = Path(__file__).with_name("analytic.py")
+    """The module of a stand-in model whose paths are a formula."""
+    path = Path(__file__).parent / "study" / "analytic.py"
     spec = importlib.util.spec_from_file_location("analytic_model", path)
     assert spec is not None
     assert spec.loader is not None
