@@ -100,7 +100,7 @@ class Batch:
         return self.model.first_spheres
 
     def chained(self, jacobian: GeometryJacobian) -> Array:
-        """Derivatives with respect to the parameters from which the geometries were made.
+        """Return derivatives with respect to the parameters from which the geometries were made.
 
         Parameters
         ----------

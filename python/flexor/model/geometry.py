@@ -214,7 +214,7 @@ def slot_values(
 
 
 def slot_jacobian(file: ModelFile, name: str, jacobian: GeometryJacobian) -> Array:
-    """Derivative of the values of `slot_values`, which are linear in the geometry.
+    """Return the derivative of the values of `slot_values`, which are linear in the geometry.
 
     Parameters
     ----------

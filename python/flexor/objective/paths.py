@@ -168,7 +168,7 @@ class PathGradient:
     tip_force: FloatArray
 
     def chained(self, derivatives: FloatArray) -> FloatArray:
-        """Derivative of the values with respect to k parameters.
+        """Return the derivative of the values with respect to k parameters.
 
         Parameters
         ----------
