@@ -21,6 +21,8 @@ def test_the_outcome_is_told_in_table_folder_and_figure(flexor, tmp_path) -> Non
     assert ran.code == 0
     for words in ("default", "optimum", "R_0 / cm", "bending / rad", "At 5 N the optimum bends"):
         assert words in ran.out
+    for words in ("slope", "R_0 + 1 mm", "if less by it"):
+        assert words in ran.out
     folder = tmp_path / "studies" / "finger-R01-bending"
     assert f"study:  {folder.relative_to(tmp_path)}" in ran.out
     assert (folder / "designs.png").stat().st_size > 10_000
@@ -38,6 +40,9 @@ def test_json_is_one_object_with_the_gain(flexor) -> None:
     assert told["best"]["parameters"] == study.best.parameters
     assert told["best"]["bending"] == pytest.approx(sum(told["best"]["joint_angles"]))
     assert told["best"]["bending"] > told["start"]["bending"]
+    slopes = told["sensitivity"]["parameters"]
+    assert list(slopes) == ["R_0", "R_1"]
+    assert slopes["R_0"]["joint_angles"] == study.best.sensitivity.joint_angles[:, 0].tolist()
 
 
 def test_a_second_study_gets_a_folder_of_its_own(flexor, tmp_path) -> None:

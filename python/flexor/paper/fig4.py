@@ -131,7 +131,8 @@ def _text(
         f"({edge}, at {theirs} cm). The best of the grid is {grid_best.value:.4f} rad. The "
         f"landscape has {minima} local minim{'um' if minima == 1 else 'a'} on this grid, and "
         f"{100.0 * snapping:.0f} % of its designs snap at least once on the way to 5 N: a branch "
-        "of equilibria ends and the finger jumps to another. Steps between neighbouring designs come from there.",
+        "of equilibria ends and the finger jumps to another. Steps between neighbouring designs "
+        "come from there.",
         "With 99 % of the minimum's gain over the default design, that is at "
         f"f_b ≤ {number(reached, 5)} rad, end {ends}.",
     )

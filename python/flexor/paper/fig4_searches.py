@@ -43,6 +43,7 @@ def searches_on_landscape(context: Context) -> Part:
                 study = optimize(
                     problem.model, chosen, "bending", method, start=start,
                     seed=context.settings.seed,
+                    budget=context.settings.search,
                 )  # fmt: skip
                 data[method].append(_described(study))
         return data

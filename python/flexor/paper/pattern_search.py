@@ -35,6 +35,7 @@ def paper_search(context: Context, parameters: str, objective: str = "bending") 
             objective,
             "pattern-search",
             seed=context.settings.seed,
+            budget=context.settings.search,
             progress=tell,
         )
         return described(study)

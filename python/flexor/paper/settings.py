@@ -37,6 +37,8 @@ class Settings:
         Of everything drawn at random.
     grid : int
         Points along each axis of the landscape.
+    search : int
+        Designs that each search done as in the paper may evaluate.
     thorough : int
         Designs that the search for a true optimum evaluates for each parameter of the set.
     compared_seeds : int
@@ -48,9 +50,10 @@ class Settings:
     constants: str = "calibrated"
     seed: int = 0
     grid: int = 81
+    search: int = 10_000
     thorough: int = 3000
     compared_seeds: int = 10
-    compared_budget: int = 200
+    compared_budget: int = 300
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -63,6 +66,7 @@ class Settings:
         for name, least in (
             ("seed", 0),
             ("grid", 3),
+            ("search", 10),
             ("thorough", 50),
             ("compared_seeds", 1),
             ("compared_budget", 10),
