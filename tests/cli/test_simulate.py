@@ -90,3 +90,21 @@ def test_plot_draws_a_figure(flexor, tmp_path) -> None:
 def test_bad_input_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
     ran = flexor("simulate", *arguments)
     assert words in ran.refusal
+
+
+def test_several_inputs_are_driven_by_name(flexor, tmp_path) -> None:
+    text = package.load("exosuit-alone").file.to_toml()
+    text += '\n[actuators.lower]\nkind = "chamber"\nrod = "exosuit"\nlever = -1.0\n'
+    (tmp_path / "two.toml").write_text(text)
+    told = flexor("simulate", "two.toml", "--force", "lower=0:1:0.5", "--force", "chamber=2")
+    assert told.code == 0
+    rows = [line.split()[:2] for line in told.out.splitlines() if "stable" in line]
+    assert rows == [["2", "0"], ["2", "0.5"], ["2", "1"]]
+    ran = flexor("simulate", "two.toml", "--force", "lower=0:1:0.5", "--json")
+    path = json.loads(ran.out)
+    assert path["loads"] == {"chamber": [0.0, 0.0, 0.0], "lower": [0.0, 0.5, 1.0]}
+    assert "which input it drives" in flexor("simulate", "two.toml", "--force", "0:1:1").refusal
+    both = flexor("simulate", "two.toml", "--force", "0:1:1", "--force", "lower=2")
+    assert "give key=value" in both.refusal
+    unknown = flexor("simulate", "two.toml", "--force", "lowr=2")
+    assert 'did you mean "lower"' in unknown.refusal

@@ -87,7 +87,11 @@ def test_no_input_takes_only_zeros() -> None:
 @pytest.mark.parametrize(
     ("force", "message"),
     [
-        ([0, 1], 'force must say which input it drives: a table with "left", "right".'),
+        (
+            [0, 1],
+            'force must say which input it drives, of "left", "right": a table in Python, and '
+            "left=0:5:1 on the command line.",
+        ),
         (
             {"lfet": [0, 1]},
             'unknown input "lfet" (did you mean "left"?): allowed are "left", "right".',

@@ -13,6 +13,7 @@ from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Set
 from flexor.cli.table import number, table
+from flexor.cli.values import loads
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -21,8 +22,12 @@ if TYPE_CHECKING:
 def simulate(
     model: Model,
     force: Annotated[
-        str | None,
-        typer.Option(help="Forces in N: `first:last:step`, or a list such as `0,1,2.5`."),
+        list[str] | None,
+        typer.Option(
+            metavar="FORCES",
+            help="Forces in N: `first:last:step`, or a list such as `0,1,2.5`; of a model with "
+            "several inputs `NAME=FORCES`, repeated.",
+        ),
     ] = None,
     constants: Constants = None,
     changes: Set = None,
@@ -52,7 +57,7 @@ def simulate(
         from flexor.plot import writable
 
         writable(plot)
-    path = load_changed(model, constants, changes or []).equilibrium(force)
+    path = load_changed(model, constants, changes or []).equilibrium(loads(force or []))
     if as_json:
         print(json.dumps(path.to_dict(), allow_nan=False))
     else:
@@ -78,7 +83,9 @@ def report(path: Path) -> None:
     angular = [name for name in path.model.joints if _angular(name)]
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
-    headings = ["force / N", *(f"{name.removesuffix('.theta')} / °" for name in angular)]
+    inputs = path.model.inputs if len(path.model.inputs) > 1 else ("force",)
+    headings = [f"{name} / N" for name in inputs]
+    headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
     if len(angular) > 1:
         headings.append("sum / °")
     tips = [] if angular else list(path.model.rods)
@@ -87,7 +94,9 @@ def report(path: Path) -> None:
     headings += [*(["contacts", "tip force / N"] if touches else []), "state", "events"]
     rows = []
     for step in range(len(path)):
-        cells = [number(float(path.force[step])), *(f"{angle:.2f}" for angle in angles[step])]
+        forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
+        cells = [number(float(force)) for force in forces]
+        cells += [f"{angle:.2f}" for angle in angles[step]]
         if len(angular) > 1:
             cells.append(f"{angles[step].sum():.2f}")
         for rod in tips:

@@ -38,6 +38,31 @@ def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
     return found
 
 
+def loads(texts: list[str]) -> str | dict[str, str] | None:
+    """Read what was given to `--force`.
+
+    Parameters
+    ----------
+    texts : list of str
+        Nothing, one list of forces such as `["0:5:1"]`, or `["left=0:5:1", "right=2"]`.
+
+    Returns
+    -------
+    str, dict or None
+        As `Model.equilibrium` takes it.
+
+    Raises
+    ------
+    InputError
+        If there are several and one does not say its input, or an input comes twice.
+    """
+    if not texts:
+        return None
+    if len(texts) == 1 and "=" not in texts[0]:
+        return texts[0]
+    return dict(assignments("--force", texts, "chamber=0:5:1"))
+
+
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     """Read `key=number` pairs.
 

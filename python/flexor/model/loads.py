@@ -88,7 +88,10 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
         if not inputs:
             raise InputError("force is given to a model that has no actuator: leave it out.")
         listed = ", ".join(f'"{name}"' for name in inputs)
-        raise InputError(f"force must say which input it drives: a table with {listed}.")
+        raise InputError(
+            f"force must say which input it drives, of {listed}: a table in Python, and "
+            f"{inputs[0]}=0:5:1 on the command line."
+        )
     columns = {}
     for name, values in force.items():
         if name not in inputs:

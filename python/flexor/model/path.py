@@ -188,7 +188,8 @@ class Path:
         Returns
         -------
         dict
-            ``force`` [N], ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
+            ``force`` (of the first input; with several, ``loads`` has all by name) [N],
+            ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N] and ``events`` (those on the way to the step); a number that does not
             exist is None.
         """
@@ -202,8 +203,11 @@ class Path:
                     "angles_after": _plain(event.angles_after),
                 }
             )
+        inputs = self.model.inputs
+        several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
         return {
             "force": _plain(self.force),
+            **({"loads": several} if len(inputs) > 1 else {}),
             "joint_angles": _plain(self.joint_angles),
             "converged": self.converged.tolist(),
             "stable": self.stable.tolist(),
