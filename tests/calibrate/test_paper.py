@@ -22,10 +22,11 @@ def test_the_ranges_are_neutral(file: str) -> None:
 
 
 def test_the_three_angles_are_met(tmp_path) -> None:
-    text = read(FILES[0])[1].split("# --- held out")[0].split("[[choice]]")[0]
+    text = read(FILES[0])[1].split("# --- held out")[0]
     path = tmp_path / "angles.toml"
     path.write_text(text)
-    found = calibrate(package.load("finger"), path, samples=1024, starts=3)
+    chosen = {"base": "follows R_0", "merged": "first two"}
+    found = calibrate(package.load("finger"), path, samples=1024, starts=3, chosen=chosen)
     assert found.best.met
     models = found.best.models()
     three, two = models["finger"], models["finger-2-links"]

@@ -14,6 +14,7 @@ _FAILED = 1e4  # residual of a path that failed, to be stepped back from
 _MOST = 40  # evaluations of the residuals, besides those for derivatives
 _MOST_DEAR = 20  # where each needs a search
 _INSIDE = 1e-9  # least squares starts inside the bounds
+_CLOSE = 0.01  # misfit at which a fit that needs searches is good: a tenth of a deviation
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,23 +83,38 @@ def _fitted(
         u[free] = np.clip(v, 0.0, 1.0)
         return u
 
+    dear = runs != evaluator.variant.path_runs
+
     def residuals(v: Array) -> Array:
         found = evaluator.residuals(point(v)[None, :], runs, threads=1)[0]
-        return np.asarray(np.nan_to_num(found, nan=_FAILED))
+        found = np.asarray(np.nan_to_num(found, nan=_FAILED))
+        if dear and float(found @ found) < _CLOSE:
+            raise _Close(point(v))
+        return found
 
     if not free:
         return start
-    ended = least_squares(
-        residuals,
-        np.clip(start[free], _INSIDE, 1.0 - _INSIDE),
-        jac=lambda v: np.nan_to_num(evaluator.slopes(point(v), free, runs)),
-        bounds=(0.0, 1.0),
-        ftol=1e-10,
-        xtol=1e-10,
-        gtol=1e-12,
-        max_nfev=most,
-    )
+    try:
+        ended = least_squares(
+            residuals,
+            np.clip(start[free], _INSIDE, 1.0 - _INSIDE),
+            jac=lambda v: np.nan_to_num(evaluator.slopes(point(v), free, runs)),
+            bounds=(0.0, 1.0),
+            ftol=1e-10,
+            xtol=1e-10,
+            gtol=1e-12,
+            max_nfev=most,
+        )
+    except _Close as close:
+        return close.u
     return point(ended.x)
+
+
+class _Close(Exception):
+    """Raised out of a fit that is good enough."""
+
+    def __init__(self, u: Array) -> None:
+        self.u = u
 
 
 def distinct(minima: list[Minimum], apart: float = 0.02) -> list[Minimum]:
