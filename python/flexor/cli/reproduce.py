@@ -75,7 +75,8 @@ def reproduce(
         return _interrupted(folder)
     from flexor.cli.progress import duration
 
-    out.print(f"{len(done.sections)} items in {duration(time.monotonic() - began)}.", markup=False)
+    count, took = len(done.sections), duration(time.monotonic() - began)
+    out.print(f"{count} item{'s' * (count != 1)} in {took}.", markup=False)
     out.print(f"report: {done.report}", markup=False, soft_wrap=True)
     if docs is not None:
         out.print(f"findings: {docs}", markup=False, soft_wrap=True)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from flexor.errors import InputError, unknown
 from flexor.model import load
@@ -17,7 +15,7 @@ from flexor.paper.context import FINGER, Context, Doing
 from flexor.paper.folder import Folder
 from flexor.paper.page import page
 from flexor.paper.provenance import provenance
-from flexor.paper.section import Section
+from flexor.paper.section import Picture, Section
 from flexor.paper.settings import Settings
 from flexor.paper.summary import summary
 from flexor.paper.table_file import as_csv
@@ -25,11 +23,8 @@ from flexor.plot import save
 from flexor.plot.style import style
 from flexor.study.lock import Lock
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-# Of the images in the report and in the documentation; those in `figures/` are finer.
-PAGE_DPI, DOCS_DPI = 200, 120
+# Of the images in the documentation; those in `figures/` and in the report are finer.
+DOCS_DPI = 120
 
 
 @dataclass(frozen=True)
@@ -162,10 +157,7 @@ def _carry_out(
         computed = time.perf_counter()
         context.say("drawing and writing")
         for picture in section.pictures:
-            images[picture.name] = _png(picture.figure, PAGE_DPI)
-            for ending in ("png", "svg"):
-                (folder.path / "figures").mkdir(exist_ok=True)
-                save(picture.figure, folder.path / "figures" / f"{picture.name}.{ending}")
+            images[picture.name] = _drawn(picture, folder.path / "figures")
         for table in section.all_tables:
             folder.write(f"tables/{table.name}.csv", as_csv(table))
         drawing += time.perf_counter() - computed
@@ -223,7 +215,8 @@ def _write_docs(
         images.mkdir(parents=True, exist_ok=True)
         for section in sections:
             for picture in section.pictures:
-                (images / f"{picture.name}.png").write_bytes(_png(picture.figure, DOCS_DPI))
+                with style():
+                    picture.figure.savefig(images / f"{picture.name}.png", dpi=DOCS_DPI)
         text = summary(sections, about, took, _lead(), "images/reproduction")
         file.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -231,8 +224,8 @@ def _write_docs(
         raise InputError(f'"{file}" cannot be written: {why}.') from error
 
 
-def _png(figure: Figure, dpi: int) -> bytes:
-    out = io.BytesIO()
-    with style():
-        figure.savefig(out, format="png", dpi=dpi)
-    return out.getvalue()
+def _drawn(picture: Picture, place: Path) -> bytes:
+    """Write a picture as SVG and PNG; return the latter."""
+    place.mkdir(exist_ok=True)
+    save(picture.figure, place / f"{picture.name}.svg")
+    return save(picture.figure, place / f"{picture.name}.png").read_bytes()

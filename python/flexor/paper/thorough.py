@@ -80,7 +80,7 @@ class Thorough(Method):
             )
         self._stage(
             run, known, PatternSearch(initial_mesh=4e-3, largest_mesh=1e-2, tolerance=1e-8),
-            known.best(1, NEAR), max(most - len(known), 50 * k), "refining",
+            known.best(1, NEAR), max(most - len(known), most // 10), "refining",
         )  # fmt: skip
         return f"{run.function.evaluations} evaluations in five stages"
 
