@@ -1,6 +1,6 @@
 //! Factorisation of an unsymmetric tangent, as follower loads make it.
 
-use nalgebra::{DMatrix, Dyn, LU};
+use nalgebra::{DMatrix, Dyn, LU, Schur};
 
 /// `P S A S = L U`.
 #[derive(Clone, Debug)]
@@ -52,10 +52,22 @@ impl GeneralFactor {
     }
 }
 
+/// Deflation thresholds of the QR iteration, tried in turn: at machine precision it can cycle.
+const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-13, 1e-10];
+/// Its sweeps, per row.
+const SWEEPS: usize = 30;
+
 /// Whether every eigenvalue of `S A S` has a positive real part: no motion grows by itself.
+///
+/// `false` also when the eigenvalues cannot be found.
 pub(super) fn is_stable(a: &[f64], scale: &[f64]) -> bool {
     let matrix = scaled(a, scale);
-    matrix.iter().all(|x| x.is_finite()) && matrix.complex_eigenvalues().iter().all(|e| e.re > 0.0)
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return false;
+    }
+    let schur = |eps: &f64| Schur::try_new(matrix.clone(), *eps, SWEEPS * scale.len());
+    let found = DEFLATION.iter().find_map(schur);
+    found.is_some_and(|schur| schur.complex_eigenvalues().iter().all(|e| e.re > 0.0))
 }
 
 fn scaled(a: &[f64], scale: &[f64]) -> DMatrix<f64> {
