@@ -64,6 +64,7 @@ _PACKAGES = (
     "search",
     "study",
     "survey",
+    "validate",
 )
 
 

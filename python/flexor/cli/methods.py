@@ -13,6 +13,7 @@ def methods() -> None:
     `--option KEY=VALUE`.
     """
     from flexor import search
+    from flexor.installing import install_command
     from flexor.search.extras import missing
 
     rows = []
@@ -25,6 +26,6 @@ def methods() -> None:
         )
         rows.append((name, f"{entry.about[0].upper()}{entry.about[1:]}."))
         if package:
-            rows.append(("", f"Not installed: pip install {package}"))
+            rows.append(("", f"Not installed: {install_command(package)}"))
         rows.append((", ".join(entry.aliases), options))
     out.print(table(("method", "what it is, and its options"), rows, left=2))

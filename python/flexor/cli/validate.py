@@ -28,8 +28,8 @@ def validate(
     """Compare Flexor with closed forms and other libraries.
 
     Prints, for each quantity, its reference, Flexor's value, error and tolerance; ends with exit
-    code 1 if one is off. References from other libraries are skipped where these are missing:
-    `pip install "flexor[validate]"` brings them.
+    code 1 if one is off. References from other libraries are skipped where these are missing; what
+    is printed then says how to install them, all in the extra `flexor[validate]`.
 
     For example:
 

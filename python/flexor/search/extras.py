@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from flexor.errors import InputError
+from flexor.installing import install_command
 
 # Method: module, package.
 EXTRAS = {"mads": ("PyNomad", "PyNomadBBO"), "surrogate": ("egobox", "egobox")}
@@ -28,5 +29,5 @@ def need(method: str) -> None:
     if package is not None:
         raise InputError(
             f'method "{method}" needs the package {package}, which is not installed: '
-            f"pip install {package}."
+            f"{install_command(package)}."
         )

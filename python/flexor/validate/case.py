@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
+from flexor.installing import install_command
 from flexor.validate.comparison import Comparison
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class Library:
             if error.name is None or error.name.split(".")[0] != self.module:
                 raise
             raise Unavailable(
-                f'{self.package} is missing: pip install "flexor[validate]"'
+                f"{self.package} is missing: {install_command('flexor[validate]')}"
             ) from None
 
     @property

@@ -26,7 +26,7 @@ go the whole way from the tables of a model file to the engine.
 value, or what it says it is divided by); of an array, the reference and Flexor's value are shown
 where they differ most. A case passes if no error exceeds its *tolerance*; `flexor validate` ends
 with exit code 1 if one fails. Cases that need another library are skipped where it is missing;
-`pip install "flexor[validate]"` brings all of them.
+the extra `flexor[validate]` brings all of them, and a skipped case says how to install it here.
 """
 
 
