@@ -15,6 +15,7 @@ from flexor.cli import (
     optimize,
     presets,
     reproduce,
+    rerun,
     sets,
     simulate,
     validate,
@@ -35,6 +36,7 @@ app.command("simulate")(simulate.simulate)
 app.command("optimize")(optimize.optimize)
 app.command("landscape")(landscape.landscape)
 app.command("compare")(compare.compare)
+app.command("rerun")(rerun.rerun)
 app.command("calibrate")(calibrate.calibrate)
 app.command("reproduce")(reproduce.reproduce)
 app.command("presets")(presets.presets)

@@ -11,20 +11,24 @@ from flexor.study.problem import Problem
 from flexor.study.progress import StudyCallback, StudyProgress
 from flexor.study.record import Record
 from flexor.study.recorded import Recorded
+from flexor.study.rerun import Changed, Difference, Rerun, rerun
 from flexor.study.run import run
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study
 
 __all__ = [
+    "Changed",
     "Comparison",
     "Design",
+    "Difference",
     "Executor",
     "ObjectiveFunction",
     "Outcomes",
     "Problem",
     "Record",
     "Recorded",
+    "Rerun",
     "Sensitivity",
     "Settings",
     "Slopes",
@@ -34,6 +38,7 @@ __all__ = [
     "Threads",
     "objective_function",
     "optimize",
+    "rerun",
     "resume",
     "run",
 ]

@@ -44,6 +44,7 @@ class _Budget(_Table):
 class _Settings(_Table):
     format: int
     flexor: str
+    environment: dict[str, str] | None = None  # not in the first studies
     created: str
     model: _Model
     parameters: _Parameters

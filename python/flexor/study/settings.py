@@ -6,19 +6,19 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from datetime import datetime, timezone
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from flexor.errors import InputError
 from flexor.search import Budget, Search
+from flexor.study.environment import environment, installed
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
 from flexor.study.schema import complete
 
 FORMAT = 1
-# What may differ when a study is resumed: when it began, and how far it is to go.
-_FREE = ("created", "budget")
+# What may differ when a study is resumed: when and with what it began, and how far it is to go.
+_FREE = ("created", "budget", "environment")
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class Settings:
     Attributes
     ----------
     values : dict
-        ``format``, ``flexor`` (version), ``created``, ``model`` (name, constants, hash),
+        ``format``, ``flexor`` (version), ``environment`` (engine, Python, packages, system; see
+        `flexor.study.environment`), ``created``, ``model`` (name, constants, hash),
         ``parameters`` (name, labels, units, bounds), ``objective`` (name, forces), ``method``
         (name, options), ``start``, ``seed``, ``engine`` (options) and ``budget``. Numbers are SI
         and read back exactly.
@@ -52,7 +53,8 @@ class Settings:
             options = asdict(search)
         values = {
             "format": FORMAT,
-            "flexor": _version(),
+            "flexor": installed("flexor"),
+            "environment": environment(),
             "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
             "model": {
                 "name": problem.model.name,
@@ -152,10 +154,3 @@ def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _version() -> str:
-    try:
-        return version("flexor")
-    except PackageNotFoundError:
-        return "unknown"
