@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["InputError", "alternatives", "unknown", "unknown_name"]
+__all__ = ["InputError", "alternatives", "shortened", "unknown", "unknown_name"]
+
+# Names that a sentence lists; the fields of a model file are fewer.
+_LISTED = 60
 
 
 class InputError(ValueError):
@@ -40,14 +43,30 @@ def alternatives(name: str, allowed: Iterable[str]) -> str:
     str
         For example ``"bendng" (did you mean "bending"?): allowed are "bending", "force"``.
     """
-    names = list(allowed)
+    name = shortened(name)
+    names = [shortened(choice) for choice in allowed]
+    more = len(names) - _LISTED
     lowered = {choice.lower(): choice for choice in reversed(names)}
     near = get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
     hint = f' (did you mean "{lowered[near[0]]}"?)' if near else ""
     if not names:
         return f'"{name}": there are none'
     verb = "allowed are" if len(names) > 1 else "allowed is"
-    return f'"{name}"{hint}: {verb} ' + ", ".join(f'"{choice}"' for choice in names)
+    listed = ", ".join(f'"{choice}"' for choice in names[:_LISTED])
+    return f'"{name}"{hint}: {verb} {listed}' + (f" and {more} more" if more > 0 else "")
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """Return a text as it may stand in a sentence, cut if it is long.
+
+    Parameters
+    ----------
+    text
+        The text.
+    most
+        Characters to keep.
+    """
+    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> str:

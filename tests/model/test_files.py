@@ -13,97 +13,7 @@ from flexor.model.presets import locate
 ROOT = pathlib.Path(__file__).parents[2]
 ALL = ("exosuit-alone", "finger", "finger-2-links", "tendon-arm")
 
-EVERYTHING = """
-name = "everything"
-gravity = { z = "-9.81 m/s^2" }
-
-[bodies.arm]
-kind = "rod"
-length = "10 in"
-radius = ["12 mm", "9 mm", "10 mm", "6 mm"]
-section = { kind = "elliptic", ratio = 1.5 }
-young_modulus = "29 psi"
-poisson_ratio = 0.3
-density = "1 g/cm^3"
-strain = { bend_y = { basis = "chebyshev", order = 3 }, twist_x = "hermite" }
-reference_strain = { bend_y = "1 deg/cm", extend_x = 1.1 }
-elements = 2
-gauss_points = 4
-magnus_order = 2
-placement = { x = "1 cm", rotation = { z = "30 deg" } }
-joint = { kind = "spherical", stiffness = "0.1 N*m/rad" }
-
-[bodies.hand]
-kind = "link"
-parent = "arm"
-length = "4 cm"
-radius = "1 cm"
-joint = { kind = "free", linear_stiffness = ["1 N/m", "2 N/m", "3 N/m"] }
-
-[bodies.tool]
-kind = "link"
-parent = "hand"
-length = "4 cm"
-radius = "1 cm"
-joint = { kind = "universal", stiffness = ["0.1 N*m/rad", "0.2 N*m/rad"] }
-
-[bodies.slider]
-kind = "link"
-length = "4 cm"
-radius = "1 cm"
-joint = { kind = "prismatic", axis = [1, 0, 1], upper = "1 cm", stiffness = "1 N/cm" }
-
-[spheres.all]
-bodies = ["arm", "hand"]
-points = [{ body = "arm", at = 0.5 }, { body = "tool", at = 0.25 }, { body = "arm", point = 3 }]
-
-[contacts.self]
-first = "all"
-second = "all"
-stiffness = "1 N/mm"
-skip = 3
-
-[actuators.tendon]
-kind = "cable"
-rod = "arm"
-path = { radius = "4 mm", turn = "180 deg" }
-
-[actuators.chamber]
-kind = "chamber"
-rod = "arm"
-path = { y = ["1 mm", "2 mm", "1 mm"], z = "3 mm" }
-lever = { y = 0.5, z = -0.5 }
-
-[springs.strap]
-first = { body = "hand", at = "tip", offset = { z = "1 cm" } }
-second = { world = { x = "1 m" } }
-stiffness = "10 N/m"
-rest_length = "5 cm"
-slack = true
-
-[springs.band]
-first = { body = "hand", at = "centroid" }
-second = { body = "arm", at = "base" }
-stiffness = "10 N/m"
-
-[wrenches.push]
-body = "tool"
-at = "tip"
-force = { z = "-1 N" }
-moment = { x = "1 N*mm" }
-frame = "body"
-input = true
-
-[design]
-rod = "arm"
-length_bounds = ["5 in", "15 in"]
-radius_bounds = ["5 mm", "15 mm"]
-minimum_radius = "4 mm"
-
-[evaluation]
-force = "2 N"
-step = "500 mN"
-"""
+EVERYTHING = pathlib.Path(__file__).with_name("everything.toml").read_text(encoding="utf-8")
 
 
 def test_presets_are_the_examples() -> None:
@@ -206,6 +116,45 @@ def test_endless_numbers_are_refused_and_not_a_crash(line: str, number: str) -> 
     with pytest.raises(InputError) as caught:
         parse(EVERYTHING.replace(line, f"{line.split()[0]} = {number}"))
     assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_exponents_beyond_every_computer_are_refused_and_not_a_crash(sign: str) -> None:
+    with pytest.raises(InputError, match=r"bodies.arm.length is .*: it must be "):
+        parse(EVERYTHING.replace('"10 in"', f'"{sign}1e99999999999999999999 in"'))
+
+
+@pytest.mark.parametrize("deep", [40, 1500])
+def test_tables_in_tables_without_end_are_refused_and_not_a_crash(deep: int) -> None:
+    for text in (f"{'a.' * deep}b = 1", f"[constants{'.a' * deep}]", f"a = {'[' * 40}{']' * 40}"):
+        with pytest.raises(InputError, match=r"nested more than 30 times|nested too deeply"):
+            parse(EVERYTHING.replace('name = "everything"', text))
+    with pytest.raises(InputError, match="has more than 30 parts"):
+        parse(EVERYTHING, changes={"bodies" + ".a" * deep: "1"})
+
+
+@pytest.mark.parametrize(
+    ("found", "odd"),
+    [
+        ("radius_bounds", "r" * 5000),
+        ('kind = "cable"', f'kind = "{"c" * 5000}"'),
+        ("[springs.strap]", f"[springs.strap.{'s' * 5000}]"),
+        ('"10 in"', f'"10 {"i" * 5000}"'),
+        ("axis = [1, 0, 1]", f"axis = '{'x' * 5000}'"),
+        ("[design]", f"[bodies.{'b' * 5000}]\nkind = 3\n[design]"),
+    ],
+)
+def test_sentences_stay_short_whatever_is_quoted(found: str, odd: str) -> None:
+    assert EVERYTHING.count(found) == 1
+    with pytest.raises(InputError) as caught:
+        parse(EVERYTHING.replace(found, odd))
+    assert len(str(caught.value)) < 600
+
+
+def test_steps_without_number_are_refused() -> None:
+    for step in ("5e-324 N", "1 nN"):
+        with pytest.raises(InputError, match=r"evaluation.step is .* more than 10,000 steps"):
+            parse(EVERYTHING.replace('"500 mN"', f'"{step}"'))
 
 
 def test_unknown_suggests_whatever_the_capitals() -> None:

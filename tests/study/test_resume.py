@@ -236,6 +236,8 @@ def break_folder(folder: Path, kind: str) -> None:
         folder.write_text("not a folder")
     elif kind == "not json":
         settings.write_text("{")
+    elif kind == "nested":
+        settings.write_text("[" * 100_000)
     elif kind == "not utf-8":
         settings.write_bytes(b"\xff\xfe\x00")
     elif kind == "list":
@@ -260,6 +262,7 @@ def break_folder(folder: Path, kind: str) -> None:
         ("empty", "is not a study: it has no settings.json"),
         ("file", "is not a study: it is a file"),
         ("not json", "is damaged: it is not the settings of a study"),
+        ("nested", "is damaged: it is not the settings of a study"),
         ("not utf-8", "is damaged: it is not the settings of a study"),
         ("list", "is damaged: it is not the settings of a study"),
         ("half", "is damaged: it is not the settings of a study"),

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 
 FORMAT = 1
 SETTINGS = "settings.json"
@@ -62,11 +62,12 @@ def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
     try:
         kept = json.loads(path.read_text(encoding="utf-8"))
         found = kept["format"]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise InputError(f'"{path}" is damaged: it is not the settings of a calibration.') from None
     if found != FORMAT:
         raise InputError(
-            f'"{path}" has format {found!r}; this version of Flexor reads format {FORMAT}.'
+            f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
+            f"format {FORMAT}."
         )
     for key, value in settings.items():
         if kept.get(key) != value and key != "flexor":

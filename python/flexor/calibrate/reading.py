@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import pathlib
 import re
-import sys
 from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
 from flexor.calibrate.schema import TargetsFile
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.model.fault import sentence
+from flexor.model.toml import tables
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-_POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
 _ENTRY = re.compile(r"(?P<kind>target|constant|choice)\[(?P<index>\d+)\]")
 
 
@@ -83,21 +77,13 @@ def parse(text: str, source: str) -> TargetsFile:
     InputError
         If it is not TOML or does not say what is to be fitted to what.
     """
-    try:
-        document = tomllib.loads(text)
-    except ValueError as error:
-        match = _POSITION.fullmatch(str(error))
-        what, where = (match["what"], match["where"]) if match else (str(error), "somewhere")
-        raise InputError(
-            f"{source}: not valid TOML {where}: {what[0].lower()}{what[1:]}."
-        ) from None
-    except RecursionError:
-        raise InputError(f"{source}: not valid TOML: its tables are nested too deeply.") from None
+    document = tables(text, source)
     try:
         return TargetsFile.model_validate(document)
     except ValidationError as error:
         path, tail = sentence(error, document)
-    raise InputError(f"{source}: {_named(path, document)} {tail}." if path else f"{source} {tail}.")
+    path = shortened(_named(path, document), 200)
+    raise InputError(f"{source}: {path} {tail}." if path else f"{source} {tail}.")
 
 
 def _named(path: str, document: Mapping[str, Any]) -> str:

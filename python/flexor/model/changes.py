@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
+from flexor.model.fault import shown
 from flexor.model.schema import ModelFile
+from flexor.model.toml import DEEPEST
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -39,7 +41,10 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     InputError
         If the path starts at nothing in the file.
     """
-    keys = _located(document, path.split("."), source)
+    keys = path.split(".")
+    if len(keys) > DEEPEST:
+        raise InputError(f"{source}: {shown(path)} has more than {DEEPEST} parts: no field has.")
+    keys = _located(document, keys, source)
     value = _typed(value) if isinstance(value, str) else value
     result = _with(document, keys, value)
     sets = document.get("constants")

@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from flexor.errors import shortened
+
 _KIND = "flexor"
 _TAILS = {
     "finite_number": "is {input}: it must be a finite number",
@@ -45,8 +47,7 @@ def fault(tail: str, path: str = "") -> PydanticCustomError:
 def shown(value: object) -> str:
     """Return a value as it may stand in a sentence."""
     if isinstance(value, str):
-        short = value if len(value) <= 60 else value[:57] + "…"
-        return '"' + short.replace("\n", " ") + '"'
+        return '"' + shortened(value).replace("\n", " ") + '"'
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, int) and abs(value) > 10**20:

@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import pathlib
-import re
-import sys
 from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.model import constants
 from flexor.model.changes import changed
 from flexor.model.fault import sentence
 from flexor.model.schema import ModelFile
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-_POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
+from flexor.model.toml import check_depth, tables
 
 
 def read(
@@ -76,17 +68,7 @@ def parse(
     InputError
         If it is not TOML or does not describe a model.
     """
-    try:
-        document = tomllib.loads(text)
-    except ValueError as error:  # also numbers of more digits than Python reads
-        match = _POSITION.fullmatch(str(error))
-        what, where = (match["what"], match["where"]) if match else (str(error), "somewhere")
-        raise InputError(
-            f"{source}: not valid TOML {where}: {what[0].lower()}{what[1:]}."
-        ) from None
-    except RecursionError:
-        raise InputError(f"{source}: not valid TOML: its tables are nested too deeply.") from None
-    return check(document, use=use, changes=changes, source=source)
+    return check(tables(text, source), use=use, changes=changes, source=source)
 
 
 def check(
@@ -109,6 +91,7 @@ def check(
     InputError
         If it does not describe a model.
     """
+    check_depth(document, source)
     for path, value in (changes or {}).items():
         document = changed(document, path, value, source)
     chosen = constants.choose(document, use, source)
@@ -126,4 +109,5 @@ def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> 
         path, tail = sentence(error, whole)
     if chosen is not None and path in constants.leaves(document["constants"][chosen]):
         path = f"constants.{chosen}.{path}"
+    path = shortened(path, 200)
     raise InputError(f"{source}: {path} {tail}." if path else f"{source}: it {tail}.")

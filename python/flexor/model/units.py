@@ -122,7 +122,7 @@ class Dimension:
         if not match["unit"]:
             raise fault(f"is {shown(value)}, a number without a unit: {self.hint}")
         factor = self._factor(value, match["unit"])
-        number = float(_EXACT.multiply(Decimal(match["number"]), factor))
+        number = float(_EXACT.multiply(_EXACT.create_decimal(match["number"]), factor))
         if not math.isfinite(number):
             raise fault(f"is {shown(value)}: it must be a finite number")
         return Quantity(number, " ".join(value.split()))
@@ -131,9 +131,11 @@ class Dimension:
         factor = _factor(unit, self.unit)
         if factor == "unknown":
             near = [common for common in _COMMON if common.lower() == unit.lower()]
-            near += get_close_matches(unit, _COMMON, n=1)
+            near += get_close_matches(unit[:60], _COMMON, n=1)
             meant = f' (did you mean "{near[0]}"?)' if near else ""
-            raise fault(f'is {shown(value)} with the unknown unit "{unit}"{meant}: {self.hint}')
+            raise fault(
+                f"is {shown(value)} with the unknown unit {shown(unit)}{meant}: {self.hint}"
+            )
         if factor == "other":
             raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")
         return factor

@@ -184,7 +184,7 @@ def _read(file: Path) -> Data:
         values = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f'"{file}" cannot be read: {_why(error)}.') from error
-    except ValueError:
+    except (ValueError, RecursionError):
         raise InputError(f'"{file}" is damaged: delete it to compute it again.') from None
     if not isinstance(values, dict):
         raise InputError(f'"{file}" is damaged: delete it to compute it again.')

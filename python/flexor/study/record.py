@@ -87,7 +87,7 @@ class Record:
             if sizes is not None:
                 self._sql.executescript(_TABLES)
                 self.note("sizes", list(sizes))
-            elif self._one("PRAGMA quick_check(1)") != "ok":
+            elif self._one("PRAGMA integrity_check(1)") != "ok":
                 raise sqlite3.DatabaseError("it is damaged")
             if (noted := self.noted("sizes")) is None:
                 raise sqlite3.DatabaseError("it is not the record of a study")

@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.search import Budget, Search
 from flexor.study.environment import environment, installed
 from flexor.study.outcomes import FloatArray
@@ -99,11 +99,12 @@ class Settings:
             raise InputError(
                 f'"{path}" cannot be read: {(error.strerror or str(error)).lower()}.'
             ) from error
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             raise InputError(f'"{path}" is damaged: it is not the settings of a study.') from None
         if found != FORMAT:
             raise InputError(
-                f'"{path}" has format {found!r}; this version of Flexor reads format {FORMAT}.'
+                f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
+                f"format {FORMAT}."
             )
         if not complete(values):
             raise InputError(f'"{path}" is damaged: it is not the settings of a study.')

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.search import SearchResult
 from flexor.survey.comparison_result import SearchRun
 
@@ -74,11 +74,12 @@ def read(folder: Path) -> dict[str, Any]:
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'"{path}" cannot be read: {why}.') from error
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise InputError(f'"{path}" is damaged.') from None
     if found != FORMAT:
         raise InputError(
-            f'"{path}" has format {found!r}; this version of Flexor reads format {FORMAT}.'
+            f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
+            f"format {FORMAT}."
         )
     if not complete:
         raise InputError(f'"{path}" is damaged.')
@@ -156,7 +157,7 @@ def kept(folder: Path, parameters: str, method: str, seed: int) -> SearchRun | N
             improvement_designs=designs.reshape(-1, design.size),
         )
         seconds = np.nan if values["seconds"] is None else float(values["seconds"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise InputError(f'"{path}" is damaged: delete it to search again.') from None
     return SearchRun(parameters, method, seed, result, seconds)
 

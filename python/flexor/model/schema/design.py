@@ -11,6 +11,7 @@ from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Name, Table
 from flexor.model.units import PositiveForce, PositiveLength
 
+MOST_STEPS = 10_000
 Pair = tuple[PositiveLength, PositiveLength]
 
 
@@ -48,8 +49,14 @@ class Evaluation(Table):
     @model_validator(mode="after")
     def _check(self) -> Evaluation:
         steps = self.force / self.step
+        if not steps <= MOST_STEPS:
+            tail = f"is {_written(self.step)}: the force, {_written(self.force)}, has more than "
+            raise fault(f"{tail}{MOST_STEPS:,} steps of it", path="step")
         if abs(steps - round(steps)) > 1e-9 * steps:
-            step, force = (getattr(value, "text", value) for value in (self.step, self.force))
-            tail = f'is "{step}": the force, "{force}", must be a whole number of steps'
-            raise fault(tail, path="step")
+            tail = f"is {_written(self.step)}: the force, {_written(self.force)}, must be a whole "
+            raise fault(f"{tail}number of steps", path="step")
         return self
+
+
+def _written(value: float) -> str:
+    return shown(getattr(value, "text", value))

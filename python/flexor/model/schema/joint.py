@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.fault import fault
+from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Number, Table, one_of
 from flexor.model.units import (
     Angle,
@@ -27,7 +27,7 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 def _axis(value: object) -> object:
     if isinstance(value, str):
         if value not in _AXES:
-            raise fault(f'is "{value}": allowed are "x", "y", "z" or a list of three numbers')
+            raise fault(f'is {shown(value)}: allowed are "x", "y", "z" or a list of three numbers')
         return _AXES[value]
     return value
 
