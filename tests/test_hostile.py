@@ -23,9 +23,8 @@ def run(place: Path, name: str, *arguments: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("seed", ["11", "12"])
-def test_damaged_files_are_read_or_refused_in_one_sentence(tmp_path: Path, seed: str) -> None:
-    said = run(tmp_path, "hostile_files", "--files", "300", "--seed", seed)
+def test_damaged_files_are_read_or_refused_in_one_sentence(tmp_path: Path) -> None:
+    said = run(tmp_path, "hostile_files", "--files", "300", "--seed", "11")
     assert "300 files, seed" in said
     assert "complaints: 0" in said
 
@@ -38,3 +37,10 @@ def test_designs_out_of_all_bounds_end_with_a_status_and_the_count_resumes(tmp_p
     for status in ("converged", "iteration-limit", "invalid-design"):
         assert status in whole
     assert "complaints: 0" in whole
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_killed_and_resumed_a_study_is_the_same(tmp_path: Path) -> None:
+    said = run(tmp_path, "hostile_kills", "--kills", "2", "--starts", "2")
+    assert "2 kills" in said
+    assert "complaints: 0" in said

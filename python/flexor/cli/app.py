@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from typing import Annotated
 
@@ -45,6 +46,14 @@ app.command("methods")(methods.methods)
 app.command("validate")(validate.validate)
 
 
+# What a disk or a folder refuses, and no code can mend.
+_OF_THE_DISK = tuple(
+    getattr(errno, name)
+    for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS", "EACCES", "EPERM", "EIO")
+    if hasattr(errno, name)
+)
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         import flexor
@@ -83,6 +92,12 @@ def main(arguments: list[str] | None = None) -> None:
         code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         complain(str(error))
+        code = 2
+    except OSError as error:
+        if error.errno not in _OF_THE_DISK:
+            raise
+        where = f'"{error.filename}"' if error.filename else "a file"
+        complain(f"{where} cannot be written or read: {(error.strerror or str(error)).lower()}.")
         code = 2
     except typer.TyperException as error:
         said = error.format_message()

@@ -55,8 +55,26 @@ def create(folder: Path, settings: Settings, problem: Problem) -> None:
         os.rename(draft, folder)
     except OSError as error:
         raise _unwritable(folder, error) from error
+    except InputError as error:
+        why = error.__cause__ or error
+        raise InputError(f'the study folder "{folder}" cannot be made: {why}.') from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+
+
+def keep_settings(folder: Path, settings: Settings) -> None:
+    """Write the settings of a study in place of those that are there.
+
+    Raises
+    ------
+    InputError
+        If they cannot be written; those that are there stay.
+    """
+    try:
+        settings.write(folder)
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f'the settings of "{folder}" cannot be written: {why}.') from error
 
 
 def open_record(folder: Path, problem: Problem, write: bool) -> Record:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from flexor.errors import InputError
@@ -27,32 +28,37 @@ class Lock:
     """
 
     def __init__(self, folder: Path) -> None:
-        path = folder / "lock"
         try:
-            self._file = open(path, "a+", encoding="ascii")  # noqa: SIM115 - held while locked
+            self._file: int | None = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             raise InputError(
                 f'the study "{folder}" cannot be locked: {(error.strerror or str(error)).lower()}.'
             ) from error
         try:
-            _take(self._file.fileno())
+            _take(self._file)
         except OSError:
-            self._file.seek(0)
-            holder = self._file.read().strip()
-            self._file.close()
+            os.lseek(self._file, 0, os.SEEK_SET)
+            holder = os.read(self._file, 100).decode("ascii", "ignore").strip()
+            os.close(self._file)
             raise InputError(
                 f'the study "{folder}" is in use by another process'
                 f"{f' ({holder})' if holder else ''}: wait for it or stop it."
             ) from None
-        self._file.truncate(0)
-        self._file.write(f"process {os.getpid()}")
-        self._file.flush()
+        self._say(f"process {os.getpid()}")
 
     def release(self) -> None:
         """Let others have the study."""
-        if not self._file.closed:
-            self._file.truncate(0)
-            self._file.close()
+        if self._file is not None:
+            self._say("")
+            os.close(self._file)
+            self._file = None
+
+    def _say(self, who: str) -> None:
+        assert self._file is not None
+        with suppress(OSError):  # a full disk has the lock all the same
+            os.truncate(self._file, 0)
+            os.lseek(self._file, 0, os.SEEK_SET)
+            os.write(self._file, who.encode("ascii"))
 
 
 if sys.platform == "win32":

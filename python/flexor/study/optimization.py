@@ -136,7 +136,7 @@ def optimize(
         try:
             if resume:
                 _check_reproduces(study)
-                settings.write(place)
+                folders.keep_settings(place, settings)
             study.record.note("finished", None)
             study.result = run(study, search, first, seed, limit, progress, executor)
             study.record.note("finished", study.result.reason)

@@ -78,9 +78,7 @@ class Record:
             if path is None:
                 self._sql = sqlite3.connect(":memory:", isolation_level=None)
             else:
-                mode = "rwc" if sizes is not None else "rw" if write else "ro"
-                address = f"{path.absolute().as_uri()}?mode={mode}"
-                self._sql = sqlite3.connect(address, uri=True, isolation_level=None)
+                self._sql = _connect(path, "rwc" if sizes is not None else "rw" if write else "ro")
             if write:
                 self._sql.execute("PRAGMA journal_mode=WAL")
                 self._sql.execute("PRAGMA synchronous=NORMAL")
@@ -237,11 +235,11 @@ class Record:
         self._sql.execute("BEGIN IMMEDIATE")
         try:
             yield
+            self._sql.execute("COMMIT")
         except BaseException:
             if self._sql.in_transaction:
                 self._sql.execute("ROLLBACK")
             raise
-        self._sql.execute("COMMIT")
 
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
         array = np.frombuffer(b"".join(blobs), dtype=kind)
@@ -258,6 +256,24 @@ class Record:
                 raise
             where = "in memory" if self._path is None else f'"{self._path}"'
             raise InputError(f"the record {where} cannot be used: {error}.") from error
+
+
+def _connect(path: Path, mode: str) -> sqlite3.Connection:
+    address = f"{path.absolute().as_uri()}?mode={mode}"
+    connection = sqlite3.connect(address, uri=True, isolation_level=None)
+    if mode == "ro":
+        try:
+            connection.execute("SELECT count(*) FROM sqlite_master")
+        except sqlite3.OperationalError:
+            # Beside a file with a write-ahead log SQLite wants to make files even for reading. On
+            # a medium that cannot be written nobody writes, and without a log nothing is missed.
+            log = path.with_name(f"{path.name}-wal")
+            if not path.is_file() or (log.exists() and log.stat().st_size > 0):
+                raise
+            connection.close()
+            address = f"{address}&immutable=1"
+            connection = sqlite3.connect(address, uri=True, isolation_level=None)
+    return connection
 
 
 def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:

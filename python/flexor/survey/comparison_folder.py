@@ -12,6 +12,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -29,7 +31,7 @@ _GROWING = ("sets", "methods", "seeds")
 
 
 def create(folder: Path, settings: Mapping[str, Any], model: str) -> None:
-    """Make a comparison folder.
+    """Make a comparison folder, whole or not at all.
 
     Raises
     ------
@@ -42,18 +44,37 @@ def create(folder: Path, settings: Mapping[str, Any], model: str) -> None:
                 f'"{folder}" holds a comparison already: resume it or choose another folder.'
             )
         raise InputError(f'"{folder}" is not an empty folder: choose another.')
+    draft = None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "model.toml").write_text(model, encoding="utf-8")
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+        draft.chmod(0o755)
+        (draft / "model.toml").write_text(model, encoding="utf-8")
+        _write_whole(draft / SETTINGS, settings)
+        if folder.is_dir():
+            folder.rmdir()
+        os.rename(draft, folder)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'the folder "{folder}" cannot be made: {why}.') from error
-    write(folder, settings)
+    finally:
+        if draft is not None:
+            shutil.rmtree(draft, ignore_errors=True)
 
 
 def write(folder: Path, settings: Mapping[str, Any]) -> None:
-    """Write the settings, in place of any that are there."""
-    _write_whole(folder / SETTINGS, settings)
+    """Write the settings, in place of any that are there.
+
+    Raises
+    ------
+    InputError
+        If they cannot be written; those that are there stay.
+    """
+    try:
+        _write_whole(folder / SETTINGS, settings)
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f'"{folder / SETTINGS}" cannot be written: {why}.') from error
 
 
 def read(folder: Path) -> dict[str, Any]:
