@@ -50,7 +50,7 @@ struct Run<const D: usize> {
 impl<const D: usize> Assembly<D> {
     pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
         let n = model.dof;
-        let pairs: usize = model.contacts.iter().map(|c| c.first.len() * c.second.len()).sum();
+        let pairs: usize = model.contacts.iter().map(potential::touch::most_couplings).sum();
         let columns = model.frames.last().map_or(0, |f| f.columns.end);
         let widest = model.frames.iter().map(|f| f.columns.len()).max().unwrap_or(0);
         Self {
@@ -92,6 +92,7 @@ impl<const D: usize> Assembly<D> {
         potential::gravity::add(model, design, &kinematics.points, frames);
         potential::spring::add(model, design, &kinematics.points, frames);
         potential::contact::add(model, design, &kinematics.points, frames);
+        potential::round_cone::add(model, design, &kinematics.points, frames);
         potential::wrench::add(model, design, kinematics, load, frames);
         self.energy = coordinates.energy + frames.energy;
 

@@ -11,12 +11,32 @@ use crate::potential;
 /// The contacts of a state, in brief.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Touching pairs of spheres.
+    /// Touching pairs of a sphere with a sphere or round cone.
     pub pairs: u32,
     /// Spheres of the contacts' first groups that touch.
     pub touching: u32,
     /// Magnitude of the resultant contact force on the tip spheres [N].
     pub tip_force: f64,
+}
+
+/// One contact force.
+#[derive(Clone, Debug)]
+pub struct ContactForce<const P: usize> {
+    /// The sphere of the first group.
+    pub first: usize,
+    /// The sphere that it touches, twice; or those at the ends of the round cone that it touches
+    /// between them.
+    pub second: [usize; 2],
+    /// The one of these that is nearer.
+    pub nearest: usize,
+    /// Whether it touches a round cone.
+    pub cone: bool,
+    /// Force on the first [N].
+    pub force: Vector<P>,
+    /// Overlap d [m].
+    pub depth: f64,
+    /// Middle of the overlap [m].
+    pub point: Vector<P>,
 }
 
 /// A reusable workspace; after it is made, evaluating and solving allocate nothing.
@@ -82,16 +102,37 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.spheres.iter().zip(&self.design.radii).map(|(s, r)| (self.kinematics.points[s.point], *r))
     }
 
-    /// Touching pairs at the last state evaluated: `(first, second, force on the first, overlap)`.
-    pub fn touches(&self, model: &Model<G, D, P>) -> Vec<(usize, usize, Vector<P>, f64)> {
-        let mut pairs = vec![];
+    /// Contact forces at the last state evaluated.
+    ///
+    /// Where two joined round cones are both touched at the sphere that they share, that counts once.
+    pub fn touches(&self, model: &Model<G, D, P>) -> Vec<ContactForce<P>> {
+        let mut forces: Vec<ContactForce<P>> = vec![];
+        let points = &self.kinematics.points;
         for contact in &model.contacts {
             let k = self.design.parameters[contact.stiffness];
-            potential::contact::for_each_touch(model, &self.design, &self.kinematics.points, contact, |t| {
-                pairs.push((t.first, t.second, t.normal * (k * t.overlap), t.overlap));
+            potential::touch::for_each(model, &self.design, points, contact, |t| {
+                let force = t.normal * (k * t.weight * t.overlap);
+                let same = |f: &ContactForce<P>| {
+                    f.first == t.first && (f.force + force).norm() <= 1e-9 * force.norm()
+                };
+                let shared = forces.iter().rposition(same).filter(|_| t.weight < 0.0);
+                if let Some(i) = shared {
+                    forces.remove(i);
+                    return;
+                }
+                let inward = self.design.radii[t.first] - 0.5 * t.overlap;
+                forces.push(ContactForce {
+                    first: t.first,
+                    second: t.second,
+                    cone: !contact.cones.is_empty(),
+                    nearest: t.second[usize::from(t.t >= 0.5)],
+                    force,
+                    depth: t.overlap,
+                    point: points[model.spheres[t.first].point] - t.normal * inward,
+                });
             });
         }
-        pairs
+        forces
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
@@ -101,12 +142,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         for contact in &model.contacts {
             let k = self.design.parameters[contact.stiffness];
             let mut last = usize::MAX;
-            potential::contact::for_each_touch(model, &self.design, &self.kinematics.points, contact, |t| {
-                summary.pairs += 1;
+            potential::touch::for_each(model, &self.design, &self.kinematics.points, contact, |t| {
+                summary.pairs += u32::from(t.weight > 0.0);
                 summary.touching += u32::from(t.first != last);
                 last = t.first;
                 if contact.tip[t.first - contact.first.start] {
-                    tip += t.normal * (k * t.overlap);
+                    tip += t.normal * (k * t.weight * t.overlap);
                 }
             });
         }

@@ -20,4 +20,4 @@ pub mod sensitivity;
 pub mod strain;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
-pub use data::{ContactSummary, Data};
+pub use data::{ContactForce, ContactSummary, Data};

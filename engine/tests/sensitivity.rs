@@ -9,7 +9,7 @@ use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use proptest::prelude::*;
-use trees::{BASES, SECTIONS, planar_tree, spatial_tree};
+use trees::{BASES, SECTIONS, planar_tree, solids, spatial_tree, with_round_cones};
 
 /// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
 fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -48,7 +48,7 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     moved[i] += sign * step * h;
                     data.set_parameters(&model, &moved);
                     data.evaluate(&model, &q, load);
-                    let pairs: Vec<_> = data.touches(&model).iter().map(|t| (t.0, t.1)).collect();
+                    let pairs: Vec<_> = data.touches(&model).iter().map(|t| (t.first, t.second)).collect();
                     smooth &= touching.replace(pairs.clone()).is_none_or(|t| t == pairs);
                     let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
                     difference += sign * weight * work / (60.0 * h);
@@ -76,9 +76,17 @@ proptest! {
         section in prop::sample::select(SECTIONS.to_vec()),
         order in prop::sample::select(vec![2usize, 4]),
         follower: bool,
+        cones: bool,
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        check::<SE3, 6, 3>(&spatial_tree(bases, section, order, follower), &state, &load)?;
+        let tree = spatial_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check::<SE3, 6, 3>(&tree, &state, &load)?;
+    }
+
+    #[test]
+    fn round_cones(state in prop::collection::vec(-1.0..1.0f64, 41)) {
+        check::<SE3, 6, 3>(&solids(), &state, &[])?;
     }
 
     #[test]
@@ -88,8 +96,11 @@ proptest! {
         section in prop::sample::select(SECTIONS.to_vec()),
         order in prop::sample::select(vec![2usize, 4]),
         follower: bool,
+        cones: bool,
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        check::<SE2, 3, 2>(&planar_tree(bases, section, order, follower), &state, &load)?;
+        let tree = planar_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check::<SE2, 3, 2>(&tree, &state, &load)?;
     }
 }

@@ -16,11 +16,33 @@ pub(crate) struct Contact {
     pub tip: Vec<bool>,
     /// Parameter holding k.
     pub stiffness: usize,
+    /// What the spheres of the first group touch, when it is not the second group's spheres.
+    pub cones: Vec<RoundCone>,
+    /// Shares of k of the first group's spheres; empty: one each.
+    pub weights: Vec<f64>,
+    /// Parameters holding the lengths that multiply the shares; empty when k is not per length.
+    pub lengths: Vec<usize>,
+}
+
+/// The convex hull of two spheres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RoundCone {
+    pub ends: [usize; 2],
+    /// Whether its first end is that where the one before it ends.
+    pub joined: bool,
 }
 
 impl Contact {
     pub fn is_self(&self) -> bool {
         self.first == self.second
+    }
+
+    /// What multiplies k for a sphere of the first group.
+    #[inline]
+    pub fn weight(&self, parameters: &[f64], first: usize) -> f64 {
+        let i = first - self.first.start;
+        let share = self.weights.get(i).copied().unwrap_or(1.0);
+        share * self.lengths.get(i).map_or(1.0, |l| parameters[*l])
     }
 }
 

@@ -242,6 +242,27 @@ pub struct ContactDescription {
     /// Indices in the first group that make up its tip.
     #[serde(default)]
     pub tip_spheres: Vec<usize>,
+    /// Round cones that the second group's spheres span and the first group's spheres touch; none:
+    /// they touch the spheres themselves.
+    #[serde(default)]
+    pub cones: Vec<RoundConeDescription>,
+    /// Share of `stiffness` of each sphere of the first group; empty: all of it.
+    #[serde(default)]
+    pub weights: Vec<f64>,
+    /// Whether `stiffness` is per length [N/m²] and each share times the length of the sphere's body.
+    #[serde(default)]
+    pub per_length: bool,
+}
+
+/// The convex hull of two spheres.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoundConeDescription {
+    /// Indices in the second group of the spheres at its ends; twice the same for a sphere.
+    pub ends: [usize; 2],
+    /// Whether its first end is where the round cone before it ends.
+    #[serde(default)]
+    pub joined: bool,
 }
 
 /// What a thread-like actuator does with a positive input.

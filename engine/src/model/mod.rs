@@ -21,7 +21,7 @@ pub use layout::Layout;
 
 pub(crate) use actuators::{Actuator, Tendon};
 pub(crate) use bodies::{Body, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
-pub(crate) use contacts::{Contact, Spring, Wrench};
+pub(crate) use contacts::{Contact, RoundCone, Spring, Wrench};
 pub(crate) use points::{Mass, Place, Point, Sphere, SphereRadius};
 
 use crate::lie::LieGroup;

@@ -1,20 +1,11 @@
 //! Sphere–sphere contact (8): ½ k max(d, 0)², d = R_f + R(X) − ‖r_c‖.
 
 use super::FrameTerms;
+use super::touch::Touch;
 use crate::design::Design;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
-
-/// A touching pair: sphere indices, unit vector from the second to the first, overlap d.
-#[derive(Clone, Debug)]
-pub(crate) struct Touch<const P: usize> {
-    pub first: usize,
-    pub second: usize,
-    pub normal: Vector<P>,
-    pub overlap: f64,
-    pub distance: f64,
-}
 
 pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
@@ -22,10 +13,10 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     points: &[Vector<P>],
     out: &mut FrameTerms<D>,
 ) {
-    for contact in &model.contacts {
+    for contact in model.contacts.iter().filter(|c| c.cones.is_empty()) {
         let k = design.parameters[contact.stiffness];
         for_each_touch(model, design, points, contact, |touch| {
-            let [a, b] = [touch.first, touch.second].map(|s| model.spheres[s].point);
+            let [a, b] = [touch.first, touch.second[0]].map(|s| model.spheres[s].point);
             out.energy += 0.5 * k * touch.overlap * touch.overlap;
             let frames = [model.points[a].frame, model.points[b].frame];
             let force = touch.normal * (-k * touch.overlap);
@@ -35,7 +26,7 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// Visits the touching pairs of a contact, in the order of the first group.
+/// Visits the touching pairs of spheres of a contact, in the order of the first group.
 #[inline]
 pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
@@ -62,7 +53,7 @@ pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let normal =
                     if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
                 let distance = distance.max(1e-12 * reach);
-                visit(Touch { first, second, normal, overlap: reach - distance, distance });
+                visit(Touch::of_spheres([first, second], normal, reach, distance, 1.0));
             }
         }
     }

@@ -9,7 +9,9 @@ pub(crate) mod contact;
 pub(crate) mod elastic;
 pub(crate) mod gravity;
 pub(crate) mod joint;
+pub(crate) mod round_cone;
 pub(crate) mod spring;
+pub(crate) mod touch;
 pub(crate) mod wrench;
 
 use crate::lie::LieGroup;

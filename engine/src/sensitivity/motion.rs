@@ -9,7 +9,7 @@ use crate::data::Data;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Link, Model, Motion, Place, Shape};
-use crate::potential::contact::for_each_touch;
+use crate::potential::touch;
 use crate::potential::wrench::world_wrench;
 
 /// Derivative of a place's fraction with respect to the link's radii (base, tip).
@@ -81,18 +81,18 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             let twist = self.twist[model.points[point].frame];
             (G::point_jacobian(&self.drift[point]) - G::point_jacobian(&Vector::ZERO)) * twist
         };
+        let mut touching = 0.0;
         let mut work = 0.0;
         let mut pair = |a: usize, b: usize, force: Vector<P>, change: Vector<P>| {
             work += change.dot(&(self.velocity[a] - self.velocity[b])) + force.dot(&(turned(a) - turned(b)));
         };
         for contact in &model.contacts {
-            let k = p[contact.stiffness];
-            for_each_touch(model, &data.design, &data.kinematics.points, contact, |t| {
-                let [a, b] = [t.first, t.second].map(|s| model.spheres[s].point);
-                let r = self.drift[a] - self.drift[b];
-                let along = t.normal.dot(&r);
-                let turning = (r - t.normal * along) * (t.overlap / t.distance);
-                pair(a, b, t.normal * (-k * t.overlap), (t.normal * along - turning) * k);
+            touch::for_each(model, &data.design, &data.kinematics.points, contact, |t| {
+                let k = p[contact.stiffness] * t.weight;
+                let (drift, velocity) = (t.motion(model, &self.drift), t.motion(model, &self.velocity));
+                let change = t.closing(&drift) * t.closing(&velocity);
+                let turned = t.points(model).map(turned);
+                touching += k * (change + t.overlap * (t.curvature(&drift, &velocity) + t.closing(&turned)));
             });
         }
         for spring in &model.springs {
@@ -108,6 +108,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             let change = n * along + (dr - n * along) * ((length - rest) / length);
             pair(a, b, n * (k * (length - rest)), change * k);
         }
+        work += touching;
         for (mass, m) in model.masses.iter().zip(&data.design.masses) {
             work -= (model.gravity * *m).dot(&turned(mass.point()));
         }

@@ -4,7 +4,8 @@ use crate::data::Data;
 use crate::equilibrium::{Solver, Status};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-use crate::model::Model;
+use crate::model::{Contact, Model};
+use crate::potential::round_cone::{closest, counts};
 
 /// Why an equilibrium may have no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +17,8 @@ pub enum Regularity {
     NoEquilibrium = 1,
     /// The path snapped on the way: the derivative holds on the final branch only.
     Snapped = 2,
-    /// A pair of spheres is at the threshold of touching: the derivative is one-sided.
+    /// A contact is at the threshold of touching, or a sphere passes from the side of a round cone to
+    /// its end: the derivative is one-sided.
     ContactThreshold = 3,
     /// The tangent is nearly singular: the state is about to snap.
     NearlySingular = 4,
@@ -78,6 +80,12 @@ fn at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> bool {
     let points = &data.kinematics.points;
     for contact in &model.contacts {
+        if !contact.cones.is_empty() {
+            if cone_at_threshold(model, data, contact) {
+                return true;
+            }
+            continue;
+        }
         for first in contact.first.clone() {
             let a = model.spheres[first].point;
             let start = if contact.is_self() { first + contact.skip.max(1) } else { contact.second.start };
@@ -91,6 +99,44 @@ fn at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     if can_move(model, data, a, &n) || can_move(model, data, b, &n) {
                         return true;
                     }
+                }
+            }
+        }
+    }
+    false
+}
+
+/// The same for spheres against round cones, and whether a sphere in contact is just about to pass
+/// from a cone's side to its end.
+fn cone_at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    contact: &Contact,
+) -> bool {
+    let (points, radii) = (&data.kinematics.points, &data.design.radii);
+    for first in contact.first.clone() {
+        if contact.weight(&data.design.parameters, first) == 0.0 {
+            continue;
+        }
+        let p = model.spheres[first].point;
+        for cone in contact.cones.iter().filter(|c| counts(contact, first, c)) {
+            let [a, b] = cone.ends.map(|s| model.spheres[s].point);
+            let found = closest(&points[p], [&points[a], &points[b]], cone.ends.map(|s| radii[s]));
+            let reach = radii[first] + found.radius;
+            let moves = |direction: &Vector<P>, touched: [bool; 2]| {
+                can_move(model, data, p, direction)
+                    || (touched[0] && can_move(model, data, a, direction))
+                    || (touched[1] && can_move(model, data, b, direction))
+            };
+            let gap = found.distance - reach;
+            if gap.abs() < THRESHOLD * reach && moves(&found.normal, [found.t < 1.0, found.t > 0.0]) {
+                return true;
+            }
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            if gap < 0.0 && found.unbounded.is_some_and(passing) {
+                let axis = points[b] - points[a];
+                if moves(&axis, [true; 2]) || moves(&found.normal, [true; 2]) {
+                    return true;
                 }
             }
         }

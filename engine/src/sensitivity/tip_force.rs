@@ -5,8 +5,8 @@ use super::local::add_radius;
 use crate::data::Data;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-use crate::model::Model;
-use crate::potential::contact::{Touch, for_each_touch};
+use crate::model::{Contact, Model};
+use crate::potential::touch::{self, Touch};
 
 impl<const D: usize, const P: usize> Adjoint<D, P> {
     /// ∂F_t/∂q into `out`; `false` when nothing touches the tip, where F_t has no derivative.
@@ -19,13 +19,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         out.fill(0.0);
         let Some(direction) = direction(model, data) else { return false };
         self.wrench.fill(Vector::ZERO);
-        each_tip_touch(model, data, |touch, k| {
-            let [a, b] = [touch.first, touch.second].map(|s| model.spheres[s].point);
-            let pull = stiffness_times(&touch, k, &direction) * -1.0;
-            for (point, sign) in [(a, 1.0), (b, -1.0)] {
+        each_tip_touch(model, data, |touch, k, _| {
+            let changes = force_change(&touch, k, &direction);
+            for (point, change) in touch.points(model).into_iter().zip(changes) {
                 let p = &data.kinematics.points[point];
-                self.wrench[model.points[point].frame] +=
-                    G::point_jacobian(p).transpose_times(&(pull * sign));
+                self.wrench[model.points[point].frame] += G::point_jacobian(p).transpose_times(&change);
             }
         });
         for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
@@ -47,34 +45,44 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         out: &mut [f64],
     ) {
         let Some(direction) = direction(model, data) else { return };
-        each_tip_touch(model, data, |touch, k| {
+        each_tip_touch(model, data, |touch, k, contact| {
+            let p = &data.design.parameters;
             let along = direction.dot(&touch.normal);
-            for contact in &model.contacts {
-                if contact.first.contains(&touch.first) {
-                    out[contact.stiffness] += touch.overlap * along;
-                }
+            out[contact.stiffness] += touch.weight * touch.overlap * along;
+            if let Some(length) = contact.lengths.get(touch.first - contact.first.start) {
+                out[*length] += k * touch.overlap * along / p[*length];
             }
-            for sphere in [touch.first, touch.second] {
-                let radius = model.spheres[sphere].radius;
-                add_radius(model, &data.design.parameters, radius, k * along, out);
+            let turned = direction.dot(&touch.across) * touch.overlap * touch.slip / touch.distance;
+            let [a, b] = touch.second;
+            for (i, sphere) in [touch.first, a, b].into_iter().enumerate() {
+                let weight = touch.by_radii()[i] * along + touch.slide_by_radii()[i] * turned;
+                add_radius(model, p, model.spheres[sphere].radius, k * weight, out);
             }
         });
         for m in 0..self.motions.len() {
             let parameter = self.motions[m];
             self.drift_along(model, data, q, parameter.kind);
-            each_tip_touch(model, data, |touch, k| {
-                let [a, b] = [touch.first, touch.second].map(|s| model.spheres[s].point);
-                let pull = stiffness_times(&touch, k, &direction);
-                out[parameter.index] -= pull.dot(&(self.drift[a] - self.drift[b]));
+            each_tip_touch(model, data, |touch, k, _| {
+                let drift = touch.motion(model, &self.drift);
+                let changes = force_change(&touch, k, &direction);
+                out[parameter.index] += changes.iter().zip(&drift).map(|(c, d)| c.dot(d)).sum::<f64>();
             });
         }
     }
 }
 
-/// The contact Hessian k n nᵀ − (k d/‖r‖)(1 − n nᵀ) times a direction.
-fn stiffness_times<const P: usize>(touch: &Touch<P>, k: f64, direction: &Vector<P>) -> Vector<P> {
-    let along = touch.normal * touch.normal.dot(direction);
-    (along - (*direction - along) * (touch.overlap / touch.distance)) * k
+/// Derivatives of the force k d n along a direction with respect to the three points of a touch.
+fn force_change<const P: usize>(touch: &Touch<P>, k: f64, direction: &Vector<P>) -> [Vector<P>; 3] {
+    let mut changes = [Vector::ZERO; 3];
+    for (i, change) in changes.iter_mut().enumerate() {
+        for axis in 0..P {
+            let mut motion = [Vector::ZERO; 3];
+            motion[i] = Vector::unit(axis);
+            let pressed = touch.normal * touch.closing(&motion) + touch.turning(&motion) * touch.overlap;
+            change[axis] = k * direction.dot(&pressed);
+        }
+    }
+    changes
 }
 
 /// Unit vector of the resultant on the tip spheres.
@@ -83,7 +91,7 @@ fn direction<G: LieGroup<D, P>, const D: usize, const P: usize>(
     data: &Data<G, D, P>,
 ) -> Option<Vector<P>> {
     let mut resultant = Vector::<P>::ZERO;
-    each_tip_touch(model, data, |touch, k| resultant += touch.normal * (k * touch.overlap));
+    each_tip_touch(model, data, |touch, k, _| resultant += touch.normal * (k * touch.overlap));
     let size = resultant.norm();
     (size > 0.0).then(|| resultant * (1.0 / size))
 }
@@ -91,13 +99,14 @@ fn direction<G: LieGroup<D, P>, const D: usize, const P: usize>(
 fn each_tip_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    mut visit: impl FnMut(Touch<P>, f64),
+    mut visit: impl FnMut(Touch<P>, f64, &Contact),
 ) {
     for contact in &model.contacts {
         let k = data.design.parameters[contact.stiffness];
-        for_each_touch(model, &data.design, &data.kinematics.points, contact, |touch| {
+        touch::for_each(model, &data.design, &data.kinematics.points, contact, |touch| {
             if contact.tip[touch.first - contact.first.start] {
-                visit(touch, k);
+                let k = k * touch.weight;
+                visit(touch, k, contact);
             }
         });
     }

@@ -109,6 +109,9 @@ pub fn finger() -> Description {
         stiffness: 1000.0,
         skip: 0,
         tip_spheres: vec![41],
+        cones: vec![],
+        weights: vec![],
+        per_length: false,
     });
     description.actuators.push(ActuatorDescription {
         name: "chamber".into(),

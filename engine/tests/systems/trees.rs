@@ -160,6 +160,9 @@ pub fn spatial_tree(
         stiffness: 40.0,
         skip,
         tip_spheres: vec![],
+        cones: vec![],
+        weights: vec![],
+        per_length: false,
     };
     d.contacts.push(contact("touch", "others", 0));
     d.contacts.push(contact("self", "arm", 2));
@@ -222,5 +225,97 @@ pub fn planar_tree(
         frame,
         input: true,
     });
+    d
+}
+
+/// The same system with round cones instead of spheres in every contact's second group: one for each
+/// link, joined where links follow one another, and a chain for each rod.
+pub fn with_round_cones(mut d: Description) -> Description {
+    let parents: Vec<_> = d.bodies.iter().map(|b| (b.name.clone(), b.parent.clone())).collect();
+    for group in &mut d.spheres {
+        if group.name == "arm" {
+            continue;
+        }
+        let mut bodies: Vec<String> = vec![];
+        for sphere in group.spheres.iter().filter(|s| !matches!(s.station, Station::Point(_))) {
+            if !bodies.contains(&sphere.body) {
+                bodies.push(sphere.body.clone());
+            }
+        }
+        let end = |body: &String, f| SphereDescription { body: body.clone(), station: Station::Fraction(f) };
+        if group.name == "finger" || group.name == "others" {
+            group.spheres = bodies.iter().flat_map(|b| [end(b, 0.0), end(b, 1.0)]).collect();
+        }
+    }
+    for contact in &mut d.contacts {
+        let group = |name: &String| d.spheres.iter().find(|g| g.name == *name).unwrap();
+        let (first, second) = (group(&contact.first), group(&contact.second));
+        if second.name == "arm" {
+            let chain = |i: usize| RoundConeDescription { ends: [i - 1, i], joined: i > 1 };
+            contact.cones = (1..second.spheres.len()).map(chain).collect();
+        } else {
+            let bodies: Vec<_> = second.spheres.iter().step_by(2).map(|s| s.body.clone()).collect();
+            let link = |i: usize| RoundConeDescription {
+                ends: [2 * i, 2 * i + 1],
+                joined: i > 0
+                    && parents.iter().any(|(n, p)| *n == bodies[i] && p.as_ref() == Some(&bodies[i - 1])),
+            };
+            contact.cones = (0..bodies.len()).map(link).collect();
+        }
+        contact.weights = (0..first.spheres.len()).map(|i| 20.0 + i as f64).collect();
+        contact.per_length = true;
+        contact.tip_spheres = vec![first.spheres.len() - 1, 3];
+    }
+    d
+}
+
+/// Bulky bodies that are deep in one another whatever their state: a ball's spheres in a chain of two
+/// links and a rod, the rod's spheres in the ball.
+pub fn solids() -> Description {
+    let mut d = empty(false);
+    let modes = Mode::ALL.map(|m| strain(m, BasisKind::NodalLinear)).to_vec();
+    let mut arm = rod(0.5, [0.2, 0.1], modes, 2, 2);
+    arm.young_modulus = 1e4;
+    arm.shear_modulus = 4e3;
+    let points = arm.radius.len();
+    let link = |length, radius_base, radius_tip| {
+        ShapeDescription::Link(LinkDescription { length, radius_base, radius_tip, density: 0.0 })
+    };
+    let hinge = |kind, n: usize| {
+        let mut hinge = joint(kind);
+        hinge.stiffness = vec![1.0; n];
+        hinge
+    };
+    let [spherical, universal] = [(JointKind::Spherical, 3), (JointKind::Universal, 2)];
+    d.bodies.push(body("fore", None, [0.0; 3], hinge(spherical.0, 3), link(0.4, 0.25, 0.15)));
+    d.bodies.push(body("hand", Some("fore"), [0.0; 3], hinge(universal.0, 2), link(0.3, 0.15, 0.2)));
+    d.bodies.push(body("arm", Some("hand"), [0.0; 3], joint(JointKind::Fixed), ShapeDescription::Rod(arm)));
+    d.bodies.push(body("ball", None, [0.0, 0.1, 0.3], hinge(JointKind::Free, 6), link(0.8, 0.2, 0.3)));
+    let sphere = |body: &str, station| SphereDescription { body: body.into(), station };
+    let ends = |body: &str| [0.0, 1.0].map(|f| sphere(body, Station::Fraction(f)));
+    let mut chain = [ends("fore"), ends("hand")].concat();
+    chain.extend((0..points).map(|k| sphere("arm", Station::Point(k))));
+    let spheres = [0.0, 0.3, 0.6, 1.0].map(|f| sphere("ball", Station::Fraction(f)));
+    let group = |name: &str, spheres| SphereGroupDescription { name: name.into(), spheres };
+    d.spheres.push(group("chain", chain));
+    d.spheres.push(group("ball", spheres.to_vec()));
+    let cone = |i: usize, j: usize| RoundConeDescription { ends: [i, j], joined: i > 0 };
+    let mut cones = vec![cone(0, 1), cone(2, 3)];
+    cones.extend((4..3 + points).map(|i| cone(i, i + 1)));
+    let contact = |name: &str, first: &str, second: &str, cones| ContactDescription {
+        name: name.into(),
+        first: first.into(),
+        second: second.into(),
+        stiffness: 30.0,
+        skip: 0,
+        tip_spheres: vec![1, 2],
+        cones,
+        weights: vec![],
+        per_length: false,
+    };
+    d.contacts.push(contact("pressed", "ball", "chain", cones));
+    d.contacts.push(contact("pressing", "chain", "ball", vec![cone(0, 3)]));
+    d.contacts[1].weights = (0..4 + points).map(|i| 0.5 + 0.1 * i as f64).collect();
+    d.contacts[1].per_length = true;
     d
 }

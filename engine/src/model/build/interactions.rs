@@ -4,7 +4,7 @@ use super::super::error::{finite, not_negative, positive};
 use super::super::points::{Place, Point, Sphere, SphereRadius};
 use super::super::{
     Actuator, ActuatorDescription, ActuatorKind, AttachmentDescription, Contact, ContactDescription, Model,
-    ModelError, Shape, SphereGroupDescription, Spring, SpringDescription, Station, Tendon, Wrench,
+    ModelError, RoundCone, Shape, SphereGroupDescription, Spring, SpringDescription, Station, Tendon, Wrench,
     WrenchDescription, WrenchFrame,
 };
 use crate::lie::LieGroup;
@@ -66,8 +66,49 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             let frame = self.points[self.spheres[sphere].point].frame;
             self.keep_jacobian(frame);
         }
-        self.contacts.push(Contact { first, second, skip: contact.skip, tip, stiffness });
+        let cones = self.cones(&field("cones"), contact, &second)?;
+        let (found, count) = (contact.weights.len(), first.len());
+        if found != 0 && found != count {
+            let problem = format!("found {found} values, the group has {count} spheres");
+            return Err(ModelError::new(field("weights"), problem));
+        }
+        for weight in &contact.weights {
+            not_negative(field("weights"), *weight)?;
+        }
+        if cones.is_empty() && (found != 0 || contact.per_length) {
+            return Err(ModelError::new(field("weights"), "only contact with round cones is weighted"));
+        }
+        let bodies = first.clone().map(|s| self.frames[self.points[self.spheres[s].point].frame].body);
+        let lengths = bodies.filter(|_| contact.per_length).map(|b| match &self.bodies[b].shape {
+            Shape::Rod(r) => self.rods[*r].length,
+            Shape::Link(l) => l.length,
+        });
+        let (lengths, weights) = (lengths.collect(), contact.weights.clone());
+        let skip = contact.skip;
+        self.contacts.push(Contact { first, second, skip, tip, stiffness, cones, weights, lengths });
         Ok(())
+    }
+
+    fn cones(
+        &self,
+        field: &str,
+        contact: &ContactDescription,
+        second: &Range<usize>,
+    ) -> Result<Vec<RoundCone>, ModelError> {
+        let count = second.len();
+        let mut cones = Vec::with_capacity(contact.cones.len());
+        for (c, cone) in contact.cones.iter().enumerate() {
+            if let Some(i) = cone.ends.iter().find(|i| **i >= count) {
+                let problem = format!("found index {i}, the group has {count} spheres");
+                return Err(ModelError::new(field, problem));
+            }
+            if cone.joined && c == 0 {
+                return Err(ModelError::new(field, "the first one has none before it to be joined to"));
+            }
+            let ends = cone.ends.map(|i| second.start + i);
+            cones.push(RoundCone { ends, joined: cone.joined });
+        }
+        Ok(cones)
     }
 
     pub(super) fn add_actuator(&mut self, actuator: &ActuatorDescription) -> Result<(), ModelError> {
