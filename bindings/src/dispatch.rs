@@ -39,7 +39,17 @@ pub struct State {
     pub lengths: Vec<f64>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
-    pub touches: Vec<(usize, usize, [f64; 3], f64)>,
+    pub touches: Vec<Touch>,
+}
+
+/// A contact force.
+pub struct Touch {
+    pub first: usize,
+    pub second: usize,
+    pub cone: bool,
+    pub force: [f64; 3],
+    pub point: [f64; 3],
+    pub depth: f64,
 }
 
 impl AnyModel {
@@ -56,7 +66,14 @@ impl AnyModel {
                 lengths: data.actuator_lengths(model, q),
                 frames: data.homogeneous_frames(),
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
-                touches: data.touches(model).iter().map(|(a, b, f, d)| (*a, *b, spatial(&f.0), *d)).collect(),
+                touches: data.touches(model).iter().map(|t| Touch {
+                    first: t.first,
+                    second: t.nearest,
+                    cone: t.cone,
+                    force: spatial(&t.force.0),
+                    point: spatial(&t.point.0),
+                    depth: t.depth,
+                }).collect(),
             }
         })
     }

@@ -1,6 +1,6 @@
 //! The class `Model`.
 
-use crate::dispatch::{AnyModel, State, on_model};
+use crate::dispatch::{AnyModel, State, Touch, on_model};
 use flexor_engine::equilibrium::{Options, Status};
 use flexor_engine::model::Description;
 use flexor_engine::{Batch, BatchEvent};
@@ -142,12 +142,17 @@ impl Model {
         q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let touches = self.state(&parameters, &q, None)?.touches;
-        let forces: Vec<f64> = touches.iter().flat_map(|t| t.2).collect();
+        let vectors = |pick: fn(&Touch) -> [f64; 3]| {
+            let flat: Vec<f64> = touches.iter().flat_map(pick).collect();
+            flat.into_pyarray(py).reshape([touches.len(), 3])
+        };
         let out = PyDict::new(py);
-        out.set_item("first", touches.iter().map(|t| t.0).collect::<Vec<_>>().into_pyarray(py))?;
-        out.set_item("second", touches.iter().map(|t| t.1).collect::<Vec<_>>().into_pyarray(py))?;
-        out.set_item("force", forces.into_pyarray(py).reshape([touches.len(), 3])?)?;
-        out.set_item("depth", touches.iter().map(|t| t.3).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("first", touches.iter().map(|t| t.first).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("second", touches.iter().map(|t| t.second).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("cone", touches.iter().map(|t| t.cone).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("force", vectors(|t| t.force)?)?;
+        out.set_item("point", vectors(|t| t.point)?)?;
+        out.set_item("depth", touches.iter().map(|t| t.depth).collect::<Vec<_>>().into_pyarray(py))?;
         Ok(out)
     }
 

@@ -38,7 +38,9 @@ class Paths(TypedDict):
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
     second: NDArray[np.uint32]
+    cone: NDArray[np.bool_]
     force: NDArray[np.float64]
+    point: NDArray[np.float64]
     depth: NDArray[np.float64]
 
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...

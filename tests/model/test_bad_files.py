@@ -115,7 +115,7 @@ def test_the_good_file_is_good() -> None:
             'first = "suit"',
             'first = "suit"\nfriction = 0.3',
             'contacts.skin has the unknown key "friction": allowed are "first", "second", '
-            '"stiffness", "skip", "tip_spheres".',
+            '"shape", "stiffness", "stiffness_per_length", "skip", "tip_spheres".',
         ),
         # missing keys and tables
         ('length = "4 cm"\n', "", f"bodies.bone.length is missing: {LENGTH}."),
@@ -345,6 +345,50 @@ def test_the_good_file_is_good() -> None:
             'second = "fingr"',
             'contacts.skin.second is the unknown sphere group "fingr" (did you mean "finger"?): '
             'allowed are "suit", "finger".',
+        ),
+        (
+            'second = "finger"',
+            'second = "finger"\nshape = "cones"',
+            'contacts.skin.shape is "cones" (did you mean "round-cones"?): allowed are "spheres", '
+            '"round-cones".',
+        ),
+        (
+            'stiffness = "100 N/m"',
+            'stiffness_per_length = "1 kPa"',
+            'contacts.skin.stiffness_per_length is only for shape = "round-cones".',
+        ),
+        (
+            'stiffness = "100 N/m"',
+            'stiffness = "100 N/m"\nshape = "round-cones"\nstiffness_per_length = "1 kPa"',
+            "contacts.skin has both stiffness and stiffness_per_length: give one.",
+        ),
+        (
+            'stiffness = "100 N/m"',
+            'shape = "round-cones"\nstiffness_per_length = "1 N/m"',
+            'contacts.skin.stiffness_per_length is "1 N/m", which is not a stiffness per length: '
+            'write a stiffness per length with its unit, such as "20 N/cm^2".',
+        ),
+        (
+            'stiffness = "100 N/m"',
+            'stiffness = "100 N/m"\nshape = "round-cones"\n[contacts.other]\nfirst = "finger"\n'
+            'second = "suit"\nstiffness = "1 N/m"',
+            'contacts.skin.second is "finger", whose spheres other needs where they are: make '
+            "another group for round cones.",
+        ),
+        (
+            'first = "suit"\nsecond = "finger"\nstiffness = "100 N/m"',
+            'first = "finger"\nsecond = "suit"\nshape = "round-cones"\n'
+            'stiffness_per_length = "1 kPa"',
+            'spheres.finger.bodies is "bone", which is a link: rods are "suit".',
+        ),
+        (
+            'bodies = ["suit"]\n\n[spheres.finger]\nbodies = ["bone", "nail"]\n\n[contacts.skin]\n'
+            'first = "suit"\nsecond = "finger"\nstiffness = "100 N/m"',
+            'bodies = ["suit"]\npoints = [{ body = "suit", at = "tip" }]\n\n[spheres.finger]\n'
+            'bodies = ["bone", "nail"]\n\n[contacts.skin]\nfirst = "suit"\nsecond = "finger"\n'
+            'shape = "round-cones"\nstiffness_per_length = "1 kPa"',
+            "spheres.suit has single points, but skin has a stiffness per length: give it rods "
+            "only.",
         ),
         (
             'rod = "suit"\nlever',

@@ -41,6 +41,7 @@ def made_path(lever: float = 1.0, section: object = "circular"):
     contact = ContactForces(
         first=np.array([0, 1], dtype=np.uint32),
         second=np.array([5, 5], dtype=np.uint32),
+        cone=np.array([False, False]),
         force=np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]]),
         point=np.array([[0.0, 0.0, 0.02], [0.004, 0.0, 0.02]]),
         depth=np.array([0.001, 0.001]),

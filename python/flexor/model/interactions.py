@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model.round_cones import length_shares, round_cones
 from flexor.model.schema import (
     Actuator,
     Attachment,
@@ -24,8 +25,11 @@ Array = NDArray[np.float64]
 Json = dict[str, Any]
 
 
-def sphere_group(group: SphereGroup, bodies: dict[str, Body]) -> list[Json]:
-    """Describe a group of spheres; see `schema.SphereGroup` for where they are."""
+def sphere_group(group: SphereGroup, bodies: dict[str, Body], solid: bool = False) -> list[Json]:
+    """Describe a group of spheres; see `schema.SphereGroup` for where they are.
+
+    In a ``solid`` group, which round cones are made of, links have them at both ends.
+    """
     spheres: list[Json] = []
     for name in group.bodies:
         body = bodies[name]
@@ -33,23 +37,35 @@ def sphere_group(group: SphereGroup, bodies: dict[str, Body]) -> list[Json]:
             stations: list[Any] = [{"point": 0}]
             stations += [{"point": index} for index in range(body.sample_count)]
         else:
-            stations = [{"fraction": 0.0}, "centroid"]
+            stations = [{"fraction": 0.0}, {"fraction": 1.0} if solid else "centroid"]
         spheres += [{"body": name, "station": station} for station in stations]
     return spheres + [_place(station, bodies) for station in group.points]
 
 
-def lower_contact(name: str, contact: Contact, count: int) -> Json:
-    """Describe a contact, whose first group has ``count`` spheres."""
+def lower_contact(
+    name: str, contact: Contact, groups: dict[str, SphereGroup], bodies: dict[str, Body]
+) -> Json:
+    """Describe a contact."""
+    first, second = groups[contact.first], groups[contact.second]
+    count = len(sphere_group(first, bodies))
     tip = 0 if contact.first == contact.second else 1
     tip = min(count, tip if contact.tip_spheres is None else contact.tip_spheres)
-    return {
+    stiffness = contact.stiffness or contact.stiffness_per_length
+    assert stiffness is not None
+    described = {
         "name": name,
         "first": contact.first,
         "second": contact.second,
-        "stiffness": float(contact.stiffness),
+        "stiffness": float(stiffness),
         "skip": contact.skip,
         "tip_spheres": list(range(count - tip, count)),
     }
+    if contact.shape == "round-cones":
+        described["cones"] = round_cones(second, bodies)
+    if contact.stiffness_per_length is not None:
+        described["weights"] = length_shares(first, bodies)
+        described["per_length"] = True
+    return described
 
 
 def lower_actuator(name: str, actuator: Actuator, points: Array) -> Json:

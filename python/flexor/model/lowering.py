@@ -46,14 +46,17 @@ def lower(file: ModelFile) -> Json:
         each rod at its sample points.
     """
     bodies = {name: file.bodies[name] for name in parents_first(file.bodies)}
-    spheres = {name: sphere_group(group, bodies) for name, group in file.spheres.items()}
+    solid = {contact.second for contact in file.contacts.values() if contact.shape != "spheres"}
+    spheres = {
+        name: sphere_group(group, bodies, name in solid) for name, group in file.spheres.items()
+    }
     return {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
         "bodies": [_body(name, body, file.planar) for name, body in bodies.items()],
         "spheres": [{"name": name, "spheres": group} for name, group in spheres.items()],
         "contacts": [
-            lower_contact(name, contact, len(spheres[contact.first]))
+            lower_contact(name, contact, file.spheres, bodies)
             for name, contact in file.contacts.items()
         ],
         "actuators": [

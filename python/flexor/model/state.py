@@ -18,22 +18,29 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """Contact forces in one state; m pairs of spheres touch.
+    """Contact forces in one state; m pairs touch.
+
+    Where two round cones meet in a hollow, and a sphere touches both, the sphere that they share is
+    taken off again: an entry whose force pulls.
 
     Attributes
     ----------
     first, second : (m,) arrays
-        Indices of the spheres, counted through all groups.
+        Indices of the spheres, counted through all groups; of a round cone that is touched between
+        its ends, ``second`` is the nearer one.
+    cone : (m,) array
+        Whether the second is a round cone.
     force : (m, 3) array
         Force on the first sphere [N]; the second feels its opposite.
     point : (m, 3) array
-        Middle of the overlap of the two spheres [m].
+        Middle of the overlap [m].
     depth : (m,) array
         Overlap d of (8) [m].
     """
 
     first: NDArray[np.uint32]
     second: NDArray[np.uint32]
+    cone: NDArray[np.bool_]
     force: Array
     point: Array
     depth: Array
@@ -94,15 +101,4 @@ def contact_forces(engine: _engine.Model, parameters: Array, q: Array) -> Contac
     engine, parameters, q
         As for `frames`.
     """
-    found, every = engine.contacts(parameters, q), engine.spheres(parameters, q)
-    first, second, depth = every[found["first"]], every[found["second"]], found["depth"]
-    between = first[:, :3] - second[:, :3]
-    apart = np.linalg.norm(between, axis=1, keepdims=True)
-    reach = (second[:, 3] - 0.5 * depth)[:, None]
-    return ContactForces(
-        first=found["first"],
-        second=found["second"],
-        force=found["force"],
-        point=second[:, :3] + reach * between / np.where(apart > 0.0, apart, 1.0),
-        depth=depth,
-    )
+    return ContactForces(**engine.contacts(parameters, q))

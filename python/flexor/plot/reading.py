@@ -86,9 +86,11 @@ def _at(station: Array, samples: Array) -> Array:
 
 def _pushes(found: ContactForces) -> list[Push]:
     pushes = []
-    # One arrow for each sphere of the limb: what all that touches it does to it together.
-    for sphere in np.unique(found.second):
-        mine = found.second == sphere
+    # One arrow for each sphere of the limb: what all that touches it does to it together. A round
+    # cone is touched at many places: one arrow for each of them.
+    places = np.where(found.cone, -1 - found.first.astype(np.int64), found.second)
+    for place in np.unique(places):
+        mine = places == place
         force = -found.force[mine]
         strength = np.linalg.norm(force, axis=1)
         point = np.average(found.point[mine], axis=0, weights=np.maximum(strength, 1e-300))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flexor.errors import unknown_name
 from flexor.model.fault import fault
 from flexor.model.schema.body import Link, Rod
-from flexor.model.schema.points import Attachment, Station
+from flexor.model.schema.points import Attachment, Contact, Station
 
 if TYPE_CHECKING:
     from flexor.model.schema.model_file import ModelFile
@@ -64,6 +64,7 @@ def check_references(file: ModelFile) -> None:
     for name, contact in file.contacts.items():
         _demand(contact.first, "sphere group", file.spheres, f"contacts.{name}.first")
         _demand(contact.second, "sphere group", file.spheres, f"contacts.{name}.second")
+        _check_shape(file, name, contact)
     for name, actuator in file.actuators.items():
         _demand_rod(file, actuator.rod, f"actuators.{name}.rod")
     for name, spring in file.springs.items():
@@ -74,6 +75,24 @@ def check_references(file: ModelFile) -> None:
         _check_station(file, wrench, f"wrenches.{name}")
     if file.design is not None:
         _demand_rod(file, file.design.rod, "design.rod")
+
+
+def _check_shape(file: ModelFile, name: str, contact: Contact) -> None:
+    if contact.shape == "spheres":
+        return
+    for other, spheres in file.contacts.items():
+        if spheres.shape == "spheres" and contact.second in (spheres.first, spheres.second):
+            tail = (
+                f'is "{contact.second}", whose spheres {other} needs where they are: make another'
+            )
+            raise fault(f"{tail} group for round cones", path=f"contacts.{name}.second")
+    if contact.stiffness_per_length is not None:
+        group = file.spheres[contact.first]
+        for body in group.bodies:
+            _demand_rod(file, body, f"spheres.{contact.first}.bodies")
+        if group.points:
+            tail = f"has single points, but {name} has a stiffness per length: give it rods only"
+            raise fault(tail, path=f"spheres.{contact.first}")
 
 
 def _demand(name: str, kind: str, allowed: Iterable[str], path: str, verb: str = "is") -> None:

@@ -10,7 +10,7 @@ from flexor.model import units
 from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Choice, Index, Name, Switch, Table
 from flexor.model.schema.vector import ForceVector, MomentVector, Offset
-from flexor.model.units import NonNegativeLength, PositiveStiffness
+from flexor.model.units import NonNegativeLength, PositiveStiffness, PositiveStiffnessPerLength
 
 
 def _at(value: object) -> object:
@@ -87,6 +87,11 @@ class SphereGroup(Table):
 class Contact(Table):
     """Contact (8) between every sphere of one group and every sphere of another.
 
+    With ``shape = "round-cones"`` the second group's bodies are solid: a link is a round cone from
+    base to tip, a rod a chain of them from sample point to sample point. Each sphere of the first
+    group is as stiff as ``stiffness``; or, against round cones only, each piece of its rods' length
+    as ``stiffness_per_length``.
+
     A group may touch itself; pairs closer than ``skip`` in the group's order are then left out.
     ``tip_spheres`` says how many of the first group's last spheres make up F_t (14); unless given
     it is one, and none where a group touches itself.
@@ -94,9 +99,24 @@ class Contact(Table):
 
     first: Name
     second: Name
-    stiffness: PositiveStiffness
+    shape: Annotated[Literal["spheres", "round-cones"], Choice("spheres", "round-cones")] = (
+        "spheres"
+    )
+    stiffness: PositiveStiffness | None = None
+    stiffness_per_length: PositiveStiffnessPerLength | None = None
     skip: Index = 0
     tip_spheres: Index | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Contact:
+        if self.stiffness_per_length is None:
+            if self.stiffness is None:
+                raise fault(f"is missing: {units.STIFFNESS.hint}", path="stiffness")
+        elif self.stiffness is not None:
+            raise fault("has both stiffness and stiffness_per_length: give one")
+        elif self.shape == "spheres":
+            raise fault('is only for shape = "round-cones"', path="stiffness_per_length")
+        return self
 
 
 class Spring(Table):
