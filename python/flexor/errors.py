@@ -1,7 +1,8 @@
-"""The one error that a person can cause: input that cannot be used.
+"""The one error that a person can cause: input that cannot be used; and one that nobody need.
 
-Its text is always one sentence that says which field of which file, what was found there and what
-is allowed; the command line prints it after ``error:`` and exits with code 2.
+The text of `InputError` is always one sentence that says which field of which file, what was found
+there and what is allowed; the command line prints it after ``error:`` and exits with code 2. That
+of `ClusterError` says what became of the cluster; the exit code is 3, and the study can go on.
 """
 
 from __future__ import annotations
@@ -9,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["InputError", "alternatives", "shortened", "unknown", "unknown_name"]
+__all__ = ["ClusterError", "InputError", "alternatives", "shortened", "unknown", "unknown_name"]
 
 # Names that a sentence lists; the fields of a model file are fewer.
 _LISTED = 60
+
+
+class ClusterError(RuntimeError):
+    """A cluster that was lost while it was working, explained in one sentence."""
 
 
 class InputError(ValueError):

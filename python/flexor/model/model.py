@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from flexor.model.geometry import (
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
 from flexor.model.path import Path
+from flexor.model.reading import parse
 from flexor.model.schema import ModelFile, Rod
 
 Array = NDArray[np.float64]
@@ -56,6 +57,10 @@ class Model:
             self.engine = _engine.Model(self._description)
         except ValueError as error:
             raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
+
+    def __reduce__(self) -> tuple[Callable[[str, str], Model], tuple[str, str]]:
+        # A few kilobytes of text, from which another process builds its own engine.
+        return rebuilt, (self.file.to_toml(), self.hash)
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.dof} degrees of freedom, {self.hash[:12]}>"
@@ -273,3 +278,27 @@ class Model:
         if not self.inputs:
             return np.zeros((1, 0))
         return loads(self.evaluation_forces, self.inputs)
+
+
+def rebuilt(text: str, hash: str) -> Model:
+    """Build a model that was pickled, and see that it is the same.
+
+    Parameters
+    ----------
+    text
+        The model file.
+    hash
+        `Model.hash` of the model.
+
+    Raises
+    ------
+    InputError
+        If the text now describes other mechanics: this is another version of Flexor.
+    """
+    model = Model(parse(text))
+    if model.hash != hash:
+        raise InputError(
+            f'the model "{model.name}" was made by another version of Flexor: its description has '
+            f"the hash {hash[:12]} there and {model.hash[:12]} here."
+        )
+    return model

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Generator
+from contextlib import closing
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from flexor.search.interface import (
     FloatArray,
     Progress,
     SearchResult,
+    StreamingFunction,
     VectorFunction,
 )
 
@@ -68,14 +71,33 @@ class Counted:
             Before the batch if no budget is left; after as much of it as the budget allows.
         """
         designs = np.ascontiguousarray(designs, dtype=np.float64) + 0.0  # one kind of zero
-        keys = [row.tobytes() for row in designs]
-        fresh: dict[bytes, int] = {}
-        for row, key in enumerate(keys):
-            if key not in self._known:
-                fresh.setdefault(key, row)
+        keys, fresh = self._sorted(designs)
         if fresh:
-            self._evaluate(designs, fresh)
+            for _ in self._evaluate(designs, fresh, len(fresh)):
+                pass
         return np.array([self._known[key] for key in keys])
+
+    def stream(self, designs: FloatArray, part: int) -> Generator[int, None, None]:
+        """Evaluate designs (n, k) in order; yield now and then how many of them are done.
+
+        Parameters
+        ----------
+        designs : (n, k) array
+            Designs.
+        part : int
+            How many to evaluate between two yields, if the function does not choose that itself.
+
+        Raises
+        ------
+        BudgetSpent
+            As for values.
+        """
+        designs = np.ascontiguousarray(designs, dtype=np.float64) + 0.0
+        _, fresh = self._sorted(designs)
+        rows = [*fresh.values(), len(designs)]
+        if fresh:
+            for done in self._evaluate(designs, fresh, part):
+                yield rows[done]
 
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Vectors (n, r) of designs (n, k), each design counted as it is for its value.
@@ -124,24 +146,62 @@ class Counted:
             improvement_designs=np.array([i[2] for i in self._improvements]).reshape(-1, k),
         )
 
-    def _evaluate(self, designs: FloatArray, fresh: dict[bytes, int]) -> None:
+    def _sorted(self, designs: FloatArray) -> tuple[list[bytes], dict[bytes, int]]:
+        """Keys of designs, and those not known yet with the first row of each."""
+        keys = [row.tobytes() for row in designs]
+        fresh: dict[bytes, int] = {}
+        for row, key in enumerate(keys):
+            if key not in self._known:
+                fresh.setdefault(key, row)
+        return keys, fresh
+
+    def _evaluate(
+        self, designs: FloatArray, fresh: dict[bytes, int], part: int
+    ) -> Generator[int, None, None]:
+        """Evaluate what is not known yet, within the budget; yield how many of it are done."""
         limit = self._budget.evaluations
-        left = len(fresh) if limit is None else limit - self.evaluations
-        seconds = self._budget.seconds
+        left = len(fresh) if limit is None else min(limit - self.evaluations, len(fresh))
         if left <= 0:
             raise BudgetSpent(f"the budget of {limit} evaluations is spent")
-        if seconds is not None and self.evaluations and time.monotonic() - self._began >= seconds:
-            raise BudgetSpent(f"the budget of {seconds:g} s is spent")
-        keys, rows = list(fresh)[:left], list(fresh.values())[:left]
-        values = np.asarray(self._function(designs[rows]), dtype=np.float64)
-        if values.shape != (len(rows),):
-            raise RuntimeError(f"{len(rows)} designs gave values of shape {values.shape}")
-        for key, row, value in zip(keys, rows, values.tolist(), strict=True):
-            self._known[key] = np.inf if np.isnan(value) else value
-            if self._first is None:
-                self._first = designs[row].copy()
-            if self._known[key] < self.value:
-                self.value = value
-                self._improvements.append((len(self._known), value, designs[row].copy()))
+        self._check_time()
+        keys, rows = list(fresh), list(fresh.values())
+        done = 0
+        with closing(self._values(designs[rows[:left]], part)) as parts:
+            for values in parts:
+                last = done + len(values)
+                for key, row, value in zip(
+                    keys[done:last], rows[done:last], values.tolist(), strict=True
+                ):
+                    self._note(key, designs[row], value)
+                done = last
+                yield done
+                if done < left:
+                    self._check_time()
+        if done != left:
+            raise RuntimeError(f"{left} designs gave {done} values")
         if left < len(fresh):
             raise BudgetSpent(f"the budget of {limit} evaluations is spent")
+
+    def _values(self, designs: FloatArray, part: int) -> Generator[FloatArray, None, None]:
+        if isinstance(self._function, StreamingFunction) and part < len(designs):
+            yield from self._function.stream(designs)
+            return
+        for first in range(0, len(designs), part):
+            asked = designs[first : first + part]
+            values = np.asarray(self._function(asked), dtype=np.float64)
+            if values.shape != (len(asked),):
+                raise RuntimeError(f"{len(asked)} designs gave values of shape {values.shape}")
+            yield values
+
+    def _note(self, key: bytes, design: FloatArray, value: float) -> None:
+        self._known[key] = np.inf if np.isnan(value) else value
+        if self._first is None:
+            self._first = design.copy()
+        if self._known[key] < self.value:
+            self.value = value
+            self._improvements.append((len(self._known), value, design.copy()))
+
+    def _check_time(self) -> None:
+        seconds = self._budget.seconds
+        if seconds is not None and self.evaluations and time.monotonic() - self._began >= seconds:
+            raise BudgetSpent(f"the budget of {seconds:g} s is spent")

@@ -12,7 +12,8 @@ from flexor.search.method import Method, Run
 from flexor.search.options import require
 
 LARGEST = 4_000_000
-# Designs of one batch: enough to keep every core busy, few enough for a progress that moves.
+# Designs of one batch, where the function does not work ahead: enough to keep every core busy, few
+# enough for a progress that moves.
 BATCH = 256
 
 
@@ -50,9 +51,8 @@ class Grid(Method):
         """Evaluate every point, the last column fastest."""
         start = run.designs(run.starts(1, np.random.default_rng(run.seed))[:1])[0]
         designs = grid_designs(run.lower, run.upper, start, self.points, self.columns)
-        for first in range(0, len(designs), BATCH):
-            run.function(designs[first : first + BATCH])
-            run.step("grid", max(len(designs) - first - BATCH, 0))
+        for done in run.function.stream(designs, BATCH):
+            run.step("grid", len(designs) - done)
         return f"{len(designs)} designs"
 
 

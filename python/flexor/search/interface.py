@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -63,6 +63,19 @@ class DifferentiableFunction(Protocol):
         It is asked only for designs whose values have been asked for before. None if there are
         none after all.
         """
+        ...
+
+
+@runtime_checkable
+class StreamingFunction(Protocol):
+    """A batch function that can work ahead while its first values are looked at."""
+
+    def __call__(self, designs: FloatArray) -> FloatArray:
+        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        ...
+
+    def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
+        """Yield the values of n designs (n, k) in order, some of them at a time."""
         ...
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexor.study.design import Design
-from flexor.study.executor import Executor, Threads
+from flexor.study.executors import Cluster, Executor, Threads, chosen_executor
 from flexor.study.function import ObjectiveFunction, Slopes, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.outcomes import Outcomes
@@ -19,6 +19,7 @@ from flexor.study.study import Comparison, Study
 
 __all__ = [
     "Changed",
+    "Cluster",
     "Comparison",
     "Design",
     "Difference",
@@ -36,6 +37,7 @@ __all__ = [
     "StudyCallback",
     "StudyProgress",
     "Threads",
+    "chosen_executor",
     "objective_function",
     "optimize",
     "rerun",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +13,10 @@ from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.objective import Objective
 from flexor.objective import objective as named_objective
-from flexor.search import Budget, Search
+from flexor.search import Budget, Search, SearchResult
 from flexor.search import method as named_method
 from flexor.study import folder as folders
-from flexor.study.executor import Executor
+from flexor.study.executors import Executor, chosen_executor
 from flexor.study.lock import Lock
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
@@ -45,7 +45,7 @@ def optimize(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     method_options: Mapping[str, Any] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Study:
@@ -78,8 +78,9 @@ def optimize(
         Go on with the study in ``folder``, whose settings must be these (the budget may differ).
     progress : callable, optional
         Told a `StudyProgress` after each iteration.
-    executor : Executor, optional
-        Where designs are evaluated; in this process, on all cores, by default.
+    executor : Executor or str, optional
+        Where designs are evaluated: in this process, on all cores, by default; a text is the
+        address of a cluster, such as ``"tcp://HOST:8786"`` or ``"local:4"``; see `Cluster`.
     method_options, engine_options : dict, optional
         Options of a method given by name, and of the engine's solver.
 
@@ -91,7 +92,10 @@ def optimize(
     Raises
     ------
     InputError
-        If a name is not known, a start lies outside the bounds, or the folder cannot be used.
+        If a name is not known, a start lies outside the bounds, or the folder or the cluster
+        cannot be used.
+    ClusterError
+        If the cluster is lost on the way; a study in a folder can be resumed.
 
     Notes
     -----
@@ -116,36 +120,19 @@ def optimize(
     problem = Problem(model, chosen, wanted, dict(engine_options or {}))
     first = _start(chosen, start)
     settings = Settings.of(problem, search, first, seed, limit)
-    if folder is None:
-        if resume:
-            raise InputError("resuming a study needs its folder.")
-        sizes = (chosen.size, problem.force.size, len(model.joints))
-        study = Study(problem, settings, Record(None, sizes))
-        study.result = run(study, search, first, seed, limit, progress, executor)
-        return study
-    place = Path(folder)
-    if resume:
-        kept = Settings.read(place)
-        kept.check_same(settings, place)
-        settings = kept.with_budget(limit)
-    else:
-        folders.create(place, settings, problem)
-    lock = Lock(place)
-    try:
-        study = Study(problem, settings, folders.open_record(place, problem, write=True), place)
-        try:
-            if resume:
-                _check_reproduces(study)
-                folders.keep_settings(place, settings)
-            study.record.note("finished", None)
-            study.result = run(study, search, first, seed, limit, progress, executor)
-            study.record.note("finished", study.result.reason)
-        except BaseException:
-            study.close()
-            raise
-    finally:
-        lock.release()
-    return study
+    if folder is None and resume:
+        raise InputError("resuming a study needs its folder.")
+    with chosen_executor(executor) as where:
+
+        def search_in(study: Study) -> SearchResult:
+            return run(study, search, first, seed, limit, progress, where)
+
+        if folder is None:
+            sizes = (chosen.size, problem.force.size, len(model.joints))
+            study = Study(problem, settings, Record(None, sizes))
+            study.result = search_in(study)
+            return study
+        return _kept(Path(folder), settings, problem, resume, search_in)
 
 
 def resume(
@@ -153,7 +140,7 @@ def resume(
     *,
     budget: int | Budget | None = None,
     progress: StudyCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     model: Model | None = None,
     parameters: ParameterSet | None = None,
     objective: Objective | None = None,
@@ -201,6 +188,38 @@ def resume(
         method_options=None if method is not None else values["method"]["options"],
         engine_options=problem.options,
     )
+
+
+def _kept(
+    place: Path,
+    settings: Settings,
+    problem: Problem,
+    resume: bool,
+    search: Callable[[Study], SearchResult],
+) -> Study:
+    """Search with a record in a folder, which is made, or which is gone on with."""
+    if resume:
+        kept = Settings.read(place)
+        kept.check_same(settings, place)
+        settings = kept.with_budget(Budget(**settings.values["budget"]))
+    else:
+        folders.create(place, settings, problem)
+    lock = Lock(place)
+    try:
+        study = Study(problem, settings, folders.open_record(place, problem, write=True), place)
+        try:
+            if resume:
+                _check_reproduces(study)
+                folders.keep_settings(place, settings)
+            study.record.note("finished", None)
+            study.result = search(study)
+            study.record.note("finished", study.result.reason)
+        except BaseException:
+            study.close()
+            raise
+    finally:
+        lock.release()
+    return study
 
 
 def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
 
-from flexor.study.executor import Executor
+from flexor.study.executors import Executor
 from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import PART, Problem
+from flexor.study.problem import Problem
 from flexor.study.record import Record
 
 
@@ -16,7 +18,7 @@ class Recorded:
     """From designs (n, k) to values (n,), through the record.
 
     Known designs (by their exact bytes) are answered from the record, the others are evaluated and
-    appended in one transaction per ``PART``. A deterministic search that is simply run again
+    appended in one transaction for each part. A deterministic search that is simply run again
     therefore finds its way to where it was interrupted without evaluating anything twice.
 
     Parameters
@@ -49,6 +51,10 @@ class Recorded:
 
     def __call__(self, designs: FloatArray) -> FloatArray:
         """Values of designs (n, k); +inf for those that failed."""
+        return np.concatenate([np.zeros(0), *self.stream(designs)])
+
+    def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
+        """Yield values of designs (n, k), part after part, each recorded before it is seen."""
         designs = np.ascontiguousarray(designs, dtype="<f8") + 0.0  # one kind of zero
         keys = [row.tobytes() for row in designs]
         fresh: dict[bytes, int] = {}
@@ -59,15 +65,20 @@ class Recorded:
                     self.replayed += 1
             else:
                 fresh.setdefault(key, row)
-        rows = np.array(list(fresh.values()), dtype=np.intp)
-        for first in range(0, rows.size, PART):
-            part = designs[rows[first : first + PART]]
-            outcomes = self._evaluate(part)
-            self._record.append(part, outcomes)
-            for row, value in zip(part, outcomes.value.tolist(), strict=True):
-                self._known[row.tobytes()] = value
-            self.evaluated += len(part)
-        return np.array([self._known[key] for key in keys])
+        rows = [*fresh.values(), len(designs)]
+        told, done = 0, 0
+        with closing(self._parts(designs[rows[:-1]])) as parts:
+            for part, outcomes in parts:
+                self._record.append(part, outcomes)
+                for row, value in zip(part, outcomes.value.tolist(), strict=True):
+                    self._known[row.tobytes()] = value
+                self.evaluated += len(part)
+                done += len(part)
+                # All up to the next that is not known yet.
+                yield np.array([self._known[key] for key in keys[told : rows[done]]])
+                told = rows[done]
+        if told < len(keys):
+            yield np.array([self._known[key] for key in keys[told:]])
 
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed.
@@ -99,10 +110,13 @@ class Recorded:
             return None
         return self._problem.jacobians(self._differentiated(designs))
 
-    def _evaluate(self, designs: FloatArray) -> Outcomes:
-        if not self._gradients:
-            return self._executor.evaluate(self._problem, designs)
-        return self._executor.evaluate(self._problem, designs, gradient=True)
+    def _parts(self, designs: FloatArray) -> Generator[tuple[FloatArray, Outcomes], None, None]:
+        """Evaluate designs; yield those of each part with their outcomes."""
+        done = 0
+        with closing(self._executor.parts(self._problem, designs, self._gradients)) as parts:
+            for outcomes in parts:
+                yield designs[done : done + len(outcomes)], outcomes
+                done += len(outcomes)
 
     def _differentiated(self, designs: FloatArray) -> Outcomes:
         """Outcomes with derivatives, from the record."""
@@ -110,8 +124,8 @@ class Recorded:
         self(designs)
         bare = [row for row in designs if self._record.derivatives(row) is None]
         if bare:  # recorded by a search that had no use for them
-            again = np.array(bare)
-            self._record.append_derivatives(again, self._evaluate(again))
+            for part, outcomes in self._parts(np.array(bare)):
+                self._record.append_derivatives(part, outcomes)
         parts = []
         for row in designs:
             found = self._record.derivatives(row)

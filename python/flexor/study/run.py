@@ -8,7 +8,7 @@ import numpy as np
 
 from flexor.search import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.study.design import Design
-from flexor.study.executor import Executor, Threads
+from flexor.study.executors import Executor, Threads
 from flexor.study.outcomes import FloatArray
 from flexor.study.progress import StudyCallback, StudyProgress
 from flexor.study.recorded import Recorded

@@ -1,0 +1,10 @@
+"""Executors: where the designs of studies are evaluated."""
+
+from __future__ import annotations
+
+from flexor.study.executors.choice import chosen_executor
+from flexor.study.executors.cluster import Cluster
+from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.threads import Threads
+
+__all__ = ["PART", "Cluster", "Executor", "Threads", "chosen_executor"]

@@ -1,0 +1,185 @@
+"""The connection to a Dask cluster, and every way in which it can fail, in sentences."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import CancelledError
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from flexor.errors import ClusterError, InputError
+from flexor.study.executors.address import Address
+
+# How long a scheduler may take to answer [s], and how long a cluster may be without workers.
+ANSWER = 10.0
+PATIENCE = 60.0
+# How often a wait looks whether there is still something to wait for [s].
+_LOOK = 1.0
+# How long the number of threads is believed [s].
+_BELIEVED = 5.0
+
+
+class Connection:
+    """A client of a scheduler, which may be one that it started itself.
+
+    Parameters
+    ----------
+    address : str
+        As `Address.read` takes it.
+    patience : float
+        How long the cluster may be without workers [s].
+
+    Raises
+    ------
+    InputError
+        If the library is missing, the address is none, nobody answers there, there are no
+        workers, or one of them runs another version of Flexor.
+    """
+
+    def __init__(self, address: str, patience: float = PATIENCE) -> None:
+        self.address = Address.read(address)
+        self._patience = patience
+        self._cluster: Any = None
+        self._client: Any = None
+        self._threads, self._counted = 0, -_BELIEVED
+        distributed = _library()
+        try:
+            self._open(distributed)
+            self._wait_for_workers()
+            self._check_versions()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def threads(self) -> int:
+        """Threads of all workers together; 0 while there are none."""
+        if time.monotonic() - self._counted >= _BELIEVED:
+            self._threads = sum(self._guarded(self._client.nthreads).values())
+            self._counted = time.monotonic()
+        return self._threads
+
+    def on_every_worker(self, function: Callable[..., Any], *arguments: Any) -> Mapping[str, Any]:
+        """Call a function on every worker at once; results, or exceptions, by address."""
+        found: Mapping[str, Any] = self._guarded(
+            self._client.run, function, *arguments, on_error="return"
+        )
+        return found
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Have a function called on some worker; return what `result` waits for."""
+        return self._guarded(self._client.submit, function, *arguments, pure=False)
+
+    def result(self, future: Any) -> Any:
+        """Wait for the result of a call.
+
+        Raises
+        ------
+        ClusterError
+            If the cluster is lost, or has been without workers for too long.
+        Exception
+            What the function raised.
+        """
+        bare_since: float | None = None
+        while True:
+            try:
+                return self._guarded(future.result, timeout=_LOOK)
+            except TimeoutError:
+                if self.threads:
+                    bare_since = None
+                elif bare_since is None:
+                    bare_since = time.monotonic()
+                elif time.monotonic() - bare_since > self._patience:
+                    raise ClusterError(
+                        f'the cluster "{self.address.text}" has lost all its workers: none came '
+                        f"back in {self._patience:g} s."
+                    ) from None
+
+    def close(self) -> None:
+        """Leave the cluster; stop it, if it was started here."""
+        for each in (self._client, self._cluster):
+            if each is not None:
+                with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
+                    each.close(timeout=ANSWER)
+        self._client = self._cluster = None
+
+    def _open(self, distributed: Any) -> None:
+        target: Any = self.address.text
+        try:
+            if self.address.local:
+                target = self._cluster = distributed.LocalCluster(
+                    n_workers=self.address.local,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    worker_dashboard_address=None,
+                    memory_limit=0,
+                    silence_logs=logging.CRITICAL,
+                )
+            self._client = distributed.Client(
+                target, timeout=ANSWER, set_as_default=False, name="flexor"
+            )
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            if self.address.local:
+                why = f"could not be started: {_one_line(error)}"
+            else:
+                why = f"cannot be reached: no Dask scheduler answers there within {ANSWER:g} s"
+            raise InputError(f'the cluster "{self.address.text}" {why}.') from error
+
+    def _wait_for_workers(self) -> None:
+        began = time.monotonic()
+        while not self.threads:
+            if time.monotonic() - began > self._patience:
+                raise InputError(
+                    f'the cluster "{self.address.text}" has no workers: none came in '
+                    f"{self._patience:g} s."
+                )
+            time.sleep(0.2)
+            self._counted = -_BELIEVED
+
+    def _check_versions(self) -> None:
+        """Refuse workers of another version; asked in a way that works without Flexor there."""
+        here = version("flexor")
+        for worker, found in self.on_every_worker(version, "flexor").items():
+            if isinstance(found, PackageNotFoundError):
+                raise InputError(
+                    f'the worker {worker} of the cluster "{self.address.text}" has no Flexor: '
+                    f"install version {here} there."
+                )
+            if isinstance(found, str) and found != here:
+                raise InputError(
+                    f'the worker {worker} of the cluster "{self.address.text}" runs Flexor '
+                    f"{found}, this is {here}: install the same version."
+                )
+
+    def _guarded(self, call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+        """Call something of the client; if the scheduler is lost, say so."""
+        try:
+            return call(*arguments, **options)
+        except (OSError, RuntimeError, ValueError, CancelledError, asyncio.TimeoutError) as error:
+            here = self._client is not None and self._client.status == "running"
+            if here and isinstance(error, (TimeoutError, asyncio.TimeoutError)):
+                raise TimeoutError from error
+            if here and isinstance(error, (RuntimeError, ValueError)):
+                raise
+            raise ClusterError(
+                f'the cluster "{self.address.text}" was lost: its scheduler no longer answers.'
+            ) from error
+
+
+def _library() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise InputError(
+            "a cluster needs the package dask[distributed], which is not installed: "
+            'pip install "flexor[cluster]".'
+        ) from None
+    return distributed
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split()).rstrip(".") or type(error).__name__
