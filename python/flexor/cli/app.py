@@ -86,7 +86,7 @@ def main(arguments: list[str] | None = None) -> None:
     Notes
     -----
     Exit codes: 0 done, 1 done but something did not work out (a load step without equilibrium), 2
-    input that cannot be used, 130 interrupted.
+    input that cannot be used, 3 the cluster was lost on the way, 130 interrupted.
     """
     try:
         code = app(args=arguments, prog_name="flexor", standalone_mode=False)

@@ -14,11 +14,12 @@ import typer
 from flexor.cli.changes import load_changed
 from flexor.cli.comparison_progress import ComparisonBar
 from flexor.cli.console import err, out
-from flexor.cli.options import Constants, JudgedForce, ModelUnlessResumed, Set
+from flexor.cli.evaluation import executor_if
+from flexor.cli.options import Cluster, Constants, JudgedForce, ModelUnlessResumed, Set
 from flexor.cli.progress import duration
 from flexor.cli.studies import free_folder, interrupted
 from flexor.cli.table import number, table
-from flexor.errors import InputError
+from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
     from flexor.survey import MethodComparison, Summary
@@ -55,8 +56,10 @@ def compare(
         FilePath | None, typer.Option(help="Go on with the comparison in this folder.")
     ] = None,
     workers: Annotated[
-        int, typer.Option(min=0, help="Searches at a time; 0 for one per core.")
+        int,
+        typer.Option(min=0, help="Searches at a time; 0 for one per core, or thread of a cluster."),
     ] = 0,
+    cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
@@ -95,9 +98,11 @@ def compare(
         raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
     began, place = time.monotonic(), resume
     try:
-        with ComparisonBar() as progress:
+        with executor_if(cluster) as executor, ComparisonBar() as progress:
             if resume is not None:
-                found = survey.resume_comparison(resume, progress=progress, workers=workers)
+                found = survey.resume_comparison(
+                    resume, progress=progress, executor=executor, workers=workers
+                )
             else:
                 assert model is not None
                 from flexor.model import forces
@@ -114,10 +119,11 @@ def compare(
                     force=None if force is None else forces(force),
                     folder=place,
                     progress=progress,
+                    executor=executor,
                     workers=workers,
                 )
-    except KeyboardInterrupt:
-        return interrupted(place, "flexor compare --resume")
+    except (KeyboardInterrupt, ClusterError) as error:
+        return interrupted(place, "flexor compare --resume", error)
     assert place is not None
     files = _keep(found, place, plot)
     seconds = time.monotonic() - began

@@ -11,7 +11,9 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
+from flexor.cli.evaluation import executor_for
 from flexor.cli.options import (
+    Cluster,
     Constants,
     JudgedForce,
     ModelUnlessResumed,
@@ -23,7 +25,7 @@ from flexor.cli.options import (
 from flexor.cli.progress import duration
 from flexor.cli.studies import free_folder, interrupted
 from flexor.cli.table import number
-from flexor.errors import InputError
+from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
@@ -63,6 +65,7 @@ def landscape(
         FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
     ] = None,
     threads: Threads = 0,
+    cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
@@ -100,9 +103,9 @@ def landscape(
     if resume is not None and (folder is not None or model is not None):
         raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
     ways = [(each, studies.Study.open(each)) for each in searches or []]
-    executor, began, place = studies.Threads(threads), time.monotonic(), resume
+    began, place = time.monotonic(), resume
     try:
-        with SearchProgress() as progress:
+        with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             if resume is not None:
                 Landscape.check(resume)
                 study = studies.resume(resume, progress=progress, executor=executor)
@@ -122,8 +125,8 @@ def landscape(
                     executor=executor,
                     **settings,
                 )
-    except KeyboardInterrupt:
-        return interrupted(place, "flexor landscape --resume")
+    except (KeyboardInterrupt, ClusterError) as error:
+        return interrupted(place, "flexor landscape --resume", error)
     found = Landscape.of(study)
     seconds = time.monotonic() - began
     for each, way in ways:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli.changes import load_changed
+from flexor.cli.evaluation import executor_for
 from flexor.cli.options import (
+    Cluster,
     Constants,
     JudgedForce,
     ModelUnlessResumed,
@@ -21,7 +23,7 @@ from flexor.cli.options import (
     Threads,
 )
 from flexor.cli.studies import free_folder, interrupted
-from flexor.errors import InputError
+from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -57,6 +59,7 @@ def optimize(
         FilePath | None, typer.Option(help="Go on with the study in this folder.")
     ] = None,
     threads: Threads = 0,
+    cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
@@ -95,11 +98,10 @@ def optimize(
         raise InputError("give a MODEL to optimise, or --resume FOLDER to go on with a study.")
     if resume is not None and folder is not None:
         raise InputError("--out makes a new study and --resume goes on with one: give one of them.")
-    executor = studies.Threads(threads)
     began = time.monotonic()
     place = resume
     try:
-        with SearchProgress() as progress:
+        with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             if model is None:
                 assert resume is not None
                 study = studies.resume(resume, budget=budget, progress=progress, executor=executor)
@@ -122,8 +124,8 @@ def optimize(
                     executor=executor,
                     **settings,
                 )
-    except KeyboardInterrupt:
-        return interrupted(place, "flexor optimize --resume")
+    except (KeyboardInterrupt, ClusterError) as error:
+        return interrupted(place, "flexor optimize --resume", error)
     seconds = time.monotonic() - began
     if as_json:
         print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))

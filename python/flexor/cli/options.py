@@ -31,6 +31,14 @@ Seed = Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")
 Threads = Annotated[
     int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
 ]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Evaluate on a Dask cluster, such as `tcp://HOST:8786`; `local:4` starts four workers "
+        "here. Results do not depend on it.",
+    ),
+]
 Constants = Annotated[
     str | None, typer.Option(help="The file's set of constants to use, such as `printed`.")
 ]

@@ -9,7 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexor.cli.console import complain, err, out
+from flexor.cli.console import err, out
+from flexor.cli.evaluation import executor_if
+from flexor.cli.options import Cluster
+from flexor.cli.studies import ended_early
+from flexor.errors import ClusterError
 
 if TYPE_CHECKING:
     from flexor.paper import Doing, ItemDone
@@ -37,6 +41,7 @@ def reproduce(
     seed: Annotated[
         int | None, typer.Option(min=0, help="Of everything drawn at random; 0 by default.")
     ] = None,
+    cluster: Cluster = None,
     docs: Annotated[
         FilePath | None,
         typer.Option(help="Also write the findings as Markdown into this file, figures beside it."),
@@ -67,12 +72,18 @@ def reproduce(
             seed=kept.seed if seed is None else seed,
         )
     try:
-        with Telling() as told:
+        with executor_if(cluster) as executor, Telling() as told:
             done = paper.reproduce(
-                folder, only, settings=settings, resume=resume, docs=docs, told=told
+                folder,
+                only,
+                settings=settings,
+                resume=resume,
+                docs=docs,
+                told=told,
+                executor=executor,
             )
-    except KeyboardInterrupt:
-        return _interrupted(folder)
+    except (KeyboardInterrupt, ClusterError) as error:
+        return _interrupted(folder, error)
     from flexor.cli.progress import duration
 
     count, took = len(done.sections), duration(time.monotonic() - began)
@@ -111,14 +122,8 @@ class Telling:
         self._status.update(f"{news.item} · {news.what}{share}")
 
 
-def _interrupted(folder: FilePath) -> int:
-    if not (folder / "reproduction.json").exists():
-        complain("interrupted before anything was computed.")
-        return 130
+def _interrupted(folder: FilePath, error: BaseException) -> int:
+    begun = (folder / "reproduction.json").exists()
     where = "" if folder == OUT else f" --out {shlex.quote(str(folder))}"
-    err.print(
-        f"interrupted; every finished part is kept. To go on:\n  flexor reproduce --resume{where}",
-        markup=False,
-        soft_wrap=True,
-    )
-    return 130
+    command = f"flexor reproduce --resume{where}" if begun else None
+    return ended_early(error, "finished part", command)

@@ -7,8 +7,10 @@ import shlex
 from pathlib import Path
 
 from flexor.cli.console import complain, err
+from flexor.errors import ClusterError
 
 STUDIES = Path("studies")
+INTERRUPTED, LOST = 130, 3  # exit codes
 
 
 def free_folder(*words: str) -> Path:
@@ -24,8 +26,8 @@ def free_folder(*words: str) -> Path:
     return STUDIES / next(n for n in names if not (STUDIES / n).exists())
 
 
-def interrupted(place: Path | None, command: str) -> int:
-    """Say how to go on, and return the exit code.
+def interrupted(place: Path | None, command: str, error: BaseException) -> int:
+    """Say that a study has ended early and how to go on, and return the exit code.
 
     Parameters
     ----------
@@ -33,15 +35,35 @@ def interrupted(place: Path | None, command: str) -> int:
         The study folder, if it was made.
     command : str
         What resumes it, up to the folder.
+    error : BaseException
+        What ended it.
     """
     made = ("settings.json", "comparison.json")
-    if place is None or not any((place / name).exists() for name in made):
-        complain("interrupted before the first design.")
-        return 130
+    begun = place is not None and any((place / name).exists() for name in made)
+    resuming = f"{command} {shlex.quote(str(place))}" if begun else None
+    return ended_early(error, "design evaluated so far", resuming)
+
+
+def ended_early(error: BaseException, kept: str, command: str | None) -> int:
+    """Say that work has ended early and how to go on, and return the exit code.
+
+    Parameters
+    ----------
+    error : BaseException
+        What ended it: an interruption, or the loss of a cluster.
+    kept : str
+        Of what every one is kept.
+    command : str or None
+        What goes on with it; None if nothing was begun.
+    """
+    lost = isinstance(error, ClusterError)
+    if command is None:
+        complain(str(error) if lost else "interrupted before anything was computed.")
+        return LOST if lost else INTERRUPTED
+    if lost:
+        complain(str(error))
+    said = f"every {kept} is kept. To go on:\n  {command}"
     err.print(
-        "interrupted; every design evaluated so far is kept. To go on:\n"
-        f"  {command} {shlex.quote(str(place))}",
-        markup=False,
-        soft_wrap=True,
+        said[0].upper() + said[1:] if lost else f"interrupted; {said}", markup=False, soft_wrap=True
     )
-    return 130
+    return LOST if lost else INTERRUPTED

@@ -14,7 +14,7 @@ from flexor.model import load
 from flexor.objective import objective as named_objective
 from flexor.paper.folder import Data, Folder, Part
 from flexor.paper.settings import Settings
-from flexor.study import Problem
+from flexor.study import Executor, Problem
 
 if TYPE_CHECKING:
     from flexor.model import Model, Path
@@ -60,12 +60,15 @@ class Context:
         Told what is being done.
     item : str
         Name of the item at work.
+    executor : Executor or None
+        Where designs are evaluated; in this process by default.
     """
 
     settings: Settings
     folder: Folder
     told: Told
     item: str = ""
+    executor: Executor | None = None
     _models: dict[tuple[str, str], Model] = field(default_factory=dict, repr=False)
 
     def model(self, name: str = FINGER, constants: str | None = None) -> Model:

@@ -97,7 +97,7 @@ def _landscape(context: Context, contact: str) -> Landscape:
 
     def compute() -> Data:
         landscape(model, "R01", "bending", grid=settings.grid, folder=place, resume=begun,
-                  progress=tell)  # fmt: skip
+                  progress=tell, executor=context.executor)  # fmt: skip
         return {"settings": Settings.read(place).values["method"]}
 
     context.part(f"fig4-landscape-{contact}", compute)

@@ -44,6 +44,7 @@ def searches_on_landscape(context: Context) -> Part:
                     problem.model, chosen, "bending", method, start=start,
                     seed=context.settings.seed,
                     budget=context.settings.search,
+                    executor=context.executor,
                 )  # fmt: skip
                 data[method].append(_described(study))
         return data

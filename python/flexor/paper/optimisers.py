@@ -75,6 +75,7 @@ def method_comparison(context: Context) -> MethodComparison:
             folder=place,
             resume=begun,
             progress=tell,
+            executor=context.executor,
         )
         return {"methods": list(methods()), "missing": list(missing())}
 

@@ -130,6 +130,7 @@ def true_optimum(context: Context, parameters: str, objective: str = "bending") 
             start=starts,
             seed=context.settings.seed,
             progress=tell,
+            executor=context.executor,
         )
         return described(study)
 

@@ -37,6 +37,7 @@ def paper_search(context: Context, parameters: str, objective: str = "bending") 
             seed=context.settings.seed,
             budget=context.settings.search,
             progress=tell,
+            executor=context.executor,
         )
         return described(study)
 

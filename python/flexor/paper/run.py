@@ -21,6 +21,7 @@ from flexor.paper.summary import summary
 from flexor.paper.table_file import as_csv
 from flexor.plot import save
 from flexor.plot.style import style
+from flexor.study import Executor, chosen_executor
 from flexor.study.lock import Lock
 
 # Of the images in the documentation; those in `figures/` and in the report are finer.
@@ -77,6 +78,7 @@ def reproduce(
     resume: bool = False,
     docs: str | Path | None = None,
     told: Told | None = None,
+    executor: Executor | str | None = None,
 ) -> Reproduction:
     """Reproduce the published study.
 
@@ -95,6 +97,8 @@ def reproduce(
         ``images/reproduction/`` beside it.
     told : callable, optional
         Told a `Doing` now and then and an `ItemDone` after each item.
+    executor : Executor or str, optional
+        Where searches, landscapes and comparisons are computed; as for `flexor.optimize`.
 
     Returns
     -------
@@ -104,9 +108,16 @@ def reproduce(
     Raises
     ------
     InputError
-        If an item or a set of constants is not known, or the folder cannot be used.
+        If an item or a set of constants is not known, or the folder or the cluster cannot be used.
+    ClusterError
+        If the cluster is lost on the way; the reproduction can be resumed.
     """
     named = None if only is None else study.chosen(only)
+    if isinstance(executor, str):
+        with chosen_executor(executor) as cluster:
+            return reproduce(
+                out, named, settings=settings, resume=resume, docs=docs, told=told, executor=cluster
+            )
     place = Path(out)
     if resume:
         folder = Folder.resume(place)
@@ -122,7 +133,8 @@ def reproduce(
     try:
         names = folder.ask_for(named or (() if folder.stamp["items"] else study.chosen(None)))
         names = tuple(name for name in study.ITEMS if name in names)
-        return _carry_out(folder, chosen, names, docs, told or (lambda _: None))
+        tell = told or (lambda _: None)
+        return _carry_out(Context(chosen, folder, tell, executor=executor), names, docs, tell)
     finally:
         lock.release()
 
@@ -144,9 +156,9 @@ def kept_settings(out: str | Path) -> Settings:
 
 
 def _carry_out(
-    folder: Folder, settings: Settings, names: tuple[str, ...], docs: str | Path | None, told: Told
+    context: Context, names: tuple[str, ...], docs: str | Path | None, told: Told
 ) -> Reproduction:
-    context = Context(settings, folder, told)
+    folder = context.folder
     sections: dict[str, Section] = {}
     images: dict[str, bytes] = {}
     drawing = 0.0

@@ -15,7 +15,7 @@ from flexor.objective import Objective
 from flexor.objective import objective as named_objective
 from flexor.search import Search, available, canonical
 from flexor.search import method as named_method
-from flexor.study import Executor, Problem
+from flexor.study import Executor, Problem, Threads, chosen_executor
 from flexor.study.lock import Lock
 from flexor.survey import comparison_folder as folders
 from flexor.survey.comparison_result import MethodComparison
@@ -43,7 +43,7 @@ def compare(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: ComparisonCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     workers: int = 0,
     engine_options: Mapping[str, float] | None = None,
 ) -> MethodComparison:
@@ -75,10 +75,12 @@ def compare(
         Go on with the comparison in ``folder``; sets, methods and seeds may be added to it.
     progress : callable, optional
         Told a `ComparisonProgress` now and then.
-    executor : Executor, optional
-        Where designs are evaluated; on one thread for each search by default.
+    executor : Executor or str, optional
+        Where designs are evaluated; on one thread for each search by default. A text is the address
+        of a cluster, as for `flexor.optimize`, each of whose threads does whole searches.
     workers : int
-        Searches at a time; 0 for one per core. The numbers do not depend on it, but times may.
+        Searches at a time; 0 for as many as there are cores, or threads of the cluster. The numbers
+        do not depend on it, but times may.
     engine_options : dict, optional
         Settings of the engine's solver.
 
@@ -100,22 +102,23 @@ def compare(
         budget=_budget(budget),
     )
     plan.check()
-    if folder is None:
+    if folder is None and resume:
+        raise InputError("resuming a comparison needs its folder.")
+    with chosen_executor(executor if executor is not None else Threads(1)) as where:
+        if folder is None:
+            return carry_out(plan, None, known or {}, progress, where, workers)
+        place = Path(folder)
+        settings = _settings(model, plan)
         if resume:
-            raise InputError("resuming a comparison needs its folder.")
-        return carry_out(plan, None, known or {}, progress, executor, workers)
-    place = Path(folder)
-    settings = _settings(model, plan)
-    if resume:
-        settings = folders.merged(place, settings)
-    else:
-        folders.create(place, settings, model.file.to_toml())
-    lock = Lock(place)
-    try:
-        folders.write(place, settings)
-        return carry_out(plan, place, known or {}, progress, executor, workers)
-    finally:
-        lock.release()
+            settings = folders.merged(place, settings)
+        else:
+            folders.create(place, settings, model.file.to_toml())
+        lock = Lock(place)
+        try:
+            folders.write(place, settings)
+            return carry_out(plan, place, known or {}, progress, where, workers)
+        finally:
+            lock.release()
 
 
 def resume_comparison(
@@ -123,7 +126,7 @@ def resume_comparison(
     *,
     known: Mapping[str, float] | None = None,
     progress: ComparisonCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     workers: int = 0,
 ) -> MethodComparison:
     """Go on with a comparison, or read a finished one, knowing only its folder.

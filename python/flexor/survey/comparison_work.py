@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from flexor.search import (
-    Budget,
-    LevenbergMarquardt,
-    Search,
-    starting_designs,
-    uses_gradients,
-)
-from flexor.study import Executor, Problem, Record, Recorded, Threads
+from flexor.search import LevenbergMarquardt, Search, SearchResult, starting_designs
+from flexor.study import Executor, Problem, Record, Recorded
 from flexor.study.outcomes import FloatArray
 from flexor.survey import comparison_folder as folders
 from flexor.survey.comparison_result import MethodComparison, SearchRun
+from flexor.survey.comparison_search import Asked, open_record, search_alone
 
 # Random designs tried for a start that does not fail.
 _TRIES = 64
@@ -111,14 +105,17 @@ class _Watched(Recorded):
         super().__init__(problem, record, executor, gradients)
         self._tally = tally
 
-    def __call__(self, designs: FloatArray) -> FloatArray:
-        """Values of designs (n, k)."""
+    def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
+        """Yield values of designs (n, k), part after part."""
         if self._tally.stop.is_set():
             raise _Stopped
         before = self.evaluated
-        values = super().__call__(designs)
-        self._tally.add(self.evaluated - before)
-        return values
+        for values in super().stream(designs):
+            self._tally.add(self.evaluated - before)
+            before = self.evaluated
+            if self._tally.stop.is_set():
+                raise _Stopped
+            yield values
 
 
 class _Tally:
@@ -140,7 +137,7 @@ def carry_out(
     folder: Path | None,
     known: Mapping[str, float],
     progress: ComparisonCallback | None,
-    executor: Executor | None,
+    executor: Executor,
     workers: int,
 ) -> MethodComparison:
     """Run every search of a plan that is not in the folder yet.
@@ -155,10 +152,10 @@ def carry_out(
         Best values known from elsewhere, by set.
     progress : callable or None
         Told now and then.
-    executor : Executor or None
+    executor : Executor
         Where designs are evaluated.
     workers : int
-        Searches at a time; 0 for one per core.
+        Searches at a time; 0 for as many as the executor evaluates at a time.
 
     Returns
     -------
@@ -166,7 +163,6 @@ def carry_out(
         Once all have ended.
     """
     began, tally = time.monotonic(), _Tally()
-    where = executor or Threads(1)
     runs: dict[tuple[str, str, int], SearchRun] = {}
     missing: list[tuple[str, str, int]] = []
     # Seed by seed: stopped early, a comparison has something of everything.
@@ -181,7 +177,7 @@ def carry_out(
         for name, problem in plan.problems.items()
     }
     starts = {
-        name: _starts(problem, plan.seeds, executor or Threads())
+        name: _starts(problem, plan.seeds, executor)
         for name, problem in plan.problems.items()
         if any(key[0] == name for key in missing)
     }
@@ -193,12 +189,12 @@ def carry_out(
             progress(ComparisonProgress(len(runs), total, tally.evaluations, seconds, last))
 
     tell()
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(workers or executor.slots) as pool:
         waiting: set[Future[SearchRun]] = set()
         try:
             for key in missing:
                 start = starts[key[0]][key[2]]
-                waiting.add(pool.submit(_search, plan, key, start, folder, where, tally))
+                waiting.add(pool.submit(_search, plan, key, start, folder, executor, tally))
             while waiting:
                 ended, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in ended:
@@ -253,25 +249,17 @@ def _search(
     tally: _Tally,
 ) -> SearchRun:
     parameters, method, seed = key
-    problem, began = plan.problems[parameters], time.monotonic()
+    problem = plan.problems[parameters]
     if tally.stop.is_set():
         raise _Stopped
+    asked = Asked(plan.methods[method], start, seed, plan.budget)
     path = None if folder is None else folders.record_file(folder, *key)
-    record = _record(problem, path)
-    try:
-        gradients = uses_gradients(plan.methods[method])
-        function = _Watched(problem, record, executor, gradients, tally)
-        result = plan.methods[method].minimize(
-            function,
-            problem.parameters.lower,
-            problem.parameters.upper,
-            start=start,
-            seed=seed,
-            budget=Budget(evaluations=plan.budget),
-        )
-    finally:
-        record.close()
-    seconds = time.monotonic() - began if function.replayed == 0 else np.nan
+    if executor.away:
+        # As one task: it would ask for too few designs at a time to be worth sending.
+        result, seconds = executor.call(problem, search_alone, asked, stopped=tally.stop.is_set)
+        tally.add(result.evaluations)
+    else:
+        result, seconds = _recorded(problem, asked, path, executor, tally)
     run = SearchRun(parameters, method, seed, result, seconds)
     if folder is not None and path is not None:
         folders.keep(folder, run)
@@ -280,9 +268,14 @@ def _search(
     return run
 
 
-def _record(problem: Problem, path: Path | None) -> Record:
-    sizes = (problem.parameters.size, problem.force.size, len(problem.model.joints))
-    if path is None:
-        return Record(None, sizes)
-    path.parent.mkdir(exist_ok=True)
-    return Record(path) if path.exists() else Record(path, sizes)
+def _recorded(
+    problem: Problem, asked: Asked, path: Path | None, executor: Executor, tally: _Tally
+) -> tuple[SearchResult, float]:
+    """Search, keeping every design at once; return how long that took as well [s]."""
+    began, record = time.monotonic(), open_record(problem, path)
+    try:
+        function = _Watched(problem, record, executor, asked.gradients, tally)
+        result = asked.of(problem, function)
+    finally:
+        record.close()
+    return result, time.monotonic() - began if function.replayed == 0 else np.nan

@@ -32,7 +32,7 @@ def landscape(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Landscape:
     """Evaluate an objective on a grid over one or two parameters.

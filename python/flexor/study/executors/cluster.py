@@ -6,9 +6,9 @@ import hashlib
 import pickle
 import threading
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from importlib.metadata import version
-from typing import Any
+from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,6 +20,7 @@ from flexor.study.executors.interface import PART, Executor
 from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
 
+Result = TypeVar("Result")
 # A task should take no less than this [s], or passing it on takes as long as doing it.
 LEAST = 0.02
 # Tasks kept waiting for each thread of the cluster, so that none is idle between two.
@@ -79,17 +80,43 @@ class Cluster(Executor):
         """
         parcel = self._sent(problem)
         left = deque(self._split(parcel.token, designs))
-        running: deque[tuple[FloatArray, Any]] = deque()
+        running: deque[tuple[bytes, Any]] = deque()
         try:
             while left or running:
                 while left and len(running) < AHEAD * self.slots:
-                    part = left.popleft()
-                    running.append((part, self._submit(parcel.token, part, gradient)))
-                part, future = running.popleft()
-                yield self._outcomes(parcel, part, gradient, future)
+                    work = _packed(worker.evaluate, left.popleft(), gradient)
+                    running.append((work, self._submit(parcel.token, work)))
+                answer = self._answer(parcel, *running.popleft())
+                outcomes: Outcomes = pickle.loads(answer.content)
+                self._learn(parcel.token, len(outcomes), answer.seconds)
+                yield outcomes
         finally:
             for _, future in running:
                 future.release()
+
+    @property
+    def away(self) -> bool:
+        """True: what it calls sees nothing of this process."""
+        return True
+
+    def call(
+        self,
+        problem: Problem,
+        function: Callable[..., Result],
+        *arguments: Any,
+        stopped: Callable[[], bool] | None = None,
+    ) -> Result:
+        """Call ``function(problem, *arguments)`` on a worker, and wait for it.
+
+        Raises
+        ------
+        InputError, ClusterError
+            As for `parts`; and what the function raises.
+        """
+        parcel, work = self._sent(problem), _packed(function, *arguments)
+        answer = self._answer(parcel, work, self._submit(parcel.token, work), stopped)
+        result: Result = pickle.loads(answer.content)
+        return result
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
@@ -124,31 +151,19 @@ class Cluster(Executor):
             parts = -(-parts // slots) * slots  # the same for each thread
         return np.array_split(designs, parts) if parts else []
 
-    def _submit(
-        self, token: str, part: FloatArray, gradient: bool, parcel: worker.Parcel | None = None
-    ) -> Any:
-        content = np.ascontiguousarray(part, dtype=np.float64).tobytes()
-        return self._connection.submit(
-            worker.evaluate, token, content, part.shape[1], gradient, parcel
-        )
+    def _submit(self, token: str, work: bytes, parcel: worker.Parcel | None = None) -> Any:
+        return self._connection.submit(worker.call, token, work, parcel)
 
-    def _outcomes(
-        self, parcel: worker.Parcel, part: FloatArray, gradient: bool, future: Any
-    ) -> Outcomes:
-        answer = self._answer(future)
-        if answer.outcomes is None:  # from a worker that came later
-            answer = self._answer(self._submit(parcel.token, part, gradient, parcel))
-        assert answer.outcomes is not None
-        with self._lock:
-            count, seconds = self._spent.get(parcel.token, (0, 0.0))
-            self._spent[parcel.token] = count + len(part), seconds + answer.seconds
-        found: Outcomes = pickle.loads(answer.outcomes)
-        return found
-
-    def _answer(self, future: Any) -> worker.Answer:
+    def _answer(
+        self,
+        parcel: worker.Parcel,
+        work: bytes,
+        future: Any,
+        stopped: Callable[[], bool] | None = None,
+    ) -> worker.Answer:
         where = self._connection.address.text
         try:
-            answer: worker.Answer = self._connection.result(future)
+            answer: worker.Answer = self._connection.result(future, stopped)
         except (ImportError, AttributeError) as error:
             raise InputError(f'a worker of the cluster "{where}" {_reason(error)}.') from error
         except Exception as error:
@@ -160,7 +175,23 @@ class Cluster(Executor):
             ) from error
         if answer.error is not None:
             raise answer.error
+        if answer.result is None:  # from a worker that came later
+            again = self._submit(parcel.token, work, parcel)
+            return self._answer(parcel, work, again, stopped)
         return answer
+
+    def _learn(self, token: str, designs: int, seconds: float) -> None:
+        """Take in how long designs took."""
+        with self._lock:
+            count, before = self._spent.get(token, (0, 0.0))
+            self._spent[token] = count + designs, before + seconds
+
+
+def _packed(function: Callable[..., Any], *arguments: Any) -> bytes:
+    import cloudpickle
+
+    packed: bytes = cloudpickle.dumps((function, arguments), protocol=5)
+    return packed
 
 
 def _parcel(problem: Problem) -> worker.Parcel:

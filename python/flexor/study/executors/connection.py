@@ -74,11 +74,20 @@ class Connection:
         """Have a function called on some worker; return what `result` waits for."""
         return self._guarded(self._client.submit, function, *arguments, pure=False)
 
-    def result(self, future: Any) -> Any:
+    def result(self, future: Any, stopped: Callable[[], bool] | None = None) -> Any:
         """Wait for the result of a call.
+
+        Parameters
+        ----------
+        future
+            What `submit` returned.
+        stopped : callable, optional
+            Asked now and then whether nobody waits any more.
 
         Raises
         ------
+        CancelledError
+            If nobody does.
         ClusterError
             If the cluster is lost, or has been without workers for too long.
         Exception
@@ -89,6 +98,8 @@ class Connection:
             try:
                 return self._guarded(future.result, timeout=_LOOK)
             except TimeoutError:
+                if stopped is not None and stopped():
+                    raise CancelledError from None
                 if self.threads:
                     bare_since = None
                 elif bare_since is None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     else:
         from typing_extensions import Self
 
+Result = TypeVar("Result")
 # Designs of one part at most: enough to keep every core busy and to outweigh what sending them
 # costs, few enough for a progress that moves, and an interruption loses no more.
 PART = 256
@@ -25,8 +26,9 @@ PART = 256
 class Executor(ABC):
     """Evaluates designs somewhere; the outcomes do not depend on where.
 
-    An executor says how one part after another is evaluated (`parts`) and, if more can go on at a
-    time, how many (`slots`). It is a context manager for what it may have to let go of (`close`).
+    An executor has to say how one part after another is evaluated (`parts`); besides, how many
+    parts can go on at a time (`slots`), and whether whole searches can be had done elsewhere
+    (`away`, `call`). It is a context manager for what it may have to let go of (`close`).
     """
 
     @abstractmethod
@@ -61,6 +63,33 @@ class Executor(ABC):
         parts = list(self.parts(problem, designs, gradient))
         # Without designs there are no parts, but there is still an answer.
         return Outcomes.joined(parts) if parts else problem.evaluate(designs, 1, gradient)
+
+    @property
+    def away(self) -> bool:
+        """Whether `call` is answered by another process, which sees nothing of this one."""
+        return False
+
+    def call(
+        self,
+        problem: Problem,
+        function: Callable[..., Result],
+        *arguments: Any,
+        stopped: Callable[[], bool] | None = None,
+    ) -> Result:
+        """Call a function of a problem where its designs are evaluated, such as a whole search.
+
+        Parameters
+        ----------
+        problem : Problem
+            Its first argument.
+        function : callable
+            From the problem and the other arguments to something that can be pickled.
+        *arguments
+            The other arguments.
+        stopped : callable, optional
+            Says whether nobody waits for the result any more; then CancelledError may be raised.
+        """
+        return function(problem, *arguments)
 
     def close(self) -> None:  # noqa: B027 - most have nothing to let go of
         """Let go of processes and connections."""

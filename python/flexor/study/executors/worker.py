@@ -1,7 +1,7 @@
 """What the workers of a cluster run.
 
-A worker is sent each problem once, keeps it by its token, and is then sent designs only. It is
-asked by functions of plain bytes, which cost the scheduler nothing to pass on.
+A worker is sent each problem once, keeps it by its token, and is then sent designs only. What goes
+to and fro is plain bytes, which cost the scheduler nothing to look at.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from importlib.metadata import version
 
-import numpy as np
-
 from flexor.errors import InputError
+from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
 
 # A worker may serve many studies before it ends; what it has forgotten it is sent again.
@@ -49,18 +48,24 @@ class Answer:
 
     Attributes
     ----------
-    outcomes : bytes or None
-        Outcomes of the designs, pickled; None if there are none.
+    result : bytes or None
+        What the function returned, pickled; None if it did not.
     seconds : float
-        How long they took [s].
+        How long it took [s].
     error : Exception or None
-        What went wrong; if nothing did, there are no outcomes because the worker does not know the
+        What went wrong; if nothing did, there is no result because the worker does not know the
         problem.
     """
 
-    outcomes: bytes | None
+    result: bytes | None
     seconds: float = 0.0
     error: Exception | None = None
+
+    @property
+    def content(self) -> bytes:
+        """The result that there is."""
+        assert self.result is not None
+        return self.result
 
 
 def install(parcel: Parcel) -> str:
@@ -96,28 +101,22 @@ def install(parcel: Parcel) -> str:
     return ""
 
 
-def evaluate(
-    token: str, designs: bytes, parameters: int, gradient: bool, parcel: Parcel | None = None
-) -> Answer:
-    """Evaluate designs on one thread.
+def call(token: str, work: bytes, parcel: Parcel | None = None) -> Answer:
+    """Call a function of a problem.
 
     Parameters
     ----------
     token : str
         Of the problem.
-    designs : bytes
-        Designs (n, k), float64.
-    parameters : int
-        Their number k.
-    gradient : bool
-        Whether to differentiate as well.
+    work : bytes
+        Function and further arguments, pickled.
     parcel : Parcel, optional
         The problem, for a worker that may not have it.
 
     Returns
     -------
     Answer
-        With the outcomes, or without if the worker does not know the problem. What goes wrong here
+        With the result, or without if the worker does not know the problem. What goes wrong here
         is in it too, so that whatever else a task raises is the cluster's doing.
     """
     if parcel is not None and (why := install(parcel)):
@@ -126,14 +125,19 @@ def evaluate(
         problem = _problems.get(token)
     if problem is None:
         return Answer(None)
-    vectors = np.frombuffer(designs, dtype=np.float64).reshape(-1, parameters)
-    began = time.perf_counter()
     try:
-        outcomes = problem.evaluate(vectors, 1, gradient)
+        function, arguments = pickle.loads(work)
+        began = time.perf_counter()
+        result = function(problem, *arguments)
+        seconds = time.perf_counter() - began
+        return Answer(pickle.dumps(result, protocol=5), seconds)
     except Exception as error:
         return Answer(None, error=_portable(error))
-    seconds = time.perf_counter() - began
-    return Answer(pickle.dumps(outcomes, protocol=5), seconds)
+
+
+def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Outcomes:
+    """Evaluate designs (n, k) on one thread: a worker has one for each task."""
+    return problem.evaluate(designs, 1, gradient)
 
 
 def _portable(error: Exception) -> Exception:
