@@ -67,9 +67,15 @@ def executor_if(cluster: str | None) -> Iterator[Executor | None]:
         return
     from flexor.study import Cluster
 
-    # What happens to the cluster is said in sentences.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     with err.status(f"connecting to {cluster}"):
         executor = Cluster(cluster)
+    _quieten()
     with executor:
         yield executor
+
+
+def _quieten() -> None:
+    """Have the library log nothing between our lines: what happens is said in sentences."""
+    for name in logging.getLogger().manager.loggerDict:
+        if name.split(".")[0] in ("distributed", "tornado"):
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)

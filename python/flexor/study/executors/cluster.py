@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 import threading
 from collections import deque
 from collections.abc import Callable, Generator
-from importlib.metadata import version
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -17,6 +15,7 @@ from flexor.errors import ClusterError, InputError
 from flexor.study.executors import worker
 from flexor.study.executors.connection import PATIENCE, Connection
 from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.parcel import Parcel, packed
 from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
 
@@ -57,7 +56,7 @@ class Cluster(Executor):
 
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
         self._connection = Connection(address, patience)
-        self._parcels: WeakKeyDictionary[Problem, worker.Parcel] = WeakKeyDictionary()
+        self._parcels: WeakKeyDictionary[Problem, Parcel] = WeakKeyDictionary()
         self._spent: dict[str, tuple[int, float]] = {}  # designs and seconds, by token
         self._lock = threading.Lock()
 
@@ -84,7 +83,7 @@ class Cluster(Executor):
         try:
             while left or running:
                 while left and len(running) < AHEAD * self.slots:
-                    work = _packed(worker.evaluate, left.popleft(), gradient)
+                    work = packed(worker.evaluate, left.popleft(), gradient)
                     running.append((work, self._submit(parcel.token, work)))
                 answer = self._answer(parcel, *running.popleft())
                 outcomes: Outcomes = pickle.loads(answer.content)
@@ -113,7 +112,7 @@ class Cluster(Executor):
         InputError, ClusterError
             As for `parts`; and what the function raises.
         """
-        parcel, work = self._sent(problem), _packed(function, *arguments)
+        parcel, work = self._sent(problem), packed(function, *arguments)
         answer = self._answer(parcel, work, self._submit(parcel.token, work), stopped)
         result: Result = pickle.loads(answer.content)
         return result
@@ -122,13 +121,13 @@ class Cluster(Executor):
         """Leave the cluster; stop it, if it was started here."""
         self._connection.close()
 
-    def _sent(self, problem: Problem) -> worker.Parcel:
+    def _sent(self, problem: Problem) -> Parcel:
         """Send a problem to every worker there is, the first time."""
         with self._lock:
             known = self._parcels.get(problem)
             if known is not None:
                 return known
-            parcel = _parcel(problem)
+            parcel = Parcel.of(problem)
             for where, why in self._connection.on_every_worker(worker.install, parcel).items():
                 # A worker that dies meanwhile is nobody's fault.
                 if why and not isinstance(why, OSError):
@@ -151,12 +150,12 @@ class Cluster(Executor):
             parts = -(-parts // slots) * slots  # the same for each thread
         return np.array_split(designs, parts) if parts else []
 
-    def _submit(self, token: str, work: bytes, parcel: worker.Parcel | None = None) -> Any:
+    def _submit(self, token: str, work: bytes, parcel: Parcel | None = None) -> Any:
         return self._connection.submit(worker.call, token, work, parcel)
 
     def _answer(
         self,
-        parcel: worker.Parcel,
+        parcel: Parcel,
         work: bytes,
         future: Any,
         stopped: Callable[[], bool] | None = None,
@@ -185,26 +184,6 @@ class Cluster(Executor):
         with self._lock:
             count, before = self._spent.get(token, (0, 0.0))
             self._spent[token] = count + designs, before + seconds
-
-
-def _packed(function: Callable[..., Any], *arguments: Any) -> bytes:
-    import cloudpickle
-
-    packed: bytes = cloudpickle.dumps((function, arguments), protocol=5)
-    return packed
-
-
-def _parcel(problem: Problem) -> worker.Parcel:
-    import cloudpickle
-
-    try:
-        content: bytes = cloudpickle.dumps(problem, protocol=5)
-    except Exception as error:
-        raise InputError(
-            f'parameter set "{problem.parameters.name}" or objective "{problem.objective.name}" '
-            f"cannot be sent to a cluster: {' '.join(str(error).split()).rstrip('.')}."
-        ) from error
-    return worker.Parcel(hashlib.sha256(content).hexdigest()[:16], version("flexor"), content)
 
 
 def _reason(why: object) -> str:

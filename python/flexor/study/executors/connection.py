@@ -47,6 +47,10 @@ class Connection:
         self._client: Any = None
         self._threads, self._counted = 0, -_BELIEVED
         distributed = _library()
+        # Its client logs how connections break, which is said in sentences here.
+        self._log = logging.getLogger("distributed.client")
+        self._log_level = self._log.level
+        self._log.setLevel(logging.CRITICAL + 1)
         try:
             self._open(distributed)
             self._wait_for_workers()
@@ -117,6 +121,7 @@ class Connection:
                 with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
                     each.close(timeout=ANSWER)
         self._client = self._cluster = None
+        self._log.setLevel(self._log_level)
 
     def _open(self, distributed: Any) -> None:
         target: Any = self.address.text

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from flexor.errors import InputError
+from flexor.study.executors.parcel import Parcel
 from flexor.study.outcomes import FloatArray, Outcomes
 from flexor.study.problem import Problem
 
@@ -21,25 +22,6 @@ from flexor.study.problem import Problem
 _KEPT = 64
 _problems: OrderedDict[str, Problem] = OrderedDict()
 _lock = threading.Lock()
-
-
-@dataclass(frozen=True)
-class Parcel:
-    """A problem on its way to workers.
-
-    Attributes
-    ----------
-    token : str
-        What tasks call it by.
-    version : str
-        Of the Flexor that sends it.
-    content : bytes
-        The problem, pickled: its model as the text of a model file.
-    """
-
-    token: str
-    version: str
-    content: bytes
 
 
 @dataclass(frozen=True)
