@@ -61,6 +61,11 @@ class Cluster(Executor):
         self._lock = threading.Lock()
 
     @property
+    def address(self) -> str:
+        """As it was given."""
+        return self._connection.address.text
+
+    @property
     def slots(self) -> int:
         """Threads of all workers together."""
         return max(self._connection.threads, 1)
@@ -132,8 +137,7 @@ class Cluster(Executor):
                 # A worker that dies meanwhile is nobody's fault.
                 if why and not isinstance(why, OSError):
                     raise InputError(
-                        f'the worker {where} of the cluster "{self._connection.address.text}" '
-                        f"{_reason(why)}."
+                        f'the worker {where} of the cluster "{self.address}" {_reason(why)}.'
                     )
             self._parcels[problem] = parcel
             return parcel
@@ -160,17 +164,17 @@ class Cluster(Executor):
         future: Any,
         stopped: Callable[[], bool] | None = None,
     ) -> worker.Answer:
-        where = self._connection.address.text
+        where = f'the cluster "{self.address}"'
         try:
             answer: worker.Answer = self._connection.result(future, stopped)
         except (ImportError, AttributeError) as error:
-            raise InputError(f'a worker of the cluster "{where}" {_reason(error)}.') from error
+            raise InputError(f"a worker of {where} {_reason(error)}.") from error
         except Exception as error:
             if type(error).__name__ != "KilledWorker":
                 raise
             raise ClusterError(
-                f'the cluster "{where}" lost one worker after another at the same designs: their '
-                "logs say why, often for want of memory."
+                f"{where} lost one worker after another at the same designs: their logs say why, "
+                "often for want of memory."
             ) from error
         if answer.error is not None:
             raise answer.error

@@ -21,6 +21,12 @@ PATIENCE = 60.0
 _LOOK = 1.0
 # How long the number of threads is believed [s].
 _BELIEVED = 5.0
+# What Dask's processes do besides, for displays that nobody looks at: some percent of a core each.
+_CALM = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+}
 
 
 class Connection:
@@ -127,14 +133,7 @@ class Connection:
         target: Any = self.address.text
         try:
             if self.address.local:
-                target = self._cluster = distributed.LocalCluster(
-                    n_workers=self.address.local,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    worker_dashboard_address=None,
-                    memory_limit=0,
-                    silence_logs=logging.CRITICAL,
-                )
+                target = self._cluster = _started(distributed, self.address.local)
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
@@ -195,6 +194,21 @@ def _library() -> Any:
             'pip install "flexor[cluster]".'
         ) from None
     return distributed
+
+
+def _started(distributed: Any, workers: int) -> Any:
+    """Start a cluster on this machine, whose processes do not watch themselves all the time."""
+    import dask
+
+    with dask.config.set(_CALM):
+        return distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address=None,
+            worker_dashboard_address=None,
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
 
 
 def _one_line(error: BaseException) -> str:

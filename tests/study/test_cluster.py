@@ -1,0 +1,206 @@
+"""Studies on a real scheduler and two worker processes, some of which are killed on the way."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.cli.app import main
+from flexor.errors import ClusterError, InputError
+from flexor.objective import custom
+from flexor.study import Cluster, Study, StudyProgress, optimize, resume
+from flexor.study.executors import connection
+from flexor.survey import compare
+
+pytest.importorskip("distributed")
+# One cluster for all of them: its processes take seconds to start.
+pytestmark = [
+    pytest.mark.xdist_group("cluster"),
+    pytest.mark.skipif(sys.platform == "win32", reason="kills processes"),
+]
+GRID: dict[str, Any] = {"method": "grid", "method_options": {"points": 20}}
+
+
+@pytest.fixture(scope="module")
+def processes(tmp_path_factory: Any) -> Iterator[Any]:
+    path = Path(__file__).parent / "dask_cluster.py"
+    spec = importlib.util.spec_from_file_location("dask_cluster", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    running = module.DaskCluster(tmp_path_factory.mktemp("cluster"))
+    try:
+        yield running
+    finally:
+        running.stop()
+
+
+@pytest.fixture
+def cluster(processes: Any) -> Iterator[Cluster]:
+    """An executor on the cluster, whose two workers are there."""
+    processes.complete()
+    with Cluster(processes.address) as executor:
+        wait_for(executor, 2)
+        yield executor
+
+
+def wait_for(executor: Cluster, slots: int) -> None:
+    until = time.monotonic() + 60
+    while executor.slots < slots:
+        assert time.monotonic() < until, "the workers did not come"
+        time.sleep(0.2)
+
+
+@pytest.fixture(scope="module")
+def local() -> Study:
+    return optimize(flexor.load("finger"), "R01", **GRID)
+
+
+def content(study: Study) -> list[bytes]:
+    """Everything recorded but the time."""
+    outcomes = study.record.outcomes()
+    arrays = [study.record.designs(), outcomes.value, outcomes.shown, outcomes.joint_angles]
+    arrays += [outcomes.tip_force, outcomes.touching, outcomes.converged, outcomes.stable]
+    arrays += [outcomes.events, outcomes.iterations]
+    return [array.tobytes() for array in arrays] + [repr(outcomes.reason.tolist()).encode()]
+
+
+class AtFirst:
+    """Does something at the first news of a study."""
+
+    def __init__(self, action: Any) -> None:
+        self.action, self.told = action, 0
+
+    def __call__(self, at: StudyProgress) -> None:
+        self.told += 1
+        if self.told == 1:
+            self.action()
+
+
+def test_a_study_is_the_same_to_the_bit(cluster: Cluster) -> None:
+    model = flexor.load("finger")
+    given: dict[str, Any] = {"start": "random", "seed": 2, "budget": 60}
+    for settings in ({"method": "bfgs"}, {"method": "ps", "method_options": {"starts": 3}}):
+        here = optimize(model, "L+R01", "f_b", **settings, **given)
+        there = optimize(model, "L+R01", "f_b", executor=cluster, **settings, **given)
+        assert content(there) == content(here)
+        for design in here.record.designs():
+            one, two = here.record.derivatives(design), there.record.derivatives(design)
+            assert (one is None) == (two is None) == (settings["method"] == "ps")
+            if one is not None and two is not None:
+                assert (one[0].tobytes(), one[1]) == (two[0].tobytes(), two[1])
+
+
+def test_whole_searches_are_the_same_and_their_errors_come_back(cluster: Cluster) -> None:
+    given: dict[str, Any] = {"parameters": "L,R01", "methods": "ps,lm", "seeds": 2, "budget": 15}
+    model = flexor.load("finger")
+    here, there = compare(model, **given), compare(model, executor=cluster, **given)
+    for one, two in zip(here.runs, there.runs, strict=True):
+        assert (one.method, one.parameters, one.seed) == (two.method, two.parameters, two.seed)
+        assert one.result.design.tobytes() == two.result.design.tobytes()
+        assert one.result.improvement_values.tobytes() == two.result.improvement_values.tobytes()
+        assert one.result.reason == two.result.reason
+    bad = custom("bad", lambda path: "high")  # type: ignore[arg-type,return-value]
+    with pytest.raises(InputError, match='objective "bad" must give one number for a path'):
+        optimize(model, "L", bad, executor=cluster, budget=3)
+
+
+def test_the_command_gives_the_same_as_without(
+    cluster: Cluster, processes: Any, tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    told = []
+    for more in ([], ["--cluster", processes.address]):
+        with pytest.raises(SystemExit) as ended:
+            main(["optimize", "finger", "-p", "R01", "--budget", "20", "--json", *more])
+        assert ended.value.code == 0
+        told.append(json.loads(capsys.readouterr().out))
+    for key in ("start", "best", "evaluations", "sensitivity"):
+        assert told[0][key] == told[1][key]
+
+
+def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: Any) -> None:
+    address = cluster.address
+    monkeypatch.setattr(connection, "version", lambda _: "9.9.9")
+    # `version` is also what is asked of the workers, by name: there it is the real one.
+    monkeypatch.setattr(connection.Connection, "on_every_worker", asked_there)
+    with pytest.raises(InputError) as refusal:
+        Cluster(address)
+    said = str(refusal.value)
+    assert said.startswith("the worker tcp://127.0.0.1:")
+    assert said.endswith(
+        f'of the cluster "{address}" runs Flexor {flexor.__version__}, this is 9.9.9: '
+        "install the same version."
+    )
+
+
+def asked_there(self: connection.Connection, *_: object) -> Any:
+    from importlib.metadata import version
+
+    return self._guarded(self._client.run, version, "flexor", on_error="return")
+
+
+def test_a_killed_worker_costs_nothing_but_time(
+    cluster: Cluster, processes: Any, local: Study
+) -> None:
+    killed = processes.workers[0]
+    study = optimize(
+        flexor.load("finger"), "R01", executor=cluster, progress=AtFirst(killed.kill), **GRID
+    )
+    assert content(study) == content(local)
+    killed.wait()
+    # One that comes later has not been sent the problem, and gets it with its first task.
+    processes.complete()
+    time.sleep(connection._BELIEVED)
+    wait_for(cluster, 2)
+    designs = local.record.designs()[:40]
+    later = cluster.evaluate(study.problem, designs)
+    np.testing.assert_array_equal(later.value, local.record.outcomes().value[:40])
+
+
+def test_a_lost_scheduler_is_told_and_the_study_resumes(
+    cluster: Cluster,
+    processes: Any,
+    local: Study,
+    tmp_path: Path,
+    monkeypatch: Any,
+    capsys: Any,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(
+        "flexor.cli.progress.SearchProgress.__call__", lambda *_: processes.scheduler.kill()
+    )
+    address = cluster.address
+    with pytest.raises(SystemExit) as ended:
+        main(["landscape", "finger", "--grid", "20", "--out", "l s", "--cluster", address])
+    assert ended.value.code == 3
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines() == [
+        f'error: the cluster "{address}" was lost: its scheduler no longer answers.',
+        "Every design evaluated so far is kept. To go on:",
+        "  flexor landscape --resume 'l s'",
+    ]
+    with pytest.raises(ClusterError, match=r"was lost: its scheduler no longer answers\.$"):
+        cluster.evaluate(local.problem, local.record.designs()[:1])
+    opened = Study.open(tmp_path / "l s")
+    assert 0 < opened.evaluations < 400
+    assert opened.finished is None
+    opened.close()
+    assert content(resume(tmp_path / "l s")) == content(local)
+
+
+def test_one_worker_of_its_own() -> None:
+    with Cluster("local:1") as cluster:
+        study = optimize(flexor.load("finger"), "L", budget=20, executor=cluster)
+    assert content(study) == content(optimize(flexor.load("finger"), "L", budget=20))

@@ -1,0 +1,212 @@
+"""Executors without a cluster: threads, addresses, what is sent, and what workers refuse."""
+
+from __future__ import annotations
+
+import pickle
+import socket
+import sys
+from dataclasses import replace
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.design import custom as custom_set
+from flexor.design import parameter_set
+from flexor.errors import InputError
+from flexor.objective import custom, objective
+from flexor.search import Progress, method
+from flexor.study import Cluster, Problem, Record, Recorded, Threads, optimize
+from flexor.study.executors import PART, connection, interface, threads, worker
+from flexor.study.executors.address import Address
+from flexor.study.executors.parcel import Parcel, packed
+
+
+def problem_of(model: Any, parameters: str = "R01") -> Problem:
+    return Problem(model, parameter_set(parameters, model.design), objective("bending"))
+
+
+@pytest.fixture(scope="module")
+def finger() -> Problem:
+    return problem_of(flexor.load("finger"))
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 20])
+def test_parts_are_the_whole(analytic: ModuleType, monkeypatch: Any, count: int) -> None:
+    monkeypatch.setattr(threads, "PART", 7)
+    model = analytic.AnalyticModel()
+    problem = problem_of(model)
+    designs = np.random.default_rng(1).uniform(0.0046, 0.012, size=(count, 2))
+    sizes = [len(part) for part in Threads(1).parts(problem, designs)]
+    assert sum(sizes) == count
+    assert max(sizes, default=0) <= 7
+    whole, joined = problem.evaluate(designs), Threads(1).evaluate(problem, designs)
+    assert joined.value.tobytes() == whole.value.tobytes()
+    assert joined.joint_angles.shape == whole.joint_angles.shape
+
+
+def test_an_executor_needs_only_parts(analytic: ModuleType) -> None:
+    class Counting(interface.Executor):
+        asked = 0
+
+        def parts(self, problem: Problem, designs: Any, gradient: bool = False) -> Any:
+            self.asked += len(designs)
+            yield problem.evaluate(designs, 1, gradient)
+
+    with Counting() as executor:
+        study = optimize(analytic.AnalyticModel(), "L", budget=30, executor=executor)
+        assert executor.asked == study.evaluations == 30
+        assert (executor.slots, executor.away) == (1, False)
+        assert executor.call(study.problem, lambda problem, x: (problem, x), 3)[1] == 3
+
+
+def test_a_grid_is_streamed_and_stops_at_its_budget(analytic: ModuleType) -> None:
+    problem = problem_of(analytic.AnalyticModel())
+    record = Record(None, (2, 6, 3))
+    told: list[Progress] = []
+    chosen = problem.parameters
+    known = Recorded(problem, record, Threads(1))
+    known(np.array([[0.004, 0.004], [0.012, 0.012]]))  # the first and the last of the grid
+    function = Recorded(problem, record, Threads(1))
+    result = method("grid", points=25).minimize(
+        function, chosen.lower, chosen.upper, progress=told.append
+    )
+    assert result.evaluations == 625
+    assert (function.evaluated, function.replayed) == (623, 2)
+    assert [at.evaluations for at in told[:2]] == [PART + 1, 2 * PART + 1]
+    assert [at.remaining for at in told[-2:]] == [0, 0]
+    # The one known last comes with the others' last, and every value is where it belongs.
+    again = Recorded(problem, record, Threads(1))(record.designs())
+    np.testing.assert_array_equal(again, record.outcomes().value)
+    short = optimize(problem.model, "R01", method="grid", budget=300)
+    assert short.evaluations == 300
+    assert short.result is not None
+    assert short.result.reason == "the budget of 300 evaluations is spent"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("local:0", '"local:0" has 0 workers: give a whole number from 1'),
+        ("local:-1", "has -1 workers: give a whole number from 1"),
+        ("local:", '"local:" has no number of workers'),
+        ("local", '"local" has no number of workers: such as "local:4"'),
+        ("local:99999", "has 99999 workers"),
+        ("local:two", "has two workers"),
+        ("", '"" is not an address'),
+        ("host:8786", "is not an address: give that of a Dask scheduler"),
+        ("tcp://host", "is not an address"),
+        ("tcp://:8786", "is not an address"),
+        ("tcp//host:8786", "is not an address"),
+        ("http://host:8786", "is not an address"),
+        ("tcp://host:port", "is not an address"),
+        ("tcp://host:0", "has port 0: ports are from 1 to 65535"),
+        ("tcp://host:65536", "has port 65536"),
+        ("tcp://ho st:8786", "is not an address"),
+    ],
+)
+def test_an_address_that_is_none_is_refused(text: str, said: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        Cluster(text)
+    assert said in str(refusal.value)
+    assert str(refusal.value).endswith(".")
+
+
+@pytest.mark.parametrize(
+    "text", ["tcp://10.0.0.1:8786", "tls://my-host.lab:1", "tcp://[::1]:8786/", " tcp://h:1 "]
+)
+def test_addresses_of_schedulers_are_read(text: str) -> None:
+    assert Address.read(text) == Address(text.strip())
+    assert Address.read("local:3").local == 3
+
+
+def test_without_dask_the_extra_is_named(monkeypatch: Any) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError) as refusal:
+        Cluster("local:2")
+    assert str(refusal.value) == (
+        "a cluster needs the package dask[distributed], which is not installed: "
+        'pip install "flexor[cluster]".'
+    )
+
+
+def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(connection, "ANSWER", 0.2)
+    with socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
+        with pytest.raises(InputError) as refusal:
+            optimize(flexor.load("finger"), "L", executor=address, folder=tmp_path / "study")
+    assert str(refusal.value) == (
+        f'the cluster "{address}" cannot be reached: no Dask scheduler answers there within 0.2 s.'
+    )
+    assert not (tmp_path / "study").exists()
+
+
+def test_a_model_is_pickled_as_its_description(finger: Problem) -> None:
+    content = pickle.dumps(finger.model)
+    assert len(content) < 6000
+    copy = pickle.loads(content)
+    assert copy.hash == finger.model.hash
+    assert copy.file == finger.model.file
+    rebuilt, (text, _) = finger.model.__reduce__()
+    with pytest.raises(InputError, match=r"made by another version of Flexor: .* hash 0123 there"):
+        rebuilt(text, "0123")
+
+
+def test_a_worker_does_what_it_is_sent(finger: Problem) -> None:
+    parcel = Parcel.of(finger)
+    assert len(parcel.content) < 8000
+    designs = np.array([[0.007, 0.008], [0.0116, 0.008]])
+    work = packed(worker.evaluate, designs, True)
+    assert len(work) < 300
+    token = parcel.token
+    unknown = worker.call(token, work)
+    assert (unknown.result, unknown.error) == (None, None)
+    found = pickle.loads(worker.call(token, work, parcel).content)
+    expected = finger.evaluate(designs, gradient=True)
+    assert found.value.tobytes() == expected.value.tobytes()
+    assert found.derivatives.tobytes() == expected.derivatives.tobytes()
+    assert worker.install(parcel) == ""
+    assert worker.call(token, work).result is not None  # it has kept the problem
+    broken = worker.call(token, packed(worker.evaluate, designs[:, :1], False))
+    assert isinstance(broken.error, InputError)
+
+
+def test_a_worker_refuses_another_version_model_or_module(finger: Problem) -> None:
+    parcel = Parcel.of(finger)
+    other = replace(parcel, token="other", version="0.0.1")
+    here = flexor.__version__
+    assert worker.install(other) == f"runs Flexor {here}, this is 0.0.1"
+    answer = worker.call("other", b"", other)
+    assert str(answer.error) == f"a worker runs Flexor {here}, this is 0.0.1."
+
+    changed = replace(
+        parcel,
+        token="changed",
+        content=parcel.content.replace(finger.model.hash.encode(), b"0" * 64),
+    )
+    said = worker.install(changed)
+    assert said.startswith('refuses the problem: the model "finger" was made by another version')
+    assert f"the hash 000000000000 there and {finger.model.hash[:12]} here" in said
+
+    missing = replace(parcel, token="missing", content=b"cno_such_module\nthing\n.")
+    assert worker.install(missing) == "cannot load the problem: No module named 'no_such_module'"
+
+
+def test_ones_own_functions_are_sent_and_those_that_cannot_be_are_named(finger: Problem) -> None:
+    scale = 2.0
+    wanted = custom("mine", lambda path: -scale * float(path.joint_angles[-1, 0]))
+    bulge = custom_set("bulge", ["R"], [0.005], [0.012], [0.008], lambda p, X: p[0] + 0.0 * X)
+    own = Problem(finger.model, bulge.on(finger.model.design), wanted)
+    parcel = Parcel.of(own)
+    work = packed(worker.evaluate, np.array([[0.008]]), False)
+    found = pickle.loads(worker.call(parcel.token, work, parcel).content)
+    assert found.value[0] == -2.0 * found.joint_angles[0, -1, 0]
+    with socket.socket() as held:
+        stuck = custom("stuck", lambda path: float(held.fileno()))
+        with pytest.raises(InputError, match=r'objective "stuck" cannot be sent to a cluster: .*'):
+            Parcel.of(replace(own, objective=stuck))
