@@ -15,7 +15,7 @@ _QUIET = ("--no-dashboard",)
 
 
 class DaskCluster:
-    """A scheduler and two workers, any of which may be killed."""
+    """A scheduler and workers, any of which may be killed."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -28,15 +28,16 @@ class DaskCluster:
         """Of the scheduler."""
         return str(json.loads(self._file.read_text())["address"])
 
-    def complete(self) -> None:
-        """Start whatever is missing."""
+    def complete(self, workers: int) -> None:
+        """Start two workers with their scheduler, or so many of them as are missing since."""
         if self.scheduler is None or self.scheduler.poll() is not None:
             self.stop()
             file = ("--scheduler-file", str(self._file))
             self.scheduler = self._started(*_SCHEDULER, *_QUIET, *file)
             self._wait_for_file()
+            workers = 2
         self.workers = [each for each in self.workers if each.poll() is None]
-        while len(self.workers) < 2:
+        while len(self.workers) < workers:
             self.workers.append(self._started(*_WORKER, *_QUIET, self.address))
 
     def stop(self) -> None:

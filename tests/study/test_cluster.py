@@ -47,10 +47,9 @@ def processes(tmp_path_factory: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def cluster(processes: Any) -> Iterator[Cluster]:
-    """An executor on the cluster, whose two workers are there."""
-    processes.complete()
+    """An executor on the cluster."""
+    processes.complete(1)
     with Cluster(processes.address) as executor:
-        wait_for(executor, 2)
         yield executor
 
 
@@ -153,16 +152,17 @@ def asked_there(self: connection.Connection, *_: object) -> Any:
 def test_a_killed_worker_costs_nothing_but_time(
     cluster: Cluster, processes: Any, local: Study
 ) -> None:
+    processes.complete(2)
+    wait_for(cluster, 2)
     killed = processes.workers[0]
     study = optimize(
         flexor.load("finger"), "R01", executor=cluster, progress=AtFirst(killed.kill), **GRID
     )
     assert content(study) == content(local)
-    killed.wait()
-    # One that comes later has not been sent the problem, and gets it with its first task.
-    processes.complete()
-    time.sleep(connection._BELIEVED)
-    wait_for(cluster, 2)
+
+    # A worker that comes later has not been sent the problem, and gets it with its first task.
+    forget = "from flexor.study.executors import worker; worker._problems.clear()"
+    cluster._connection.on_every_worker(exec, forget)
     designs = local.record.designs()[:40]
     later = cluster.evaluate(study.problem, designs)
     np.testing.assert_array_equal(later.value, local.record.outcomes().value[:40])

@@ -16,6 +16,7 @@ import flexor
 from flexor.design import custom as custom_set
 from flexor.design import parameter_set
 from flexor.errors import InputError
+from flexor.installing import install_command
 from flexor.objective import custom, objective
 from flexor.search import Progress, method
 from flexor.study import Cluster, Problem, Record, Recorded, Threads, optimize
@@ -128,7 +129,7 @@ def test_without_dask_the_extra_is_named(monkeypatch: Any) -> None:
         Cluster("local:2")
     assert str(refusal.value) == (
         "a cluster needs the package dask[distributed], which is not installed: "
-        'pip install "flexor[cluster]".'
+        f"{install_command('dask[distributed]')}."
     )
 
 

@@ -22,7 +22,8 @@ from flexor.cli import (
     validate,
 )
 from flexor.cli.console import complain
-from flexor.errors import InputError
+from flexor.cli.studies import LOST
+from flexor.errors import ClusterError, InputError
 
 app = typer.Typer(
     name="flexor",
@@ -99,6 +100,9 @@ def main(arguments: list[str] | None = None) -> None:
         where = f'"{error.filename}"' if error.filename else "a file"
         complain(f"{where} cannot be written or read: {(error.strerror or str(error)).lower()}.")
         code = 2
+    except ClusterError as error:
+        complain(str(error))
+        code = LOST
     except typer.TyperException as error:
         said = error.format_message()
         complain(said if said.endswith((".", "?")) else f"{said}.")

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli.console import err, out
-from flexor.cli.options import Threads
+from flexor.cli.evaluation import executor_for
+from flexor.cli.options import Cluster, Threads
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.table import table
 
@@ -26,6 +27,7 @@ def rerun(
         typer.Option("--out", help="Keep the new study in this folder; not kept by default."),
     ] = None,
     threads: Threads = 0,
+    cluster: Cluster = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object instead of sentences.")
     ] = False,
@@ -39,9 +41,10 @@ def rerun(
     folder and compares designs, outcomes and derivatives in their order. A study that was
     interrupted, or ended by time, is compared as far as it went.
 
-    On the same machine with the same versions the answer is yes, with any number of threads; the
-    exit code is then 0. Otherwise it is 1: the first difference is shown, how far apart the values
-    of the designs are that both studies have, and which versions have changed.
+    On the same machine with the same versions the answer is yes, with any number of threads; with
+    `--cluster` it tells whether other machines give the same bits. The exit code is then 0.
+    Otherwise it is 1: the first difference is shown, how far apart the values of the designs are
+    that both studies have, and which versions have changed.
 
     For example:
 
@@ -53,10 +56,8 @@ def rerun(
 
     began = time.monotonic()
     try:
-        with SearchProgress() as progress:
-            found = studies.rerun(
-                study, into=folder, progress=progress, executor=studies.Threads(threads)
-            )
+        with executor_for(threads, cluster) as executor, SearchProgress() as progress:
+            found = studies.rerun(study, into=folder, progress=progress, executor=executor)
     except KeyboardInterrupt:
         err.print(f"interrupted; {study} is as it was.", markup=False, soft_wrap=True)
         return 130

@@ -15,7 +15,7 @@ from flexor.errors import InputError
 from flexor.objective import Objective
 from flexor.search import Budget, Search
 from flexor.search import method as named_method
-from flexor.study.executor import Executor
+from flexor.study.executors import Executor
 from flexor.study.optimization import optimize
 from flexor.study.progress import StudyCallback
 from flexor.study.record import Record
@@ -99,7 +99,7 @@ def rerun(
     *,
     into: str | Path | None = None,
     progress: StudyCallback | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     model: Model | None = None,
     parameters: ParameterSet | None = None,
     objective: Objective | None = None,

@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
+from flexor.installing import install_command
 from flexor.study.executors.address import Address
 
 # How long a scheduler may take to answer [s], and how long a cluster may be without workers.
@@ -191,7 +192,7 @@ def _library() -> Any:
     except ImportError:
         raise InputError(
             "a cluster needs the package dask[distributed], which is not installed: "
-            'pip install "flexor[cluster]".'
+            f"{install_command('dask[distributed]')}."
         ) from None
     return distributed
 
