@@ -130,6 +130,9 @@ def test_the_command_gives_the_same_as_without(
 
 def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: Any) -> None:
     address = cluster.address
+    worker = next(iter(cluster._connection.on_every_worker(str)))
+    with pytest.raises(InputError, match=f'"{worker}" is the address of a worker, not of the'):
+        Cluster(worker)
     monkeypatch.setattr(connection, "version", lambda _: "9.9.9")
     # `version` is also what is asked of the workers, by name: there it is the real one.
     monkeypatch.setattr(connection.Connection, "on_every_worker", asked_there)

@@ -90,18 +90,19 @@ def test_a_grid_is_streamed_and_stops_at_its_budget(analytic: ModuleType) -> Non
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("local:0", '"local:0" has 0 workers: give a whole number from 1'),
-        ("local:-1", "has -1 workers: give a whole number from 1"),
-        ("local:", '"local:" has no number of workers'),
-        ("local", '"local" has no number of workers: such as "local:4"'),
-        ("local:99999", "has 99999 workers"),
-        ("local:two", "has two workers"),
+        ("local:0", '"local:0" cannot be started: after "local:" belongs the number of workers'),
+        ("local:-1", "from 1 to 1024, such as"),
+        ("local:", "from 1 to 1024, such as"),
+        ("local", "from 1 to 1024, such as"),
+        ("local:99999", "from 1 to 1024, such as"),
+        ("local:two", "from 1 to 1024, such as"),
         ("", '"" is not an address'),
         ("host:8786", "is not an address: give that of a Dask scheduler"),
         ("tcp://host", "is not an address"),
         ("tcp://:8786", "is not an address"),
         ("tcp//host:8786", "is not an address"),
         ("http://host:8786", "is not an address"),
+        ("ucx://host:8786", "is not an address"),
         ("tcp://host:port", "is not an address"),
         ("tcp://host:0", "has port 0: ports are from 1 to 65535"),
         ("tcp://host:65536", "has port 65536"),
@@ -145,6 +146,17 @@ def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any)
         f'the cluster "{address}" cannot be reached: no Dask scheduler answers there within 0.2 s.'
     )
     assert not (tmp_path / "study").exists()
+
+
+def test_a_server_that_is_no_scheduler_is_not_waited_for(monkeypatch: Any) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(connection, "ANSWER", 0.3)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(InputError, match=r"no Dask scheduler answers there within 0\.3 s"):
+            Cluster(f"tcp://{address}")
+        with pytest.raises(InputError, match="cannot be reached: "):
+            Cluster(f"tls://{address}")  # without certificates
 
 
 def test_a_model_is_pickled_as_its_description(finger: Problem) -> None:

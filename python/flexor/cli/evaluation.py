@@ -38,7 +38,7 @@ def executor_for(threads: int, cluster: str | None) -> Iterator[Executor]:
     from flexor.study import Threads
 
     if threads and cluster is not None:
-        raise InputError("--threads is of this machine and --cluster of others: give one of them.")
+        raise InputError("--threads is of this process and --cluster of others: give one of them.")
     with executor_if(cluster) as found:
         yield Threads(threads) if found is None else found
 

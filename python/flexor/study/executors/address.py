@@ -13,7 +13,7 @@ _REMOTE = re.compile(
     r"(?P<protocol>[a-z]+)://(?P<host>\[[0-9A-Fa-f:.]+\]|[\w.-]+):(?P<port>[0-9]{1,5})/?",
     re.ASCII,
 )
-_PROTOCOLS = ("tcp", "tls", "ws", "wss", "ucx")
+_PROTOCOLS = ("tcp", "tls", "ws", "wss")
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Address:
 
     @classmethod
     def read(cls, text: str) -> Address:
-        """Read ``tcp://HOST:PORT`` (or tls, ws, wss, ucx) or ``local:N``.
+        """Read ``tcp://HOST:PORT`` (or tls, ws, wss) or ``local:N``.
 
         Raises
         ------
@@ -41,15 +41,13 @@ class Address:
             If it is neither.
         """
         text = text.strip()
-        kind, colon, rest = text.partition(":")
+        kind, _, rest = text.partition(":")
         if kind == "local" and not rest.startswith("//"):
             count = int(rest) if re.fullmatch(r"[0-9]{1,6}", rest, re.ASCII) else -1
             if not 1 <= count <= MOST_LOCAL:
                 raise InputError(
-                    f'the cluster "{text}" has {rest or "no number of"} workers: give a whole '
-                    f'number from 1 to {MOST_LOCAL}, such as "local:4".'
-                    if colon
-                    else 'the cluster "local" has no number of workers: such as "local:4".'
+                    f'the cluster "{text}" cannot be started: after "local:" belongs the number of '
+                    f'workers, from 1 to {MOST_LOCAL}, such as "local:4".'
                 )
             return cls(text, count)
         match = _REMOTE.fullmatch(text)

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -131,19 +131,25 @@ class Connection:
         self._log.setLevel(self._log_level)
 
     def _open(self, distributed: Any) -> None:
-        target: Any = self.address.text
+        text, target = self.address.text, self.address.text
+        if self.address.local:
+            try:
+                self._cluster = _started(distributed, self.address.local)
+            except (OSError, TimeoutError, RuntimeError) as error:
+                raise InputError(
+                    f'the cluster "{text}" could not be started: {_one_line(error)}.'
+                ) from error
+            target = self._cluster.scheduler_address
+        elif (kind := _asked_what_it_is(distributed, self.address.text)) != "Scheduler":
+            raise InputError(
+                f'the cluster "{text}" is the address of a {kind.lower()}, not of the scheduler.'
+            )
         try:
-            if self.address.local:
-                target = self._cluster = _started(distributed, self.address.local)
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
-            if self.address.local:
-                why = f"could not be started: {_one_line(error)}"
-            else:
-                why = f"cannot be reached: no Dask scheduler answers there within {ANSWER:g} s"
-            raise InputError(f'the cluster "{self.address.text}" {why}.') from error
+            raise InputError(f'the cluster "{text}" cannot be used: {_one_line(error)}.') from error
 
     def _wait_for_workers(self) -> None:
         began = time.monotonic()
@@ -195,6 +201,40 @@ def _library() -> Any:
             f"{install_command('dask[distributed]')}."
         ) from None
     return distributed
+
+
+def _asked_what_it_is(distributed: Any, address: str) -> str:
+    """Ask what answers at an address, once and not for ever, as a client would not do.
+
+    Raises
+    ------
+    InputError
+        If nothing does that speaks as Dask does.
+    """
+
+    async def ask() -> str:
+        options = distributed.Security().get_connection_args("client")
+        comm = await distributed.core.connect(address, timeout=ANSWER, **options)
+        try:
+            await comm.write({"op": "identity"})
+            return str((await comm.read())["type"])
+        finally:
+            comm.abort()
+
+    async def ask_in_time() -> str:
+        return await asyncio.wait_for(ask(), ANSWER)
+
+    try:
+        # In a thread of its own: this one may have a loop already, as in notebooks.
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(asyncio.run, ask_in_time()).result()
+    except (OSError, asyncio.TimeoutError) as error:
+        why = f"no Dask scheduler answers there within {ANSWER:g} s"
+        raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
+    except Exception as error:
+        raise InputError(
+            f'the cluster "{address}" cannot be reached: {_one_line(error)}.'
+        ) from error
 
 
 def _started(distributed: Any, workers: int) -> Any:
