@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,20 +25,25 @@ from rich.progress import track
 from rich.table import Table
 
 import flexor
-from flexor.study import Outcomes, Problem, Record, Study, Threads, optimize, resume
+from flexor.study import Executor, Outcomes, Problem, Record, Study, optimize, resume
+from flexor.study.executors import PART
 
 
 @dataclass(frozen=True)
-class Logged:
+class Logged(Executor):
     """Evaluates, and writes down every batch before it does."""
 
     log: Path
 
-    def evaluate(self, problem: Problem, designs: np.ndarray, gradient: bool = False) -> Outcomes:
+    def parts(
+        self, problem: Problem, designs: np.ndarray, gradient: bool = False
+    ) -> Generator[Outcomes, None, None]:
         """Evaluate designs (n, k)."""
-        with open(self.log, "a", encoding="ascii") as file:
-            file.write(f"{len(designs)}\n")
-        return Threads(1).evaluate(problem, designs, gradient)
+        for first in range(0, len(designs), PART):
+            part = designs[first : first + PART]
+            with open(self.log, "a", encoding="ascii") as file:
+                file.write(f"{len(part)}\n")
+            yield problem.evaluate(part, 1, gradient)
 
 
 def run(folder: Path, starts: int) -> None:

@@ -245,7 +245,7 @@ def _started(distributed: Any, workers: int) -> Any:
         return distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
             worker_dashboard_address=None,
             memory_limit=0,
             silence_logs=logging.CRITICAL,
