@@ -29,7 +29,7 @@ def reproduce(
         str | None,
         typer.Option(
             help="Only these items: some of `constants, fig3, fig4, table3, fig5, table4, fig6, "
-            "optimisers, conclusions`, with commas."
+            "readings, optimisers, conclusions`, with commas."
         ),
     ] = None,
     resume: Annotated[

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,6 +62,8 @@ class Context:
         Name of the item at work.
     executor : Executor or None
         Where designs are evaluated; in this process by default.
+    prefix : str
+        What the names of its parts begin with.
     """
 
     settings: Settings
@@ -69,7 +71,15 @@ class Context:
     told: Told
     item: str = ""
     executor: Executor | None = None
+    prefix: str = ""
     _models: dict[tuple[str, str], Model] = field(default_factory=dict, repr=False)
+
+    def using(self, constants: str) -> Context:
+        """Return the same study with another set of constants, its parts kept apart."""
+        if constants == self.settings.constants:
+            return self
+        settings = replace(self.settings, constants=constants)
+        return replace(self, settings=settings, prefix=f"{constants}-", _models=self._models)
 
     def model(self, name: str = FINGER, constants: str | None = None) -> Model:
         """Return a shipped model with the settings' constants, or with others."""
@@ -94,8 +104,10 @@ class Context:
 
     def part(self, name: str, compute: Callable[[], Data]) -> Part:
         """Return a part of the computation, kept in the folder; see `Folder.part`."""
-        return self.folder.part(name, compute)
+        return self.folder.part(self.prefix + name, compute)
 
     def say(self, what: str, share: float | None = None) -> None:
         """Tell what is being done."""
+        if self.prefix:
+            what = f"{what} ({self.settings.constants})"
         self.told(Doing(self.item, what, share))

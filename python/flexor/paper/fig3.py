@@ -10,7 +10,7 @@ import numpy as np
 from flexor.paper import published
 from flexor.paper.context import ALONE, FINGER, TWO_LINKS, Context
 from flexor.paper.folder import Data
-from flexor.paper.scenes_figure import Layer, Panel, draw_panels
+from flexor.paper.scenes_figure import Layer, Panel, chamber_handle, draw_panels
 from flexor.paper.section import Column, Compared, Picture, Section, Table
 from flexor.plot.reading import read_scene
 from flexor.plot.style import LINE, shades
@@ -156,4 +156,4 @@ def _figure(context: Context, alone: float, sums: dict[str, np.ndarray]) -> Figu
         Patch(facecolor=colour, edgecolor=LINE, linewidth=0.5, label=f"{force:g} N")
         for force, colour in zip(FORCES, colours, strict=True)
     ]
-    return draw_panels(panels, 3, handles)
+    return draw_panels(panels, 3, [*handles, chamber_handle(panels[0].layers[0].scene)])

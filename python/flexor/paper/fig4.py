@@ -25,7 +25,8 @@ from flexor.survey import Landscape, SearchPath, landscape
 
 # How contact is modelled: the name of the landscape, and what to change in the model file. The
 # paper's is spheres; a smooth alternative is one more line.
-CONTACTS: dict[str, Mapping[str, object]] = {"spheres": {}}
+PAPERS = "spheres"
+CONTACTS: dict[str, Mapping[str, object]] = {PAPERS: {}}
 
 
 def fig4(context: Context) -> Section:
@@ -43,7 +44,7 @@ def fig4(context: Context) -> Section:
     """
     surveys = {name: _landscape(context, name) for name in CONTACTS}
     searches = searches_on_landscape(context).data
-    spheres = surveys["spheres"]
+    spheres = surveys[PAPERS]
     best = true_optimum(context, "R01")
     paths = [
         SearchPath(
@@ -60,12 +61,13 @@ def fig4(context: Context) -> Section:
 
     pictures = [
         Picture(
-            "fig4" if name == "spheres" else f"fig4-{name}",
+            "fig4" if name == PAPERS else f"fig4-{name}",
             f"Objective f_b over base and tip radius ({survey.value.shape[0]} × "
-            f"{survey.value.shape[1]} designs, contact by {name}), in perspective and from above, "
-            "with the paths of the searches from start to end. Dots: the finger snaps on the way "
-            "to 5 N.",
-            plot.landscape(survey, paths if name == "spheres" else ()),
+            f"{survey.value.shape[1]} designs, contact by {said(name)}), in perspective and from "
+            "above"
+            + (", with the paths of the searches from start to end" if name == PAPERS else "")
+            + ". Dots: the finger snaps on the way to 5 N.",
+            plot.landscape(survey, paths if name == PAPERS else ()),
         )
         for name, survey in surveys.items()
     ]
@@ -80,7 +82,10 @@ def fig4(context: Context) -> Section:
     return Section(
         name="fig4",
         title="Fig. 4: the landscape of f_b over base and tip radius",
-        text=_text(context, spheres, searches, best.value, (R_0, R_1)),
+        text=(
+            *_text(context, spheres, searches, best.value, (R_0, R_1)),
+            *(_beside(name, surveys[name], spheres) for name in surveys if name != PAPERS),
+        ),
         compared=compared,
         tables=(searches_table(searches, target(context, best.value)), *_numbers(surveys)),
         pictures=tuple(pictures),
@@ -138,18 +143,45 @@ def _text(
     )
 
 
+def said(contact: str) -> str:
+    """Return the name of a way to model contact as people read it."""
+    return contact.replace("-", " ")
+
+
+def largest_step(survey: Landscape) -> float:
+    """Return the largest difference between neighbours on the grid, failed designs left out."""
+    value = np.where(survey.failed, np.nan, survey.value)
+    return max(float(np.nanmax(np.abs(np.diff(value, axis=axis)))) for axis in (0, 1))
+
+
+def _beside(name: str, survey: Landscape, spheres: Landscape) -> str:
+    """Say what another way to model contact changes."""
+    best = survey.minimum
+    R_0, R_1 = (100.0 * float(value) for value in best.vector)
+    snapping, theirs = (100.0 * float((each.events > 0).mean()) for each in (survey, spheres))
+    return (
+        f"With contact by {said(name)} instead of spheres and the same constants, the best of the "
+        f"grid is f_b = {best.value:.4f} rad at R_0 = {R_0:.2f} cm and R_1 = {R_1:.2f} cm; "
+        f"{snapping:.0f} % of the designs snap instead of {theirs:.0f} %, the largest step between "
+        f"neighbours is {largest_step(survey):.3f} rad instead of {largest_step(spheres):.3f}, and "
+        f"there are {len(survey.local_minima())} local minima instead of "
+        f"{len(spheres.local_minima())}."
+    )
+
+
 def _numbers(surveys: Mapping[str, Landscape]) -> tuple[Table, ...]:
     rows: list[tuple[Cell, ...]] = []
     for name, survey in surveys.items():
         best = survey.minimum
         rows.append(
             (
-                name,
+                said(name),
                 survey.value.size,
                 *(100.0 * float(value) for value in best.vector),
                 best.value,
                 best.bending,
                 len(survey.local_minima()),
+                largest_step(survey),
                 100.0 * float((survey.events > 0).mean()),
                 int(survey.failed.sum()),
             )
@@ -166,6 +198,7 @@ def _numbers(surveys: Mapping[str, Landscape]) -> tuple[Table, ...]:
                 Column("f_b", "rad", 5),
                 Column("bending", "rad"),
                 Column("local minima"),
+                Column("largest step to a neighbour", "rad", 3),
                 Column("designs that snap", "%", 3),
                 Column("designs that fail"),
             ),

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexor.paper.context import Context
-from flexor.paper.fig5 import AT_REST
+from flexor.paper.designs_figure import draw_designs
 from flexor.paper.optimum import true_optimum
-from flexor.paper.scenes_figure import Layer, Panel, draw_panels
 from flexor.paper.section import Column, Picture, Section, Table
 from flexor.paper.settings import OBJECTIVES
 from flexor.paper.table4 import PARAMETERS, SYMBOLS
-from flexor.plot.reading import read_scene
-from flexor.plot.style import CHAMBER, COLUMN, EXOSUIT, LINE, style
+from flexor.plot.style import COLUMN, LINE, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,7 +73,10 @@ def fig6(context: Context) -> Section:
             Picture(
                 "fig6-designs",
                 "The same optima at rest and at 5 N, to one scale.",
-                _designs({name: paths[name] for name in OBJECTIVES}, ends),
+                draw_designs(
+                    {f"{MATHEMATICAL[name]}: {ends[name]:.2f} rad": paths[name]
+                     for name in OBJECTIVES}
+                ),
             ),
         ),
     )  # fmt: skip
@@ -125,25 +126,3 @@ def _curves(paths: dict[str, Path]) -> Figure:
         axes.set_ylabel("sum of the joint angles / rad")
         figure.legend(loc="outside upper center", ncols=3, handlelength=2.6)
     return figure
-
-
-def _designs(paths: dict[str, Path], ends: dict[str, float]) -> Figure:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    panels = [
-        Panel(
-            f"{MATHEMATICAL[name]}: {ends[name]:.2f} rad",
-            [
-                Layer(read_scene(path, 0), AT_REST, 0.45),
-                Layer(read_scene(path, -1), EXOSUIT, 0.95),
-            ],
-        )
-        for name, path in paths.items()
-    ]
-    handles = [
-        Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label="exosuit at 0 N"),
-        Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label="at 5 N"),
-        Line2D([], [], color=CHAMBER, label="chamber"),
-    ]
-    return draw_panels(panels, 4, handles)

@@ -13,6 +13,7 @@ from flexor.paper.fig4 import fig4
 from flexor.paper.fig5 import fig5
 from flexor.paper.fig6 import fig6
 from flexor.paper.optimisers import optimisers
+from flexor.paper.readings import readings
 from flexor.paper.section import Section
 from flexor.paper.table3 import table3
 from flexor.paper.table4 import table4
@@ -25,6 +26,7 @@ ITEMS: dict[str, Callable[[Context], Section]] = {
     "fig5": fig5,
     "table4": table4,
     "fig6": fig6,
+    "readings": readings,
     "optimisers": optimisers,
     "conclusions": conclusions,
 }

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.plot.planar import draw_scene, frame_axes, height
 from flexor.plot.scene import Scene
-from flexor.plot.style import PAGE, style
+from flexor.plot.style import CHAMBER, PAGE, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 MARGINS = 0.62  # in, beside the axes: labels of the leftmost column
-TITLE = 0.3  # in, above each row of axes
+TITLE, TITLE_LINE = 0.16, 0.14  # in, above each row of axes, and for each line of a title
 LEGEND = 0.62  # in, above all axes, and the numbers and label below them
+TICKS = 5.0  # cm, alike on both axes
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,13 @@ class Panel:
     layers: list[Layer] = field(default_factory=list)
 
 
+def chamber_handle(scene: Scene, label: str | None = None) -> Artist:
+    """Return the legend's entry for the chamber of a scene, by its own label or another."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=CHAMBER, label=label or scene.lines[0].label)
+
+
 def draw_panels(panels: Sequence[Panel], columns: int, handles: Sequence[Artist]) -> Figure:
     """Draw panels side by side and below each other, all to one scale.
 
@@ -72,6 +80,7 @@ def draw_panels(panels: Sequence[Panel], columns: int, handles: Sequence[Artist]
         As wide as a page.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MultipleLocator
 
     scenes = [layer.scene for panel in panels for layer in panel.layers]
     rows = -(-len(panels) // columns)
@@ -80,6 +89,8 @@ def draw_panels(panels: Sequence[Panel], columns: int, handles: Sequence[Artist]
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for axes, panel in zip(grid.flat, panels, strict=False):
             frame_axes(axes, scenes)
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_locator(MultipleLocator(TICKS))
             axes.set_title(panel.title)
             for depth, layer in enumerate(panel.layers):
                 draw_scene(
@@ -93,7 +104,8 @@ def draw_panels(panels: Sequence[Panel], columns: int, handles: Sequence[Artist]
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         one = height(grid.flat[0], (PAGE - MARGINS) / columns - 0.15)
-        figure.set_figheight(rows * (one + TITLE) + LEGEND)
+        lines = 1 + max(panel.title.count("\n") for panel in panels)
+        figure.set_figheight(rows * (one + TITLE + lines * TITLE_LINE) + LEGEND)
         figure.legend(
             handles=list(handles), loc="outside upper center", ncols=min(len(handles), 7),
             handlelength=1.2, columnspacing=1.4,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from flexor.search import (
     CmaEs,
     DifferentialEvolution,
     Method,
+    MultistartBfgs,
     PatternSearch,
     Progress,
     Run,
@@ -24,9 +26,9 @@ ON_BOUND = 0.15
 # Of the best designs, how many are varied, and the probabilities that a variation keeps a
 # parameter that is on a bound and one that is not.
 VARIED, KEEP_ON_BOUND, KEEP = 20, 0.8, 0.4
-# Shares of the evaluations: looking everywhere, varying, descending, evolving, and following edges
-# from each of the best; the rest refines the best.
-EXPLORE, VARY, DESCEND, EVOLVE, FOLLOW = 0.2, 0.35, 0.15, 0.1, 0.05
+# Shares of the evaluations: looking everywhere, varying, descending, evolving, and from each of the
+# best following edges and following the gradient; the rest refines the best.
+EXPLORE, VARY, DESCEND, EVOLVE, FOLLOW, SLOPE = 0.2, 0.3, 0.15, 0.1, 0.04, 0.03
 FOLLOWED = 3
 BATCH = 256
 # Designs closer than this in every parameter, as a fraction of its range, are alike.
@@ -41,14 +43,16 @@ class Thorough(Method):
     of the design space. Random designs therefore have each parameter on a bound now and then: so
     they fall on faces and edges, which uniform ones never do. From the best that are not alike
     follow a pattern search (many starts side by side), differential evolution, CMA-ES with small
-    steps (which follows the edges of islands, where polls along the axes stall) and a last pattern
-    search.
+    steps (which follows the edges of islands, where polls along the axes stall), quasi-Newton steps
+    by the exact gradient (for the smooth ground of many parameters) and a last pattern search.
 
     Attributes
     ----------
     evaluations : int
         Designs that it evaluates at most.
     """
+
+    gradients: ClassVar[bool] = True
 
     evaluations: int = 2000
 
@@ -78,19 +82,23 @@ class Thorough(Method):
             self._stage(
                 run, known, CmaEs(step=0.01, restarts=0), start[None, :], FOLLOW * most, "following"
             )
+        for start in known.best(FOLLOWED, NEAR):
+            self._stage(
+                run, known, MultistartBfgs(starts=1), start[None, :], SLOPE * most, "sloping"
+            )
         self._stage(
             run, known, PatternSearch(initial_mesh=4e-3, largest_mesh=1e-2, tolerance=1e-8),
             known.best(1, NEAR), max(most - len(known), most // 10), "refining",
         )  # fmt: skip
-        return f"{run.function.evaluations} evaluations in five stages"
+        return f"{run.function.evaluations} evaluations in seven stages"
 
     def _explore(self, run: Run, known: Known, random: np.random.Generator) -> None:
-        known.values(run.starts(1, random))
+        known(run.starts(1, random))
         count = int(EXPLORE * self.evaluations)
         zeros, ones = np.zeros(run.size), np.ones(run.size)
         points = _some_on_bounds(starting_designs(None, count, zeros, ones, random), random)
         for first in range(0, count, BATCH):
-            known.values(points[first : first + BATCH])
+            known(points[first : first + BATCH])
             run.step("exploring")
 
     def _vary(self, run: Run, known: Known, random: np.random.Generator) -> None:
@@ -101,7 +109,7 @@ class Thorough(Method):
             drawn = _some_on_bounds(random.uniform(size=parents.shape), random)
             on_bound = (parents <= 0.0) | (parents >= 1.0)
             kept = random.uniform(size=parents.shape) < np.where(on_bound, KEEP_ON_BOUND, KEEP)
-            known.values(np.where(kept, parents, drawn))
+            known(np.where(kept, parents, drawn))
             run.step("varying")
 
     def _stage(
@@ -111,7 +119,7 @@ class Thorough(Method):
             run.step(doing)
 
         search.minimize(
-            known.values,
+            known,
             np.zeros(run.size),
             np.ones(run.size),
             start=start,
@@ -127,7 +135,7 @@ def _some_on_bounds(points: FloatArray, random: np.random.Generator) -> FloatArr
 
 
 class Known:
-    """Everything that the stages have evaluated so far.
+    """Everything that the stages have evaluated so far, as a function of its own.
 
     Parameters
     ----------
@@ -142,12 +150,16 @@ class Known:
     def __len__(self) -> int:
         return len(self._values)
 
-    def values(self, points: FloatArray) -> FloatArray:
+    def __call__(self, points: FloatArray) -> FloatArray:
         """Values (n,) of points (n, k) in the unit box."""
         found = self._run.values(points)
         for point, value in zip(points, found.tolist(), strict=True):
             self._values[point.tobytes()] = value
         return found
+
+    def gradient(self, points: FloatArray) -> FloatArray | None:
+        """Exact gradients (n, k) there; None if there are none."""
+        return self._run.gradient(points)
 
     def best(self, count: int, apart: float) -> FloatArray:
         """Return the best points (m, k), at most ``count``, none two of them alike."""

@@ -70,7 +70,7 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     low, high = (np.nanmin(value), np.nanmax(value)) if np.isfinite(value).any() else (0.0, 1.0)
     colours = ScalarMappable(Normalize(low, high if high > low else low + 1.0), "viridis")
     space: Any = figure.add_axes((0.0, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
-    plan = figure.add_axes((0.565, 0.24, 0.345, 0.73))
+    plan = figure.add_axes((0.58, 0.24, 0.33, 0.73))
     _surface(space, x, y, value, colours)
     _plan(plan, x, y, value, colours, landscape)
     for axes in (space, plan):
@@ -88,7 +88,7 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
             "markeredgecolor": "white",
             "linestyle": "",
         }
-        plan.plot(x[i], y[j], markersize=13, markeredgewidth=0.8, zorder=6.5, **star)
+        plan.plot(x[i], y[j], markersize=14, markeredgewidth=0.8, zorder=6.5, clip_on=False, **star)
         space.plot([x[i]], [y[j]], [value[j, i]], markersize=12, zorder=9, **star)
     place = plan.get_position(original=False)
     bar_axes = figure.add_axes((0.915, place.y0, 0.015, place.height))
@@ -123,7 +123,8 @@ def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None
         axis.pane.set_edgecolor("#D5DADE")
         axis._axinfo["grid"].update(color="#E3E6E9", linewidth=0.4)
         axis.set_tick_params(pad=-2)
-        axis.set_major_locator(MaxNLocator(4))
+        # Without the ends of the range: where two axes meet, their numbers would overlap.
+        axis.set_major_locator(MaxNLocator(4, prune=None if axis is space.zaxis else "both"))
         axis.labelpad = -4.0
     space.zaxis.labelpad = -1.0
 
@@ -176,10 +177,19 @@ def _path(
     x, y = (_column(landscape, path, axis) for axis in (0, 1))
     plan.plot(x, y, color=colour, linewidth=0.9, zorder=5)
     plan.plot(x, y, color=LINE, linewidth=1.8, zorder=4)
-    ends: dict[str, Any] = {"markeredgecolor": LINE, "markeredgewidth": 0.7, "linestyle": ""}
-    plan.plot(x[0], y[0], marker=marker, color=colour, markersize=3.5, zorder=6, **ends)
+    # Searches often end on a bound: markers are whole there, too.
+    ends: dict[str, Any] = {"markeredgewidth": 0.7, "linestyle": "", "clip_on": False}
+    plan.plot(
+        x[0], y[0], marker=marker, color=colour, markersize=3.5, zorder=6, markeredgecolor=LINE,
+        **ends,
+    )  # fmt: skip
     ends["markeredgecolor"] = "white"
-    plan.plot(x[-1], y[-1], marker=marker, color=LINE, markersize=4.5, zorder=7, **ends)
+    # Ends at the same place stay visible: later methods' are smaller and above, the star is below.
+    above = 0.1 * [each for _, each in PATHS].index(marker)
+    plan.plot(
+        x[-1], y[-1], marker=marker, color=LINE, markersize=5.5 - 18.0 * above, zorder=7.0 + above,
+        **ends,
+    )  # fmt: skip
     if path.label:
         plan.annotate(
             path.label,

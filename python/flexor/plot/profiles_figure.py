@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexor.survey import Profile
 
 # Okabe and Ito's colours that are dark enough for lines, each with each stroke: lines of one colour
-# differ in stroke and lines of one stroke in colour.
+# differ in stroke, lines of one stroke in colour, and neighbours in both.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
 STROKES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)))
 # Costs beyond these say no more than the end of the line does.
@@ -79,7 +79,7 @@ def _lines(axes: Any, profiles: Sequence[Profile], first: float, last: float) ->
             solved,
             where="post",
             color=COLOURS[i % len(COLOURS)],
-            linestyle=STROKES[(i // len(COLOURS)) % len(STROKES)],
+            linestyle=STROKES[(i + i // len(COLOURS)) % len(STROKES)],
             label=known.title if known is not None else profile.method,
             clip_on=True,
         )
