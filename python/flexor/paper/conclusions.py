@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexor.paper.brief import brief
 from flexor.paper.conclusion import Conclusion
 from flexor.paper.conclusions_on_designs import on_designs, on_objectives
 from flexor.paper.conclusions_on_searches import on_mechanics, on_searches
@@ -37,6 +38,7 @@ def conclusions(context: Context) -> Section:
             f'"{context.settings.constants}", {len(found) - held} do not. With '
             f'"{other.settings.constants}", the other reading of what the paper leaves open, '
             f"{held_also} of {len(also)} hold; those on searches are tested with the former only.",
+            *brief(context, other, _best(context), _best(other)),
         ),
         tables=(
             Table(

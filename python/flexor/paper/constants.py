@@ -69,12 +69,18 @@ def constants(context: Context) -> Section:
         name="constants",
         title="The printed constants, and the ones used here",
         text=tuple(text),
-        compared=tuple(
-            Compared(
-                f"{what}, {name} constants", number.place, number.value, found[name][key], "rad"
-            )
-            for name in names
-            for what, key, number in _angles()
+        compared=(
+            *(
+                Compared(number.what, number.place, number.value, ours[key])
+                for key, number in _counts()
+            ),
+            *(
+                Compared(
+                    f"{what}, {name} constants", number.place, number.value, found[name][key], "rad"
+                )
+                for name in names
+                for what, key, number in _angles()
+            ),
         ),
         tables=(_constants_table(context, names), _table(found)),
         pictures=(
@@ -100,6 +106,14 @@ def _angles() -> tuple[tuple[str, str, published.Number], ...]:
     )
 
 
+def _counts() -> tuple[tuple[str, published.Number], ...]:
+    return (
+        ("dof", published.DEGREES_OF_FREEDOM),
+        ("exosuit_spheres", published.EXOSUIT_SPHERES),
+        ("finger_spheres", published.FINGER_SPHERES),
+    )
+
+
 def _compute(context: Context, name: str) -> Data:
     context.say(f"paths with the {name} constants")
     model = context.model(ALONE, name)
@@ -109,7 +123,11 @@ def _compute(context: Context, name: str) -> Data:
     design = np.array([published.TABLE_III["L+R01"].design])
     geometry = parameter_set("L+R01", finger.design).geometry(design, finger.design.points)
     two, three = (context.model(links, name).equilibrium(FORCES) for links in (TWO_LINKS, FINGER))
+    spheres = {name: len(group) for name, group in three.spheres(0).items()}
     return {
+        "dof": finger.engine.dof,
+        "exosuit_spheres": spheres["exosuit"],
+        "finger_spheres": spheres["finger"],
         "turns_5": tip_angle(at_5, -1) / (2.0 * pi),
         "turns_10": tip_angle(path, -1) / (2.0 * pi),
         "strain_5": _axial_strain(model, at_5.q[-1]),

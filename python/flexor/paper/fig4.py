@@ -18,7 +18,7 @@ from flexor.paper.fig4_searches import (
     searches_table,
 )
 from flexor.paper.folder import Data
-from flexor.paper.optimum import true_optimum
+from flexor.paper.optimum import evaluated, true_optimum
 from flexor.paper.section import Cell, Column, Compared, Picture, Section, Table, number
 from flexor.study import Settings, StudyProgress
 from flexor.survey import Landscape, SearchPath, landscape
@@ -120,11 +120,7 @@ def _text(
     low, high = (100.0 * bound for bound in published.SURVEYED)
     grid_best = survey.minimum
     inside = all(low + 0.011 < value < high - 0.011 for value in at)
-    edge = (
-        "inside the range surveyed, as the paper found"
-        if inside
-        else "at the edge of the range surveyed, where the paper found it inside"
-    )
+    edge = "inside" if inside else "at the edge of"
     theirs = " and ".join(f"{100.0 * value:.2f}" for value in published.GLOBAL_MINIMUM.design)
     minima = len(survey.local_minima())
     snapping = float((survey.events > 0).mean())
@@ -133,7 +129,8 @@ def _text(
     )
     return (
         f"The lowest f_b is {best:.4f} rad at R_0 = {at[0]:.3f} cm and R_1 = {at[1]:.3f} cm "
-        f"({edge}, at {theirs} cm). The best of the grid is {grid_best.value:.4f} rad. The "
+        f"({edge} the range surveyed). The paper has it at {theirs} cm (inside); there our f_b is "
+        f"{_at_published(context):.4f} rad. The best of the grid is {grid_best.value:.4f} rad. The "
         f"landscape has {minima} local minim{'um' if minima == 1 else 'a'} on this grid, and "
         f"{100.0 * snapping:.0f} % of its designs snap at least once on the way to 5 N: a branch "
         "of equilibria ends and the finger jumps to another. Steps between neighbouring designs "
@@ -167,6 +164,15 @@ def _beside(name: str, survey: Landscape, spheres: Landscape) -> str:
         f"there are {len(survey.local_minima())} local minima instead of "
         f"{len(spheres.local_minima())}."
     )
+
+
+def _at_published(context: Context) -> float:
+    """Return our f_b at the published minimum."""
+
+    def compute() -> Data:
+        return evaluated(context.problem("R01"), np.array(published.GLOBAL_MINIMUM.design))
+
+    return float(context.part("published-minimum", compute).data["value"])
 
 
 def _numbers(surveys: Mapping[str, Landscape]) -> tuple[Table, ...]:

@@ -129,12 +129,15 @@ class Folder:
         """
         file = self.path / "parts" / f"{name}.json"
         if not file.is_file():
-            began = time.perf_counter()
+            began, processor = time.perf_counter(), time.process_time()
             data = compute()
-            seconds = time.perf_counter() - began
+            spent = {
+                "seconds": time.perf_counter() - began,
+                "processor": time.process_time() - processor,
+            }
             try:
                 file.parent.mkdir(parents=True, exist_ok=True)
-                self._write(file, {"seconds": seconds, "data": data})
+                self._write(file, {**spent, "data": data})
             except OSError as error:
                 raise InputError(f'"{file}" cannot be written: {_why(error)}.') from error
         # Read back also what was just computed, so that a resumed report cannot differ.
@@ -143,10 +146,13 @@ class Folder:
             raise InputError(f'"{file}" is damaged: delete it to compute it again.')
         return Part(kept["data"], float(kept["seconds"]))
 
-    def seconds(self) -> float:
-        """Return how long all parts took together [s]."""
-        files = sorted((self.path / "parts").glob("*.json"))
-        return sum(float(_read(file)["seconds"]) for file in files)
+    def seconds(self) -> tuple[float, float]:
+        """Return how long all parts took together, and the processor time of that [s]."""
+        kept = [_read(file) for file in sorted((self.path / "parts").glob("*.json"))]
+        return (
+            sum(float(part["seconds"]) for part in kept),
+            sum(float(part.get("processor", 0.0)) for part in kept),
+        )
 
     def study(self, name: str) -> tuple[Path, bool]:
         """Return the folder of a study, and whether there is one to resume."""

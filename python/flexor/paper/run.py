@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import platform
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -176,9 +178,12 @@ def _carry_out(
         told(ItemDone(section, time.perf_counter() - began))
     # What is concluded comes first.
     order = tuple(sorted(sections.values(), key=lambda section: section.name != "conclusions"))
-    computing = folder.seconds()
+    computing, processor = folder.seconds()
     about: Mapping[str, str] = folder.stamp["provenance"]
-    took = f"{computing:.0f} s of computing, {drawing:.0f} s of drawing"
+    took = (
+        f"{computing:.0f} s of computing ({processor:.0f} s of processor time), {drawing:.0f} s of "
+        f"drawing; {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+    )
     report = folder.write("report.html", page(order, images, about, took, _lead()))
     if docs is not None:
         _write_docs(Path(docs), order, about, took)
