@@ -24,9 +24,12 @@ from flexor.study import Settings, StudyProgress
 from flexor.survey import Landscape, SearchPath, landscape
 
 # How contact is modelled: the name of the landscape, and what to change in the model file. The
-# paper's is spheres; a smooth alternative is one more line.
+# paper's is spheres, which slide over each other in bumps; round cones are smooth.
 PAPERS = "spheres"
-CONTACTS: dict[str, Mapping[str, object]] = {PAPERS: {}}
+CONTACTS: dict[str, Mapping[str, object]] = {
+    PAPERS: {},
+    "round-cones": {"contacts.skin.shape": "round-cones"},
+}
 
 
 def fig4(context: Context) -> Section:
