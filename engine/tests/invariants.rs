@@ -2,6 +2,7 @@
 //! never climbs.
 
 mod systems;
+#[allow(dead_code)]
 #[path = "systems/trees.rs"]
 mod trees;
 
@@ -11,7 +12,7 @@ use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::strain::BasisKind;
 use proptest::prelude::*;
-use trees::{BASES, SECTIONS, planar_tree, spatial_tree};
+use trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
 
 /// A mirror through the origin: −1 for the axis that is turned over.
 #[derive(Clone, Copy, Debug)]
@@ -203,10 +204,13 @@ proptest! {
         section in prop::sample::select(SECTIONS.to_vec()),
         order in prop::sample::select(vec![2usize, 4]),
         follower: bool,
+        cones: bool,
         mirror in prop::sample::select(vec![Mirror([1.0, -1.0, 1.0]), Mirror([1.0, 1.0, -1.0])]),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        check_mirror::<SE3, 6, 3>(&spatial_tree(bases, section, order, follower), mirror, &state, &load)?;
+        let tree = spatial_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check_mirror::<SE3, 6, 3>(&tree, mirror, &state, &load)?;
     }
 
     #[test]
@@ -216,9 +220,11 @@ proptest! {
         section in prop::sample::select(SECTIONS.to_vec()),
         order in prop::sample::select(vec![2usize, 4]),
         follower: bool,
+        cones: bool,
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
         let tree = planar_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
         check_mirror::<SE2, 3, 2>(&tree, Mirror([1.0, 1.0, -1.0]), &state, &load)?;
     }
 }
@@ -231,9 +237,12 @@ proptest! {
         state in prop::collection::vec(-0.6..0.6f64, 97),
         bases in prop::array::uniform6(basis()),
         section in prop::sample::select(SECTIONS.to_vec()),
+        cones: bool,
         load in prop::collection::vec(-0.2..0.2f64, 5),
     ) {
-        check_descent::<SE3, 6, 3>(&spatial_tree(bases, section, 4, false), &state, &load)?;
+        let tree = spatial_tree(bases, section, 4, false);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check_descent::<SE3, 6, 3>(&tree, &state, &load)?;
     }
 
     #[test]
@@ -241,8 +250,11 @@ proptest! {
         state in prop::collection::vec(-1.0..1.0f64, 53),
         bases in prop::array::uniform3(basis()),
         section in prop::sample::select(SECTIONS.to_vec()),
+        cones: bool,
         load in prop::collection::vec(-0.2..0.2f64, 5),
     ) {
-        check_descent::<SE2, 3, 2>(&planar_tree(bases, section, 4, false), &state, &load)?;
+        let tree = planar_tree(bases, section, 4, false);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check_descent::<SE2, 3, 2>(&tree, &state, &load)?;
     }
 }

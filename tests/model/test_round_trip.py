@@ -186,7 +186,10 @@ def documents(draw: Draw) -> dict[str, Any]:
         next(names): {"first": draw(groups), "second": draw(groups), "stiffness": draw(STIFFNESS)}
         for _ in range(draw(st.integers(0, 2)) if spheres else 0)
     }
+    solid = draw(st.booleans())
     for contact in contacts.values():
+        if solid:
+            contact["shape"] = "round-cones"
         maybe(contact, draw, skip=st.integers(0, 9), tip_spheres=st.integers(0, 1))
 
     actuators: dict[str, Any] = {}

@@ -42,7 +42,16 @@ def simulate(
     """Follow a model's equilibrium as its actuation rises.
 
     Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
-    tip, and whether the equilibrium is stable; then every snap on the way.
+    tip, and whether the equilibrium is stable; then every snap on the way. The exit code is 1 if a
+    load step found no equilibrium; its state is then one of these, and what to do is said below the
+    table (`docs/method.md` has more):
+
+    * `iteration-limit`: too many iterations, mostly many snaps in a row
+    * `unstable`: an equilibrium from which some motion grows by itself
+    * `stalled`: forces do not balance, yet the energy cannot be lowered
+    * `diverged`: the energy is not finite, or no step could be found
+    * `invalid-design`: a length, radius, modulus or stiffness makes no sense
+    * `not-reached`: an earlier load step failed
 
     Examples
     --------
@@ -80,6 +89,8 @@ def report(path: Path) -> None:
     """
     import numpy as np
 
+    from flexor.model import explained
+
     angular = [name for name in path.model.joints if _angular(name)]
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
@@ -107,6 +118,9 @@ def report(path: Path) -> None:
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
     out.print(table(headings, rows, left=0))
+    failed = next((word for word in path.status if word != "converged"), None)
+    if failed is not None:
+        out.print(explained(failed), markup=False, soft_wrap=True)
     for event in path.events:
         out.print(_tell(event, path.model.joints), markup=False, soft_wrap=True)
 

@@ -16,8 +16,10 @@ from flexor.model.presets import presets
 from flexor.model.reading import parse, read
 from flexor.model.schema import ModelFile
 from flexor.model.state import ContactForces
+from flexor.model.status import MEANINGS, explained
 
 __all__ = [
+    "MEANINGS",
     "Batch",
     "ContactForces",
     "DesignSpace",
@@ -27,6 +29,7 @@ __all__ = [
     "Model",
     "ModelFile",
     "Path",
+    "explained",
     "forces",
     "load",
     "parse",

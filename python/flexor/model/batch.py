@@ -34,7 +34,8 @@ class Batch:
     q : (n, steps, dof) array
         Generalized coordinates.
     status : (n, steps) array
-        Codes of how each step ended, indices of `flexor._engine.STATUS`.
+        Codes of how each step ended, indices of `flexor._engine.STATUS`; `flexor.model.MEANINGS`
+        says what each means and what to do.
     stable : (n, steps) bool array
         Whether the equilibrium is a minimum of the potential.
     iterations : (n, steps) array

@@ -58,7 +58,8 @@ class Path:
     q : (steps, dof) array
         Generalized coordinates.
     status : tuple of str
-        How each step ended, ``"converged"`` or what went wrong.
+        How each step ended, ``"converged"`` or what went wrong; `flexor.model.MEANINGS` says what
+        each means and what to do.
     stable : (steps,) bool array
         Whether the equilibrium is a minimum of the potential.
     iterations, residual, energy : (steps,) arrays

@@ -1,0 +1,52 @@
+"""What it means that a load step ended as it did, and what one can do.
+
+The engine has the statuses (`flexor._engine.STATUS`); this says them to people.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+# Status: what it means; what to do.
+MEANINGS = MappingProxyType(
+    {
+        "converged": ("a stable equilibrium", "nothing"),
+        "unstable": (
+            "an equilibrium from which some motion grows by itself; only loads without a potential "
+            "end there",
+            "look at the path before it, in smaller load steps",
+        ),
+        "iteration-limit": (
+            "more iterations in this load step than max_iterations allows, mostly many snaps in a "
+            "row",
+            "raise max_iterations if each snap matters; otherwise less load, or a stiffer design",
+        ),
+        "stalled": (
+            "the energy cannot be lowered any more, yet forces do not balance: scales too far "
+            "apart for double precision",
+            "check units, and bring stiffnesses that differ by many orders of magnitude together",
+        ),
+        "diverged": (
+            "the energy is not finite, or no step could be found",
+            "check units; apply far less load, or reach it in more steps",
+        ),
+        "invalid-design": (
+            "a number is not finite, a length, radius or modulus not positive, or a stiffness or "
+            "density negative",
+            "mend the design, or narrow its bounds",
+        ),
+        "not-reached": ("an earlier load step failed", "see that step"),
+    }
+)
+
+
+def explained(status: str) -> str:
+    """Say in one sentence what a status means and what one can do.
+
+    Parameters
+    ----------
+    status
+        One of `flexor._engine.STATUS`.
+    """
+    meaning, advice = MEANINGS[status]
+    return f"{status}: {meaning}. What to do: {advice}."

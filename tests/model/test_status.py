@@ -1,0 +1,49 @@
+"""Every way a load step can end is explained, everywhere in the same way."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor import _engine
+from flexor.cli.simulate import report, simulate
+from flexor.model import MEANINGS, explained
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def test_every_status_has_a_meaning_and_a_way_out() -> None:
+    assert tuple(MEANINGS) == tuple(_engine.STATUS)
+    for status in MEANINGS:
+        assert re.fullmatch(rf"{status}: \w.*\w\. What to do: \w.*\w\.", explained(status))
+
+
+def test_every_status_is_in_the_documentation_and_in_the_help() -> None:
+    method = (DOCS / "method.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `([\w-]+)` \|.*\|.*\|$", method, flags=re.MULTILINE) == [*MEANINGS]
+    said = simulate.__doc__ or ""
+    assert all(f"`{status}`" in said for status in MEANINGS if status != "converged")
+
+
+def test_a_path_that_fails_says_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
+    path = flexor.load("finger", "printed").equilibrium("0:50:25", max_iterations=20)
+    assert "iteration-limit" in path.status
+    assert path.status[-1] in ("iteration-limit", "not-reached")
+    report(path)
+    assert explained("iteration-limit") in capsys.readouterr().out.replace("\n", " ")
+
+
+def test_statuses_that_random_designs_seldom_show() -> None:
+    model = flexor.load("finger")
+    slot = model.engine.slots["exosuit.length"][0]
+    indices = np.array([slot])
+    values = np.array([[0.1], [np.nan], [-1.0], [1e300]])
+    found = model.engine.path(indices, values, np.array([[0.0], [1.0]]), 1)
+    ends = [[_engine.STATUS[code] for code in row] for row in found["status"].tolist()]
+    assert ends[0] == ["converged", "converged"]
+    assert ends[1] == ends[2] == ["invalid-design", "invalid-design"]
+    assert ends[3][0] in ("diverged", "invalid-design", "iteration-limit", "stalled")
