@@ -7,10 +7,34 @@ import platform
 
 import flexor
 
+BUSY = 0.5
+
 
 def machine() -> str:
     """Return versions, system and cores."""
     return (
         f"Flexor {flexor.__version__}, Python {platform.python_version()}, "
         f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    )
+
+
+def others() -> float:
+    """Return how many cores other processes have kept busy in the last minute; NaN if unknown."""
+    return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
+
+
+def warning(load: float) -> str:
+    """Return a sentence if the machine was not quiet when a benchmark began, or nothing.
+
+    Parameters
+    ----------
+    load
+        What `others` gave before it.
+    """
+    if not load > BUSY:
+        return ""
+    return (
+        f"The machine was not quiet: other processes kept {load:.1f} of {os.cpu_count()} cores "
+        "busy when this began. Processor times and ratios are disturbed a little, wall times and "
+        "speeds a lot."
     )

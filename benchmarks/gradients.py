@@ -19,6 +19,8 @@ import time
 import numpy as np
 from _differences import check
 from _machine import machine
+from _section import Section, table
+from _timing import progress
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
@@ -49,12 +51,9 @@ def main() -> None:
     reading.add_argument("--budget", type=int, default=3000, help="designs of each search")
     asked = reading.parse_args()
     model, console = flexor.load("finger"), Console()
-    console.print(machine(), markup=False)
-    exact = Table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
-    for name in SETS:
-        exact.add_row(name, *accuracy(model, name, asked.designs, asked.runs))
-    console.print("Cost of value and gradient over value; relative errors of derivatives")
-    console.print(exact)
+    section = measure(asked.designs, asked.runs)
+    section.parts.insert(0, machine())
+    section.show()
     found = {name: searches(model, name, asked.seeds, asked.budget) for name in SETS}
     for within in WITHIN:
         saved = Table("set", "best f_b", *METHODS, "times fewer")
@@ -62,6 +61,24 @@ def main() -> None:
             saved.add_row(name, *savings(results, within))
         console.print(f"Designs to within {within:.1%} of the best known f_b, {asked.seeds} seeds")
         console.print(saved)
+
+
+def measure(designs: int, runs: int) -> Section:
+    """Measure cost and error of gradients, and write it up."""
+    made = table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
+    model = flexor.load("finger")
+    with progress() as bar:
+        for name in bar.track(SETS, description="gradients"):
+            made.add_row(name, *accuracy(model, name, designs, runs))
+    section = Section("Gradients", "./dev bench gradients")
+    section.parts += [
+        f"Value and gradient of {designs} random designs of each parameter set: *time*, processor "
+        f"time over that of the value alone (median of {runs} runs); and relative errors of "
+        "derivatives along a random direction against central differences of sixth order, at "
+        "designs that the engine calls regular and whose stencil crosses no change of contact.",
+        made,
+    ]
+    return section
 
 
 def accuracy(model: Model, name: str, count: int, runs: int) -> list[str]:

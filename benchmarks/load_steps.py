@@ -14,10 +14,10 @@ import sys
 import numpy as np
 from _machine import machine
 from _random_designs import geometry, random_vectors
+from _section import Section, table
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 import flexor
 from flexor.model import Batch
@@ -31,14 +31,23 @@ def main() -> int:
     reading = argparse.ArgumentParser(description=__doc__)
     reading.add_argument("--designs", type=int, default=1_000, help="of each set of constants")
     asked = reading.parse_args()
+    section, good = measure(asked.designs)
+    section.parts.insert(0, machine())
+    section.show()
+    return 0 if good else 1
+
+
+def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]:
+    """Evaluate so many random designs from each seed, and write it up; say whether all is well."""
     columns = ("calibrated", "printed")
     rows: dict[str, list[str]] = {}
     good = True
+    total = designs * len(seeds)
     for constants in columns:
         model = flexor.load("finger", constants)
-        vectors = random_vectors(model, asked.designs, seed=3)
+        vectors = np.concatenate([random_vectors(model, designs, seed) for seed in seeds])
         apart, ends, eventful, compared = [], [], [], 0
-        parts = range(0, asked.designs, PART)
+        parts = range(0, total, PART)
         for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
             chosen = vectors[first : first + PART]
             coarse = model.evaluate(geometry(model, chosen), "0:5:1")
@@ -53,7 +62,7 @@ def main() -> int:
         events, same = np.array(eventful), np.array(ends) <= BAR
         good &= max(apart) <= BAR
         facts = {
-            "designs": f"{asked.designs:,}",
+            "designs": f"{total:,}",
             "without an event": f"{(~events).sum():,}",
             "of them ending alike to 1e-8 rad": f"{(same & ~events).sum():,}",
             "with an event": f"{events.sum():,}",
@@ -64,15 +73,16 @@ def main() -> int:
         }
         for name, value in facts.items():
             rows.setdefault(name, []).append(value)
-    table = Table("", *columns)
-    for column in table.columns[1:]:
-        column.justify = "right"
+    made = table("", *columns)
     for name, values in rows.items():
-        table.add_row(name, *values)
-    console = Console()
-    console.print(machine(), markup=False)
-    console.print(table)
-    return 0 if good else 1
+        made.add_row(name, *values)
+    section = Section("Independence of the load step", f"./dev bench load_steps --designs {total}")
+    section.parts += [
+        "Random designs taken to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
+        "coarse path before the first event of either:",
+        made,
+    ]
+    return section, good
 
 
 def first_event(batch: Batch) -> NDArray[np.float64]:

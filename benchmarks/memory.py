@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
+import statistics
 import sys
 import tempfile
 import time
@@ -16,8 +17,8 @@ from pathlib import Path
 
 from _machine import machine
 from _random_designs import random_designs
-from rich.console import Console
-from rich.table import Table
+from _section import Section, table
+from _timing import progress
 
 import flexor
 
@@ -55,6 +56,10 @@ def peak() -> float:
     """Return the most memory that this process has used [MB]."""
     if sys.platform == "win32":
         return float("nan")
+    status = Path("/proc/self/status")
+    if status.exists():  # getrusage would also count the process that began this one
+        (line,) = (x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
+        return int(line.split()[1]) / 1e3
     import resource
 
     found = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -70,22 +75,35 @@ def main() -> None:
     """Measure, and print the table."""
     reading = argparse.ArgumentParser(description=__doc__)
     reading.add_argument("--designs", type=int, default=100_000)
+    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
     asked = reading.parse_args()
-    table = Table("what", "designs", "seconds", "peak memory / MB")
-    for column in table.columns[1:]:
-        column.justify = "right"
+    section = measure(asked.designs, asked.runs)
+    section.parts.insert(0, machine())
+    section.show()
+
+
+def measure(designs: int, runs: int) -> Section:
+    """Measure everything, and write it up."""
+    made = table("what", "designs", "seconds", "peak memory / MB")
     works = {"interpreter and packages": nothing, "batch": batch, "study": study}
-    console = Console(stderr=True)
-    for name, work in works.items():
-        with (
-            console.status(f"{name}, {asked.designs:,} designs"),
-            multiprocessing.get_context("spawn").Pool(1) as pool,
-        ):
-            count, seconds, most = pool.apply(measured, (work, asked.designs))
-        table.add_row(name, f"{count:,}", f"{seconds:.1f}", f"{most:.0f}")
-    console = Console()
-    console.print(machine(), markup=False)
-    console.print(table)
+    with progress() as bar:
+        for name, work in works.items():
+            found = []
+            for _ in bar.track(range(runs), description=f"{name}, {designs:,} designs"):
+                with multiprocessing.get_context("spawn").Pool(1) as pool:
+                    found.append(pool.apply(measured, (work, designs)))
+            count, seconds, most = (
+                statistics.median(values) for values in zip(*found, strict=True)
+            )
+            made.add_row(name, f"{count:,.0f}", f"{seconds:.1f}", f"{most:.0f}")
+    section = Section("Memory", f"./dev bench memory --designs {designs}")
+    section.parts += [
+        "The most memory that a process uses for random designs of finger and exosuit, each with "
+        "six load steps: as a batch that keeps every state, and as a study that keeps every "
+        f"evaluation in its folder; medians of {runs} processes.",
+        made,
+    ]
+    return section
 
 
 if __name__ == "__main__":

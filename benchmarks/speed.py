@@ -10,18 +10,16 @@ from __future__ import annotations
 
 import argparse
 import statistics
-import time
 from collections.abc import Iterator
 
 from _machine import machine
 from _random_designs import random_designs
-from rich.console import Console
-from rich.progress import Progress
-from rich.table import Table
+from _section import Section, table
+from _timing import Times, progress
 
 import flexor
 from flexor.design import Geometry
-from flexor.model import Model, parse
+from flexor.model import Batch, Model, parse
 
 SPATIAL = """
 name = "spatial rod"
@@ -74,45 +72,50 @@ def main() -> None:
     reading.add_argument("--designs", type=int, default=2_000, help="of the calibrated finger")
     reading.add_argument("--runs", type=int, default=5, help="of which the median is printed")
     asked = reading.parse_args()
-    table = Table("model", "DOF", "threads", "designs/s", "iterations/design", "µs/iteration")
-    for column in table.columns[1:]:
-        column.justify = "right"
+    section = measure(asked.designs, asked.runs)
+    section.parts.insert(0, machine())
+    section.show()
+
+
+def measure(designs: int, runs: int) -> Section:
+    """Measure everything, and write it up."""
+    made = table("model", "DOF", "threads", "designs/s", "iterations/design", "µs/iteration")
     ratios = []
-    with Progress(console=Console(stderr=True)) as progress:
-        for name, model, count, threads in cases(asked.designs):
+    with progress() as bar:
+        for name, model, count, threads in cases(designs):
             geometry = random_designs(model, count)
-            seconds = {number: list[float]() for number in threads}
-            processor = list[float]()
+            times = {number: Times() for number in threads}
             model.evaluate(geometry, threads=threads[-1])  # warm caches and threads
-            for _ in progress.track(range(asked.runs), description=name):
+            for _ in bar.track(range(runs), description=name):
                 for number in threads:
-                    wall, cpu, iterations = timed(model, geometry, number)
-                    seconds[number].append(wall)
-                    if number == 1:
-                        processor.append(cpu / iterations)
+                    iterations = timed(model, geometry, number, times[number])
             for number in threads:
-                table.add_row(
+                made.add_row(
                     name if number == 1 else "",
                     str(model.dof),
                     str(number),
-                    f"{count / statistics.median(seconds[number]):,.0f}",
+                    f"{count / statistics.median(times[number].wall):,.0f}",
                     f"{iterations / count:.1f}",
-                    f"{1e6 * statistics.median(processor):.1f}" if number == 1 else "",
+                    f"{1e6 * times[1].median / iterations:.1f}" if number == 1 else "",
                 )
             if len(threads) > 1:
-                pairs = zip(seconds[1], seconds[2], strict=True)
+                pairs = zip(times[1].wall, times[2].wall, strict=True)
                 ratios.append(f"{name}: {statistics.median(a / b for a, b in pairs):.2f}")
-    console = Console()
-    console.print(f"{machine()}; medians of {asked.runs} runs", markup=False)
-    console.print(table)
-    console.print(f"two threads against one: {'; '.join(ratios)}")
+    section = Section("Speed", "./dev bench speed")
+    section.parts += [
+        f"Random designs, 0 to 5 N in 1 N steps; medians of {runs} runs. Designs a second are of "
+        "wall time, an iteration is processor time of one thread.",
+        made,
+        f"Two threads against one: {'; '.join(ratios)}.",
+    ]
+    return section
 
 
-def timed(model: Model, geometry: Geometry, threads: int) -> tuple[float, float, int]:
-    """Return wall time, processor time [s] and Newton iterations of one evaluation."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    batch = model.evaluate(geometry, threads=threads)
-    return time.perf_counter() - wall, time.process_time() - cpu, int(batch.iterations.sum())
+def timed(model: Model, geometry: Geometry, threads: int, times: Times) -> int:
+    """Evaluate once, and return the Newton iterations."""
+    batch = times.run(lambda: model.evaluate(geometry, threads=threads))
+    assert isinstance(batch, Batch)
+    return int(batch.iterations.sum())
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model import Model
 from flexor.validate.case import OTHER_LIBRARY, Case, Library, Outcome
 from flexor.validate.comparison import compare
 from flexor.validate.drawing import SERIES, dots
@@ -26,9 +27,16 @@ TIME_STEP, DURATION = 4e-4, 32.0  # s
 MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
 
 
-def _relaxed(elements: int) -> Array:
+def relaxed(elements: int) -> Array:
     """Positions of PyElastica's nodes at rest, (3, elements + 1) [m].
 
+    Parameters
+    ----------
+    elements
+        How many it has.
+
+    Notes
+    -----
     PyElastica clamps the first element, whose curvature begins at its middle: the rod is made
     longer by half an element, so that the clamp is at x = 0.
     """
@@ -69,26 +77,36 @@ def _relaxed(elements: int) -> Array:
     return np.asarray(body.position_collection)
 
 
-def relaxed_cantilever() -> Outcome:
-    """Compare the tip, extrapolated from two resolutions."""
-    coarse, fine = _relaxed(20), _relaxed(40)
-    extrapolated = (4.0 * fine[:, -1] - coarse[:, -1]) / 3.0
+def cantilever(basis: str, elements: int) -> Model:
+    """Build the same rod; its load is counted in parts of the force.
+
+    Parameters
+    ----------
+    basis, elements
+        Of all six strains.
+    """
     body = rod(
-        *(LENGTH, RADIUS, dict.fromkeys(MODES, "nodal_quadratic")),
+        *(LENGTH, RADIUS, dict.fromkeys(MODES, basis)),
         young_modulus=YOUNG,
-        elements=16,
+        elements=elements,
         gauss_points=3,
         density=si(DENSITY, "kg/m^3"),
     )
     load = {"body": "rod", "at": "tip", "force": vector(FORCE.tolist(), "N"), "input": True}
-    model = build(
+    return build(
         "cantilever",
         {"rod": body},
         planar=False,
         gravity=GRAVITY.tolist(),
         wrenches={"load": load},
     )
-    path = model.equilibrium([0.0, 0.25, 0.5, 0.75, 1.0])
+
+
+def relaxed_cantilever() -> Outcome:
+    """Compare the tip, extrapolated from two resolutions."""
+    coarse, fine = relaxed(20), relaxed(40)
+    extrapolated = (4.0 * fine[:, -1] - coarse[:, -1]) / 3.0
+    path = cantilever("nodal_quadratic", 16).equilibrium([0.0, 0.25, 0.5, 0.75, 1.0])
     shape = path.frames(-1)["rod"][:, :3, 3]
     return Outcome(
         (compare("tip / L", extrapolated / LENGTH, shape[-1] / LENGTH, 1e-4, 1.0),),

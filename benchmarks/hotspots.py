@@ -1,0 +1,213 @@
+"""Where the engine's time goes: samples of `perf`, by the part of the engine they fell into.
+
+Needs Linux with `perf` and `addr2line`. The engine is built once more with its symbols (in
+`target/profile`, which takes a few minutes the first time), the finger is followed on one thread,
+and each sample is counted for the innermost function that says what it is for: small products and
+group operations belong to whoever asked for them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from importlib.machinery import ExtensionFileLoader
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+from _machine import machine
+from _section import Section, table
+from _timing import progress
+
+ROOT = Path(__file__).resolve().parents[1]
+TARGET = ROOT / "target" / "profile"
+FREQUENCY = 2_000  # Hz
+# Elements of the exosuit and designs, each about as long.
+LOADS = ((10, 4_000), (80, 300), (320, 6))
+QUICK_LOADS = ((10, 1_500), (80, 100))
+# The first that fits, from the innermost inlined function outward: part, file, function.
+PARTS: tuple[tuple[str, str, str], ...] = (
+    ("contact", "potential/contact.rs", ""),
+    ("actuator", "potential/actuator.rs", ""),
+    ("elasticity, joints and other potentials", "potential/", "::add"),
+    ("factorisation", "linalg/cholesky.rs", "factorise"),
+    ("solutions with the factor", "linalg/cholesky.rs", "solve"),
+    ("kinematics", "kinematics.rs", ""),
+    ("assembly: columns and curvature of each motion", "assembly.rs", "expand"),
+    ("assembly: columns and curvature of each motion", "assembly.rs", "curve"),
+    ("assembly: pairs of coordinates", "assembly.rs", "march"),
+    ("assembly: pairs of coordinates", "assembly.rs", "pair_run"),
+    ("assembly: symmetry", "assembly.rs", "symmetrise"),
+    ("assembly: contact between bodies", "assembly.rs", "carry_couplings"),
+    ("assembly: contact between bodies", "assembly.rs", "keep_jacobians"),
+    ("assembly: the rest", "assembly.rs", ""),
+    ("geometry of designs", "design.rs", ""),
+    ("solver: trust region, prediction, tests", "equilibrium/", ""),
+    ("gathering of results", "batch.rs", ""),
+    ("clearing and copying of memory", "libc", ""),
+    ("small products and groups, not inlined", "linalg/", ""),
+    ("small products and groups, not inlined", "lie/", ""),
+)
+
+
+class Missing(Exception):
+    """What a profile needs and is not there."""
+
+
+def main() -> int:
+    """Measure, and print the table."""
+    reading = argparse.ArgumentParser(description=__doc__)
+    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
+    reading.add_argument("--quick", action="store_true", help="shorter runs")
+    reading.add_argument("--load", nargs=3, help=argparse.SUPPRESS)
+    asked = reading.parse_args()
+    if asked.load:
+        follow(Path(asked.load[0]), int(asked.load[1]), int(asked.load[2]))
+        return 0
+    try:
+        section = measure(asked.runs, quick=asked.quick)
+    except Missing as missing:
+        print(f"error: {missing}", file=sys.stderr)
+        return 2
+    section.parts.insert(0, machine())
+    section.show()
+    return 0
+
+
+def measure(runs: int, *, quick: bool) -> Section:
+    """Measure everything, and write it up."""
+    for tool in ("perf", "addr2line", "cargo"):
+        if shutil.which(tool) is None:
+            raise Missing(f"{tool} is missing, with which the engine is profiled.")
+    loads = QUICK_LOADS if quick else LOADS
+    with tempfile.TemporaryDirectory() as folder:
+        engine = built(Path(folder))
+        shares = []
+        with progress() as bar:
+            for elements, designs in loads:
+                found = [
+                    sampled(engine, elements, designs)
+                    for _ in bar.track(range(runs), description=f"profile, {elements} elements")
+                ]
+                names = {part for run in found for part in run}
+                shares.append({p: statistics.median(r.get(p, 0.0) for r in found) for p in names})
+    made = table("part", *(f"{2 * elements + 5} DOF" for elements, _ in loads))
+    order = dict.fromkeys([part for part, _, _ in PARTS] + ["the rest"])
+    for part in sorted(order, key=lambda part: -shares[0].get(part, 0.0)):
+        if any(share.get(part, 0.0) >= 0.002 for share in shares):
+            made.add_row(part, *(f"{share.get(part, 0.0):.1%}" for share in shares))
+    section = Section("Where the time goes", "./dev bench hotspots" + " --quick" * quick)
+    section.parts += [
+        "Samples of the processor's clock (`perf`) while random designs of finger and exosuit are "
+        "followed from 0 to 5 N on one thread, by the part of the engine they fell into, for the "
+        "exosuit of the paper and finer ones:",
+        made,
+    ]
+    return section
+
+
+def built(folder: Path) -> Path:
+    """Build the engine with symbols, and return the extension module."""
+    build = ("build", "--quiet", "--release", "--locked", "--package", "flexor-bindings")
+    options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false")
+    if subprocess.run(["cargo", *build, *options], cwd=ROOT, check=False).returncode:
+        raise Missing("cargo could not build the engine with its symbols.")
+    module = folder / "_engine.abi3.so"
+    shutil.copy(TARGET / "release" / "lib_engine.so", module)
+    return module
+
+
+def follow(module: Path, elements: int, designs: int) -> None:
+    """Follow random designs with the engine in a file: what is sampled."""
+    spec = spec_from_file_location(
+        "flexor._engine", module, loader=ExtensionFileLoader("flexor._engine", str(module))
+    )
+    assert spec is not None and spec.loader is not None
+    engine = module_from_spec(spec)
+    spec.loader.exec_module(engine)
+    sys.modules["flexor._engine"] = engine
+    from _random_designs import random_designs
+    from _rods import finger
+
+    model = finger(elements)
+    model.evaluate(random_designs(model, designs), threads=1)
+
+
+def sampled(module: Path, elements: int, designs: int) -> dict[str, float]:
+    """Return the share of each part in the samples of one run."""
+    data = module.parent / "samples"
+    command = [sys.executable, __file__, "--load", str(module), str(elements), str(designs)]
+    record = ["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(FREQUENCY), "-o", str(data)]
+    done = subprocess.run([*record, *command], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise Missing(f"perf could not record: {done.stderr.strip() or 'no message'}")
+    fields = ["perf", "script", "-i", str(data), "-F", "ip,sym,dso", "--show-mmap-events"]
+    lines = subprocess.run(fields, capture_output=True, text=True, check=True).stdout.splitlines()
+    code = re.compile(r"\[0x(\w+)\(0x\w+\) @ (?:0x)?(\w+) .*r-xp .*_engine\.abi3\.so")
+    base, addresses, parts = 0, Counter[int](), Counter[str]()
+    for line in lines:
+        if "PERF_RECORD_MMAP" in line:
+            mapped = code.search(line)
+            if mapped:
+                base = int(mapped[1], 16) - virtual(module, int(mapped[2], 16))
+        elif "_engine.abi3.so" in line:
+            addresses[int(line.split()[0], 16) - base] += 1
+        elif re.search(r"\b__mem(set|move|cpy)", line):
+            parts["clearing and copying of memory"] += 1
+    for address, stack in stacks(module, list(addresses)).items():
+        parts[part(stack)] += addresses[address]
+    total = sum(parts.values())
+    return {name: count / total for name, count in parts.items()}
+
+
+def virtual(module: Path, offset: int) -> int:
+    """Return the address at which a place of the file is meant to be loaded."""
+    listed = subprocess.run(
+        ["readelf", "-lW", str(module)], capture_output=True, text=True, check=True
+    ).stdout
+    for line in listed.splitlines():
+        words = line.split()
+        if words[:1] == ["LOAD"]:
+            start, address, size = (int(word, 16) for word in (words[1], words[2], words[4]))
+            if start - 4096 < offset <= start + size and "E" in words[6:-1]:
+                return address + offset - start
+    raise Missing("the engine's file has no code where perf found it.")
+
+
+def stacks(module: Path, addresses: list[int]) -> dict[int, list[tuple[str, str]]]:
+    """Return function and file of every address, from the innermost inlined one outward."""
+    asked = "\n".join(f"{address:#x}" for address in addresses)
+    command = ["addr2line", "-a", "-f", "-i", "-C", "-e", str(module)]
+    said = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
+    found: dict[int, list[tuple[str, str]]] = {}
+    lines = iter(said.splitlines())
+    for line in lines:
+        if re.fullmatch(r"0x[0-9a-f]+", line):
+            address = int(line, 16)
+            found[address] = []
+        else:
+            found[address].append((line, next(lines)))
+    return found
+
+
+def part(stack: list[tuple[str, str]]) -> str:
+    """Name the part of the engine that a place belongs to."""
+    small = ("linalg/fixed.rs", "lie/")
+    for function, file in stack:
+        if "engine/src/" not in file or any(name in file for name in small):
+            continue
+        for name, where, what in PARTS:
+            if f"engine/src/{where}" in file and what in function:
+                return name
+    if any("engine/src/" in file for _, file in stack):
+        return "small products and groups, not inlined"
+    return "the rest"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,121 @@
+"""Write `docs/performance.md`: every measurement of speed and scale, in one run.
+
+Medians of several runs each, by turns where things are compared. `--quick` takes smaller sizes and
+ends within ten minutes on two quiet cores; without it there are also a million designs and a
+thousand degrees of freedom. The exit code is 1 if an answer of a peer or of a smaller load step
+deviates by more than it may.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import gradients
+import growth
+import hotspots
+import load_steps
+import memory
+import peers
+import speed
+import structure
+from _machine import machine, others, warning
+from _section import Section
+from rich.console import Console
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+Sections = dict[str, Callable[[], tuple[Section, bool]]]
+
+
+def main() -> int:
+    """Measure everything, and write the document."""
+    reading = argparse.ArgumentParser(description=__doc__)
+    reading.add_argument("--runs", type=int, default=3, help="of each, of which medians are shown")
+    reading.add_argument("--quick", action="store_true", help="smaller sizes")
+    reading.add_argument("--out", type=Path, default=DOCS, help="folder of the document")
+    asked = reading.parse_args()
+    load, console, began = others(), Console(stderr=True), time.perf_counter()
+    if warning(load):
+        console.print(f"warning: {warning(load)}", markup=False)
+    texts, fine = [], True
+    works = quick(asked.runs) if asked.quick else full(asked.runs)
+    for i, (name, measure) in enumerate(works.items()):
+        console.print(f"[bold]{i + 1} of {len(works)}: {name}[/bold]")
+        section, good = measure()
+        section.show()
+        fine &= good
+        if not good:
+            section.parts.append("**Some of these deviate by more than they may.**")
+        image = f"images/{name}.png" if section.figure is not None else None
+        if image is not None:
+            (asked.out / image).parent.mkdir(parents=True, exist_ok=True)
+            section.save(asked.out / image)
+        texts.append(section.markdown(image))
+    minutes = (time.perf_counter() - began) / 60.0
+    document = "\n".join([opening(load, minutes, quick=asked.quick), *texts])
+    (asked.out / "performance.md").write_text(document.rstrip() + "\n", encoding="utf-8")
+    console.print(f"{asked.out / 'performance.md'}, after {minutes:.0f} minutes", markup=False)
+    return 0 if fine else 1
+
+
+def quick(runs: int) -> Sections:
+    """Return what is measured in a few minutes."""
+    return {
+        "speed": lambda: (speed.measure(1_000, runs), True),
+        "growth": lambda: (growth.measure(runs, quick=True), True),
+        "structure": lambda: (structure.measure(runs, quick=True), True),
+        "hotspots": lambda: profile(runs, short=True),
+        "peers": lambda: peers.measure(runs, quick=True),
+        "memory": lambda: (memory.measure(10_000, runs), True),
+        "load steps": lambda: load_steps.measure(50, (3, 4, 5)[:runs]),
+        "gradients": lambda: (gradients.measure(50, runs), True),
+    }
+
+
+def full(runs: int) -> Sections:
+    """Return all that is measured."""
+    return {
+        "speed": lambda: (speed.measure(2_000, max(runs, 5)), True),
+        "growth": lambda: (growth.measure(runs, quick=False), True),
+        "structure": lambda: (structure.measure(runs, quick=False), True),
+        "hotspots": lambda: profile(runs, short=False),
+        "peers": lambda: peers.measure(runs, quick=False),
+        "memory": lambda: (memory.measure(100_000, runs), True),
+        "load steps": lambda: load_steps.measure(400, (3, 4, 5)[:runs]),
+        "gradients": lambda: (gradients.measure(200, runs), True),
+    }
+
+
+def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
+    """Profile the engine, or say what is missing for it."""
+    try:
+        return hotspots.measure(runs, quick=short), True
+    except hotspots.Missing as missing:
+        section = Section("Where the time goes", "./dev bench hotspots")
+        section.parts.append(f"Not measured: {missing}")
+        return section, True
+
+
+def opening(load: float, minutes: float, *, quick: bool) -> str:
+    """Write what comes before the sections."""
+    command = "./dev bench" + " --quick" * quick
+    lines = [
+        "# Performance",
+        "",
+        f"Written by `{command}` in {minutes:.0f} minutes; each section names the command that "
+        "prints it alone. Times are medians, and what is compared was run by turns.",
+        "",
+        f"{datetime.date.today().isoformat()}; {machine()}.",
+        "",
+    ]
+    if warning(load):
+        lines += [f"**{warning(load)}**", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
