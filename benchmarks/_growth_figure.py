@@ -21,6 +21,7 @@ def draw(
 ) -> Figure:
     """Draw everything, as wide as a page."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator
 
     with style():
         figure = Figure(figsize=(PAGE, 0.62 * PAGE), layout="constrained")
@@ -30,19 +31,24 @@ def draw(
             a.loglog(growth.sizes, 1e3 * np.array(growth.costs), **line)
             b.loglog(growth.sizes, 1e3 * np.array(growth.costs) * growth.also, **line)
         for axes in (a, b):
-            _guide(axes, 1, "~ n"), _guide(axes, 3, "~ n³")
+            _room(axes)
+            _guide(axes, 0, 1, "~ n")
+            _guide(axes, -1, 3, "~ n³")
             axes.set_xlabel("degrees of freedom n")
             axes.legend(loc="upper left")
         a.set(ylabel="time of an iteration / ms")
         b.set(ylabel="time of a design, 0 to 5 N / ms")
         c.loglog(pairs.sizes, 1e6 * np.array(pairs.costs), **_line())
         c.set(xlabel="contact pairs tested", ylabel="time of an iteration / µs")
-        _guide(c, 1, "~ pairs")
+        _room(c)
+        _guide(c, -1, 1, "~ pairs")
         d.loglog(time.sizes, time.costs, **_line())
         d.set(xlabel="designs, one load step each", ylabel="time / s")
-        _guide(d, 1, "~ designs")
+        _room(d)
+        _guide(d, -1, 1, "~ designs")
         e.loglog(memory.sizes, memory.costs, **_line())
         e.set(xlabel="designs, one load step each", ylabel="peak memory / MB")
+        _room(e)
         f.plot(speed.sizes, speed.costs, **_line())
         f.plot(speed.sizes, [speed.costs[0] * n for n in speed.sizes], **GUIDE)
         f.set(xlabel="threads", ylabel="designs / s", xticks=speed.sizes)
@@ -50,6 +56,8 @@ def draw(
         f.set_xlim(speed.sizes[0] - 0.3, speed.sizes[-1] + 0.3)
         for axes in (a, b, c, d, e, f):
             axes.grid(True)
+        for axes in (a, b, c, d, e):
+            axes.xaxis.set_major_locator(LogLocator(numticks=8))
             axes.minorticks_off()
     return figure
 
@@ -58,16 +66,24 @@ def _line() -> dict[str, Any]:
     return {"color": CHAMBER, "marker": "o", "markersize": 3.0}
 
 
-def _guide(axes: Any, power: int, label: str) -> None:
-    """Draw a line of slope `power` through the last point, over the last decade or so."""
-    last = axes.get_lines()[0]
-    x, y = np.asarray(last.get_xdata(), float), np.asarray(last.get_ydata(), float)
-    ends = np.array([x[-1] / (30.0 if power == 1 else 6.0), x[-1]])
-    values = 0.6 * y[-1] * (ends / x[-1]) ** power
-    limits = axes.get_xlim(), axes.get_ylim()
-    axes.plot(ends, values, **GUIDE)
+def _room(axes: Any) -> None:
+    """Leave room around the curves, down to a power of ten."""
+    (left, right), (bottom, top) = axes.dataLim.intervalx, axes.dataLim.intervaly
+    axes.set_xlim(0.7 * left, 1.5 * right)
+    axes.set_ylim(0.8 * 10.0 ** np.floor(np.log10(bottom)), 3.0 * top)
+
+
+def _guide(axes: Any, through: int, power: int, label: str) -> None:
+    """Draw a line of slope `power` below a point of the first curve, as far as the axes go."""
+    curve = axes.get_lines()[0]
+    x, y = np.asarray(curve.get_xdata(), float), np.asarray(curve.get_ydata(), float)
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    at = np.geomspace(left, right, 400)
+    values = 0.4 * y[through] * (at / x[through]) ** power
+    inside = (values > bottom) & (values < top) & (at < 1.4 * x[-1])
+    axes.plot(at[inside], values[inside], **GUIDE)
+    middle = np.flatnonzero(inside)[inside.sum() // 2]
     axes.annotate(
-        label, (ends[0], values[0]), color=LINE, fontsize=7.0, ha="right", va="center",
-        xytext=(-2, 0), textcoords="offset points",
+        label, (at[middle], values[middle]), color=LINE, fontsize=7.0, ha="left", va="top",
+        xytext=(3, -1), textcoords="offset points",
     )  # fmt: skip
-    axes.set(xlim=limits[0], ylim=limits[1])

@@ -46,6 +46,24 @@ def by_turns(
     return times
 
 
+def enough(work: Callable[[], object], least: float = 0.05) -> int:
+    """Return how often to do a work so that it takes at least so long [s]."""
+    first, second = Times(), Times()
+    first.run(work)
+    second.run(work)
+    return int(np.ceil(least / max(second.median, 1e-6)))
+
+
+def repeated(work: Callable[[], object], times: int) -> Callable[[], None]:
+    """Return a work that does another so often."""
+
+    def often() -> None:
+        for _ in range(times):
+            work()
+
+    return often
+
+
 @contextmanager
 def progress() -> Iterator[Progress]:
     """Show progress where it does not mix with tables."""

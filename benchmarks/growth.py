@@ -15,6 +15,7 @@ import os
 import statistics
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,14 +24,22 @@ from _machine import machine
 from _random_designs import random_designs
 from _rods import finger, spatial_rod, tapered
 from _section import Section, table
-from _timing import Times, by_turns, exponent, local_exponents, progress
+from _timing import (
+    Times,
+    by_turns,
+    enough,
+    exponent,
+    local_exponents,
+    progress,
+    repeated,
+)
 from memory import peak
 from rich.console import Console
 from rich.table import Table
 
 import flexor
 from flexor.design import Geometry, parameter_set
-from flexor.model import Batch, Model
+from flexor.model import Model
 
 ELEMENTS = {
     "finger and exosuit": (finger, (4, 10, 20, 40, 80, 160, 320, 498)),
@@ -41,7 +50,6 @@ SPHERES = (1, 3, 10, 30, 100, 300)  # on each of three links
 DESIGNS = (1, 10, 100, 1_000, 10_000, 100_000, 1_000_000)
 FORCES = (0.0, 0.1)  # N, for many designs
 LARGE_DOF, LARGE_DESIGNS = 300, 100  # exponents are fitted from here on
-LEAST = 0.05  # s, of one run
 
 
 @dataclass(frozen=True)
@@ -148,23 +156,13 @@ def _iterations(models: Sequence[Model], name: str, runs: int) -> tuple[list[flo
     works, counts = {}, {}
     for model in models:
         geometry = _designs(model)
-        first = Times()
-        batch = first.run(lambda m=model, g=geometry: m.evaluate(g, threads=1))
-        assert isinstance(batch, Batch)
-        repeats = int(np.ceil(LEAST / max(first.median, 1e-4)))
-        counts[str(len(works))] = int(batch.iterations.sum()), repeats
-        works[str(len(works))] = _repeated(model, geometry, repeats)
+        work = partial(model.evaluate, geometry, threads=1)
+        repeats = enough(work)
+        counts[str(len(works))] = int(work().iterations.sum()), repeats
+        works[str(len(works))] = repeated(work, repeats)
     times = by_turns(works, runs, name)
     costs = [times[key].median / (counts[key][0] * counts[key][1]) for key in works]
     return costs, [counts[key][0] / 2.0 for key in works]
-
-
-def _repeated(model: Model, geometry: Geometry, repeats: int) -> Callable[[], None]:
-    def work() -> None:
-        for _ in range(repeats):
-            model.evaluate(geometry, threads=1)
-
-    return work
 
 
 def designs(counts: Sequence[int], runs: int) -> tuple[Growth, Growth]:
@@ -200,7 +198,7 @@ def threads(runs: int, count: int) -> Growth:
     numbers = sorted({1, cores, *(2**i for i in range(1, cores.bit_length()))} - {0})
     model = flexor.load("finger", "calibrated")
     geometry = random_designs(model, count)
-    works = {str(n): _on(model, geometry, n) for n in numbers if n <= cores}
+    works = {str(n): partial(model.evaluate, geometry, threads=n) for n in numbers if n <= cores}
     times = by_turns(works, max(runs, 3), "threads")
     one = times["1"].wall
     ratios = [
@@ -208,10 +206,6 @@ def threads(runs: int, count: int) -> Growth:
     ]
     speeds = [count / statistics.median(times[n].wall) for n in works]
     return Growth([int(n) for n in works], speeds, ratios)
-
-
-def _on(model: Model, geometry: Geometry, number: int) -> Callable[[], object]:
-    return lambda: model.evaluate(geometry, threads=number)
 
 
 def _tail(growth: Growth, least: int) -> float:

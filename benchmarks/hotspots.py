@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Iterator
 from importlib.machinery import ExtensionFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -49,10 +50,12 @@ PARTS: tuple[tuple[str, str, str], ...] = (
     ("geometry of designs", "design.rs", ""),
     ("solver: trust region, prediction, tests", "equilibrium/", ""),
     ("gathering of results", "batch.rs", ""),
-    ("clearing and copying of memory", "libc", ""),
     ("small products and groups, not inlined", "linalg/", ""),
     ("small products and groups, not inlined", "lie/", ""),
 )
+
+
+CLEARING = -1  # in place of an address
 
 
 class Missing(Exception):
@@ -87,17 +90,14 @@ def measure(runs: int, *, quick: bool) -> Section:
     loads = QUICK_LOADS if quick else LOADS
     with tempfile.TemporaryDirectory() as folder:
         engine = built(Path(folder))
-        shares = []
+        samples = dict[int, list[Counter[int]]]()
         with progress() as bar:
             for elements, designs in loads:
-                found = [
-                    sampled(engine, elements, designs)
-                    for _ in bar.track(range(runs), description=f"profile, {elements} elements")
-                ]
-                names = {part for run in found for part in run}
-                shares.append({p: statistics.median(r.get(p, 0.0) for r in found) for p in names})
+                turns = bar.track(range(runs), description=f"profile, {elements} elements")
+                samples[elements] = [sampled(engine, elements, designs) for _ in turns]
+        shares = list(shared(engine, samples))
     made = table("part", *(f"{2 * elements + 5} DOF" for elements, _ in loads))
-    order = dict.fromkeys([part for part, _, _ in PARTS] + ["the rest"])
+    order = {name for share in shares for name in share}
     for part in sorted(order, key=lambda part: -shares[0].get(part, 0.0)):
         if any(share.get(part, 0.0) >= 0.002 for share in shares):
             made.add_row(part, *(f"{share.get(part, 0.0):.1%}" for share in shares))
@@ -138,8 +138,8 @@ def follow(module: Path, elements: int, designs: int) -> None:
     model.evaluate(random_designs(model, designs), threads=1)
 
 
-def sampled(module: Path, elements: int, designs: int) -> dict[str, float]:
-    """Return the share of each part in the samples of one run."""
+def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
+    """Sample one run: how often each address of the engine was met (`CLEARING`: of libc)."""
     data = module.parent / "samples"
     command = [sys.executable, __file__, "--load", str(module), str(elements), str(designs)]
     record = ["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(FREQUENCY), "-o", str(data)]
@@ -149,7 +149,7 @@ def sampled(module: Path, elements: int, designs: int) -> dict[str, float]:
     fields = ["perf", "script", "-i", str(data), "-F", "ip,sym,dso", "--show-mmap-events"]
     lines = subprocess.run(fields, capture_output=True, text=True, check=True).stdout.splitlines()
     code = re.compile(r"\[0x(\w+)\(0x\w+\) @ (?:0x)?(\w+) .*r-xp .*_engine\.abi3\.so")
-    base, addresses, parts = 0, Counter[int](), Counter[str]()
+    base, addresses = 0, Counter[int]()
     for line in lines:
         if "PERF_RECORD_MMAP" in line:
             mapped = code.search(line)
@@ -158,11 +158,24 @@ def sampled(module: Path, elements: int, designs: int) -> dict[str, float]:
         elif "_engine.abi3.so" in line:
             addresses[int(line.split()[0], 16) - base] += 1
         elif re.search(r"\b__mem(set|move|cpy)", line):
-            parts["clearing and copying of memory"] += 1
-    for address, stack in stacks(module, list(addresses)).items():
-        parts[part(stack)] += addresses[address]
-    total = sum(parts.values())
-    return {name: count / total for name, count in parts.items()}
+            addresses[CLEARING] += 1
+    return addresses
+
+
+def shared(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dict[str, float]]:
+    """Yield each load's share of every part, the median of its runs."""
+    met = {address for runs in samples.values() for run in runs for address in run}
+    part_of = {a: part(stack) for a, stack in stacks(module, sorted(met - {CLEARING})).items()}
+    part_of[CLEARING] = "clearing and copying of memory"
+    for runs in samples.values():
+        shares = []
+        for run in runs:
+            counts = Counter[str]()
+            for address, count in run.items():
+                counts[part_of[address]] += count
+            shares.append({name: count / sum(run.values()) for name, count in counts.items()})
+        names = {name for share in shares for name in share}
+        yield {n: statistics.median(share.get(n, 0.0) for share in shares) for n in names}
 
 
 def virtual(module: Path, offset: int) -> int:

@@ -2,8 +2,8 @@
 
 Processor time of all threads for each problem, Flexor on one thread; the first call of a peer, in
 which it compiles, apart. Each answer is compared with Flexor's to the accuracy that the peer can
-give; the exit code is 1 if one deviates by more. Peers that are missing are left out;
-`pip install "flexor[peers]"` brings all of them.
+give; the exit code is 1 if one deviates by more. Peers that are missing are left out,
+with the command that installs them (the extra `peers` has all of them).
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from _contest import Contest, Missing
 from _machine import machine
 from _section import Section, table
 from _timing import by_turns
+
+from flexor.installing import install_command
 
 PEERS: tuple[Callable[[bool], list[Contest]], ...] = (
     _peer_soromox.contests,
@@ -57,7 +59,7 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             contests = peer(quick)
         except Missing as gone:
             missing.append(
-                f'{gone} is not installed and was left out: `pip install "flexor[peers]"` '
+                f"{gone} is not installed and was left out: `{install_command(str(gone))}` "
                 "brings it."
             )
             continue

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -56,9 +57,11 @@ def main() -> int:
             section.save(asked.out / image)
         texts.append(section.markdown(image))
     minutes = (time.perf_counter() - began) / 60.0
-    document = "\n".join([opening(load, minutes, quick=asked.quick), *texts])
+    document = "\n".join([opening(load, quick=asked.quick), *texts])
     (asked.out / "performance.md").write_text(document.rstrip() + "\n", encoding="utf-8")
-    console.print(f"{asked.out / 'performance.md'}, after {minutes:.0f} minutes", markup=False)
+    spent = sum(os.times()[:4]) / 60.0
+    times = f"after {minutes:.1f} minutes, {spent:.1f} of processor time"
+    console.print(f"{asked.out / 'performance.md'}, {times}", markup=False)
     return 0 if fine else 1
 
 
@@ -100,14 +103,14 @@ def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
         return section, True
 
 
-def opening(load: float, minutes: float, *, quick: bool) -> str:
+def opening(load: float, *, quick: bool) -> str:
     """Write what comes before the sections."""
     command = "./dev bench" + " --quick" * quick
     lines = [
         "# Performance",
         "",
-        f"Written by `{command}` in {minutes:.0f} minutes; each section names the command that "
-        "prints it alone. Times are medians, and what is compared was run by turns.",
+        f"Written by `{command}`; each section names the command that prints it alone. Times are "
+        "medians of several runs, and what is compared was run by turns.",
         "",
         f"{datetime.date.today().isoformat()}; {machine()}.",
         "",
