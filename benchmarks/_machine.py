@@ -19,7 +19,7 @@ def machine() -> str:
 
 
 def others() -> float:
-    """Return how many cores other processes have kept busy in the last minute; NaN if unknown."""
+    """Return how many processes have wanted a core in the last minute; NaN if unknown."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
 
 
@@ -34,7 +34,7 @@ def warning(load: float) -> str:
     if not load > BUSY:
         return ""
     return (
-        f"The machine was not quiet: other processes kept {load:.1f} of {os.cpu_count()} cores "
-        "busy when this began. Processor times and ratios are disturbed a little, wall times and "
-        "speeds a lot."
+        f"The machine was not quiet: about {load:.0f} other processes wanted its {os.cpu_count()} "
+        "cores when this began. Processor times and ratios are disturbed, wall times and speeds "
+        "are worth nothing."
     )

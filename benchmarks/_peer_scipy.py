@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 def contests(quick: bool) -> list[Contest]:
     """Equilibria of random designs of the finger."""
     model = flexor.load("finger", "calibrated")
-    count, ours = (4, 100) if quick else (16, 400)
+    count, ours = (8, 100) if quick else (32, 400)
     geometry, many = random_designs(model, count, seed=4), random_designs(model, ours, seed=4)
     indices, values = model.geometry_slots(geometry)
     forces = model.evaluation_forces

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
 from collections.abc import Callable
 
 import _peer_elastica
@@ -20,7 +19,7 @@ import _peer_soromox
 from _contest import Contest, Missing
 from _machine import machine
 from _section import Section, table
-from _timing import by_turns
+from _timing import Times, by_turns
 
 from flexor.installing import install_command
 
@@ -64,9 +63,8 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             )
             continue
         for contest in contests:
-            began = time.perf_counter()
-            contest.theirs()
-            first = time.perf_counter() - began
+            first = Times()
+            first.run(contest.theirs)
             deviation, remark = contest.deviation()
             works = {"theirs": contest.theirs, "ours": contest.ours}
             times = by_turns(works, runs, contest.peer)
@@ -78,7 +76,7 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             number = str(len(notes) + 1)
             made.add_row(
                 *(number, contest.peer, duration(theirs), duration(ours), f"{theirs / ours:,.0f}"),
-                f"{first:.1f} s",
+                duration(first.median),
                 f"{deviation:.0e}" + " (!)" * (not agrees),
                 f"{contest.expected:.0e}",
             )
