@@ -82,8 +82,9 @@ def _guide(axes: Any, through: int, power: int, label: str) -> None:
     values = 0.4 * y[through] * (at / x[through]) ** power
     inside = (values > bottom) & (values < top) & (at < 1.4 * x[-1])
     axes.plot(at[inside], values[inside], **GUIDE)
-    middle = np.flatnonzero(inside)[inside.sum() // 2]
+    shown = np.flatnonzero(inside)
+    place = shown[int((0.8 if power == 1 else 0.25) * len(shown))]  # where no other line is
     axes.annotate(
-        label, (at[middle], values[middle]), color=LINE, fontsize=7.0, ha="left", va="top",
+        label, (at[place], values[place]), color=LINE, fontsize=7.0, ha="left", va="top",
         xytext=(3, -1), textcoords="offset points",
     )  # fmt: skip

@@ -93,7 +93,7 @@ def contests(quick: bool) -> list[Contest]:
             lambda: model.evaluate(geometry, loads, threads=1),
             (count, count),
             compare_equilibria,
-            1e-6,
+            1e-5,
             "coordinates at the last force",
         ),
     ]
