@@ -83,7 +83,7 @@ def _guide(axes: Any, through: int, power: int, label: str) -> None:
     inside = (values > bottom) & (values < top) & (at < 1.4 * x[-1])
     axes.plot(at[inside], values[inside], **GUIDE)
     shown = np.flatnonzero(inside)
-    place = shown[int((0.8 if power == 1 else 0.25) * len(shown))]  # where no other line is
+    place = shown[int((0.65 if power == 1 else 0.25) * len(shown))]  # where no other line is
     axes.annotate(
         label, (at[place], values[place]), color=LINE, fontsize=7.0, ha="left", va="top",
         xytext=(3, -1), textcoords="offset points",

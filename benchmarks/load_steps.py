@@ -30,8 +30,11 @@ def main() -> int:
     """Evaluate, and print the table."""
     reading = argparse.ArgumentParser(description=__doc__)
     reading.add_argument("--designs", type=int, default=1_000, help="of each set of constants")
+    reading.add_argument(
+        "--seeds", type=int, nargs="+", default=[3], help="of so many designs each"
+    )
     asked = reading.parse_args()
-    section, good = measure(asked.designs)
+    section, good = measure(asked.designs, tuple(asked.seeds))
     section.parts.insert(0, machine())
     section.show()
     return 0 if good else 1
@@ -76,7 +79,8 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
     made = table("", *columns)
     for name, values in rows.items():
         made.add_row(name, *values)
-    section = Section("Independence of the load step", f"./dev bench load_steps --designs {total}")
+    command = f"./dev bench load_steps --designs {designs} --seeds {' '.join(map(str, seeds))}"
+    section = Section("Independence of the load step", command)
     section.parts += [
         "Random designs taken to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
         "coarse path before the first event of either:",

@@ -111,8 +111,8 @@ def measure(runs: int, *, quick: bool) -> Section:
         "there before the assembly multiplies them out: the columns of each Magnus step, and sums "
         "of wrenches and stiffness forms over all that each step carries. Contact with another "
         "chain adds as many dense columns as that chain has coordinates; contact of a rod with "
-        "itself adds up to 2 (3 in space) to the rank for each touching pair. Polynomials along the whole rod have "
-        "no such structure, and few coordinates.",
+        "itself adds up to 2 (3 in space) to the rank for each touching pair. Polynomials along "
+        "the whole rod have no such structure, and few coordinates.",
     ]
     return section
 
