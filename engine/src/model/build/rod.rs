@@ -80,13 +80,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         for k in 1..x.len() {
             let (a, h) = (x[k - 1], x[k] - x[k - 1]);
             let element = (k - 1) / (rod.gauss_points + 1);
-            let at = if rod.magnus_order == 4 { ZANNA.map(|z| a + z * h) } else { [a + 0.5 * h; 2] };
             let start = self.strain_columns.len();
             for (_, axis, basis, first) in &modes {
-                let [p, q] = at.map(|x| basis.evaluate(element, x));
-                for ((i, v), (_, w)) in p.into_iter().zip(q) {
-                    self.strain_columns.push(StrainColumn { dof: first + i, axis: *axis, phi: [v, w] });
-                }
+                let columns = step_values(basis, element, [a, h], rod.magnus_order);
+                let column = |(i, phi)| StrainColumn { dof: first + i, axis: *axis, phi };
+                self.strain_columns.extend(columns.into_iter().map(column));
             }
             self.steps.push(MagnusStep { rod: rod_index, h, columns: start..self.strain_columns.len() });
             frame =
@@ -128,6 +126,32 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         }
         entries
     }
+}
+
+/// What a Magnus step over `[a, a + h]` takes each basis function to be at its collocation points.
+///
+/// A step needs the mean of the strain, and one of order 4 its first moment. Its collocation points
+/// give them exactly up to degree 1 and 2. Beyond, piecewise functions would not be helped by finer
+/// elements: a step is a fixed part of one, in which they look the same whatever its size. So their
+/// values are those of the straight line that has the function's own mean and first moment.
+fn step_values(basis: &Basis, element: usize, [a, h]: [f64; 2], order: usize) -> Vec<(usize, [f64; 2])> {
+    let at = |t: f64| basis.evaluate(element, a + t * h);
+    let points = if order == 4 { ZANNA } else { [0.5; 2] };
+    let degree = basis.degree();
+    if !basis.is_piecewise() || degree < order.min(3) {
+        let [first, second] = points.map(at);
+        return first.into_iter().zip(second).map(|((i, v), (_, w))| (i, [v, w])).collect();
+    }
+    let mut values: Vec<(usize, [f64; 2])> = at(0.5).into_iter().map(|(i, _)| (i, [0.0; 2])).collect();
+    for (t, weight) in gauss_legendre(degree.div_ceil(2) + 1) {
+        // The line through a mean and a first moment, ∫ (t − ½) φ = (slope)/12.
+        let share = points.map(|point| weight * (1.0 + 12.0 * (t - 0.5) * (point - 0.5)));
+        for ((_, value), (_, phi)) in values.iter_mut().zip(at(t)) {
+            value[0] += share[0] * phi;
+            value[1] += share[1] * phi;
+        }
+    }
+    values
 }
 
 /// Checks the rod's numbers; returns its sample points.
