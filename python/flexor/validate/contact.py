@@ -1,4 +1,4 @@
-"""Closed form: two spheres pressed against each other by a spring."""
+"""Closed forms: two spheres, and a sphere and a round cone, pressed together by a spring."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ PUSHES = np.array([0.0, 0.2, 0.4, 0.8, 1.6, 3.2])  # N
 # From the first sphere to where the spring is held, in space and in the plane.
 LINES = {"space": (0.6, 0.48, 0.64), "plane": (0.8, 0.0, 0.6)}
 START = 0.03  # m between the centres without load
+CONE, CONE_LENGTH = (0.016, 0.01), 0.1  # m, m
 
 
 def _model(where: str) -> tuple[Model, Array]:
@@ -78,6 +79,79 @@ def pressed_spheres() -> Outcome:
     return Outcome(tuple(comparisons))
 
 
+def _cone_model(where: str) -> tuple[Model, Array]:
+    """Build a fixed round cone, and a sphere on a slide that is pressed against its side."""
+    line = np.array(LINES[where])
+    # The slide meets the cone's axis, the x axis, in its middle.
+    bodies = {
+        "still": link(CONE_LENGTH, CONE, placement={"x": si(-0.5 * CONE_LENGTH, "m")}),
+        "slider": link(
+            0.01,
+            RADII[1],
+            placement={axis: si(START * v, "m") for axis, v in zip("xyz", line, strict=True)},
+            joint={"kind": "prismatic", "axis": line.tolist()},
+        ),
+    }
+    base = {"body": "slider", "at": "base"}
+    model = build(
+        "cone",
+        bodies,
+        planar=where == "plane",
+        spheres={"ball": {"points": [base]}, "cone": {"bodies": ["still"]}},
+        contacts={
+            "touch": {
+                "first": "ball",
+                "second": "cone",
+                "shape": "round-cones",
+                "stiffness": si(CONTACT, "N/m"),
+            }
+        },
+        springs={
+            "spring": {
+                "first": base,
+                "second": {"world": vector(-0.02 * line, "m")},
+                "stiffness": si(SPRING, "N/m"),
+                "rest_length": si(REST, "m"),
+            }
+        },
+        wrenches={"push": {**base, "force": vector(-line, "N"), "input": True}},
+    )
+    return model, line
+
+
+def pressed_cone() -> Outcome:
+    """Compare place, overlap and forces."""
+    comparisons = []
+    taper = CONE[1] - CONE[0]
+    sine = -taper / CONE_LENGTH
+    cosine = np.sqrt(1.0 - sine**2)
+    for where in LINES:
+        model, line = _cone_model(where)
+        path = model.equilibrium(PUSHES)
+        # d = R + r(middle) - c x: seen from outside, the cone's side is a plane.
+        across = float(np.hypot(line[1], line[2]))
+        normal = np.array([sine, cosine * line[1] / across, cosine * line[2] / across])
+        reach, c = RADII[1] + 0.5 * sum(CONE), float(normal @ line)
+        x = (CONTACT * c * reach - SPRING * (0.02 - REST) - PUSHES) / (CONTACT * c**2 + SPRING)
+        overlap = reach - c * x
+        touches = [path.contact_forces(step) for step in range(len(path))]
+        forces = np.stack([touch.force[0] for touch in touches])
+        points = np.stack([touch.point[0] for touch in touches])
+        middle = x[:, None] * line - (RADII[1] - 0.5 * overlap)[:, None] * normal
+        comparisons += [
+            compare(f"{where}: distance [m]", x, [START + q[0] for q in path.q], 1e-10),
+            compare(f"{where}: overlap [m]", overlap, [t.depth[0] for t in touches], 1e-9),
+            compare(
+                f"{where}: force on the sphere [N]",
+                CONTACT * overlap[:, None] * normal,
+                forces,
+                1e-9,
+            ),
+            compare(f"{where}: where it acts [m]", middle, points, 1e-9),
+        ]
+    return Outcome(tuple(comparisons))
+
+
 CASES = (
     Case(
         "pressed-spheres",
@@ -87,5 +161,15 @@ CASES = (
         "contact law (8) is linear in the overlap, so the distance x solves "
         "k (R₁ + R₂ − x) = k_s (x + a − ℓ₀) + P. In space and in the plane, along oblique lines.",
         pressed_spheres,
+    ),
+    Case(
+        "pressed-cone",
+        "A sphere pressed against a round cone by a spring",
+        CLOSED_FORM,
+        "A sphere on a slide is pulled and pushed against the side of a fixed round cone. Seen "
+        "from the sphere, the side of a cone of half-angle α is a plane, so the overlap is linear "
+        "in the distance and k c (R + r − c x) = k_s (x + a − ℓ₀) + P, c being the cosine between "
+        "the slide and the side's normal. In space and in the plane, along oblique lines.",
+        pressed_cone,
     ),
 )

@@ -25,8 +25,8 @@ ELEMENTS = (4, 8, 16, 32, 64)
 NODAL = {
     "nodal_linear": (3, 4.0, 3.0),
     "nodal_quadratic": (3, 4.0, 3.0),
-    "nodal_cubic": (4, 2.0, 2.0),
-    "hermite": (4, 2.0, 2.0),
+    "nodal_cubic": (4, 4.0, 3.0),
+    "hermite": (4, 4.0, 4.0),
 }
 DEGREES = tuple(range(8))
 
@@ -65,6 +65,13 @@ def elements() -> Outcome:
         ]
     finest = errors["nodal_quadratic"][-1]
     comparisons.append(compare("nodal_quadratic, 64 elements: tip / L", 0.0, finest[0], 1e-10, 1.0))
+    for basis, (points, _, _) in NODAL.items():
+        models = [
+            cantilever(basis, elements=n, gauss_points=points, magnus_order=2) for n in ELEMENTS
+        ]
+        tips = np.array([_errors(model)[0] for model in models])
+        name = f"{basis}, 2nd-order steps: order of the tip"
+        comparisons.append(at_least(name, 2.0, _order(sizes, tips), 0.15))
     return Outcome(
         tuple(comparisons),
         lambda figure: _draw_elements(figure, errors),
@@ -79,10 +86,9 @@ def _draw_elements(figure: Figure, errors: dict[str, Array]) -> None:
     names = {basis: basis.replace("_", " ") for basis in errors}
     refinement(tip, ELEMENTS, {names[basis]: found[:, 0] for basis, found in errors.items()})
     refinement(angle, ELEMENTS, {names[basis]: found[:, 1] for basis, found in errors.items()})
-    order(tip, ELEMENTS[:3], 0.4 * errors["nodal_quadratic"][0, 0], 4, above=False)
-    order(tip, ELEMENTS[2:], 3.0 * errors["hermite"][2, 0], 2, above=True)
+    order(tip, ELEMENTS[:3], 0.4 * errors["hermite"][0, 0], 4, above=False)
     order(angle, ELEMENTS[:3], 3.0 * errors["nodal_linear"][0, 1], 3, above=True)
-    order(angle, ELEMENTS[2:], 2.5 * errors["hermite"][2, 1], 2, above=True)
+    order(angle, ELEMENTS[:3], 0.4 * errors["hermite"][0, 1], 4, above=False)
     tip.set_ylabel("error of the tip / L")
     angle.set_ylabel("error of the angle / rad")
     tip.legend(loc="lower left")
@@ -178,12 +184,9 @@ CASES = (
         "convergence-elements",
         "Finer meshes",
         CONVERGENCE,
-        "The cantilever at PL²/EI = 2 against elliptic integrals on 4 to 64 elements. Linear and "
-        "quadratic elements give the tip to 4th order, that of the Magnus steps. Cubic and Hermite "
-        "elements fall back to 2nd order: their functions bend within an element, so that two "
-        "collocation points in each of the few steps of an element do not weigh loads as exactly "
-        "as Gauss quadrature weighs the stiffness, however small the element. They pay only with "
-        "more Gauss points than they need.",
+        "The cantilever at PL²/EI = 2 against elliptic integrals on 4 to 64 elements. Every "
+        "basis gives the tip to the order of the Magnus steps, 4 or 2; smoother ones have smaller "
+        "errors, and Hermite elements give the angle to 4th order too.",
         elements,
     ),
     Case(
