@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import signal
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -104,22 +106,24 @@ class Connection:
         Exception
             What the function raised.
         """
+        done = threading.Event()
+        future.add_done_callback(lambda _: done.set())
         bare_since: float | None = None
         while True:
-            try:
-                return self._guarded(future.result, timeout=_LOOK)
-            except TimeoutError:
-                if stopped is not None and stopped():
-                    raise CancelledError from None
-                if self.threads:
-                    bare_since = None
-                elif bare_since is None:
-                    bare_since = time.monotonic()
-                elif time.monotonic() - bare_since > self._patience:
-                    raise ClusterError(
-                        f'the cluster "{self.address.text}" has lost all its workers: none came '
-                        f"back in {self._patience:g} s."
-                    ) from None
+            if done.wait(_LOOK) or future.done():
+                # Without a timeout: with one, Dask may lose the result that comes just then.
+                return self._guarded(future.result)
+            if stopped is not None and stopped():
+                raise CancelledError
+            if self.threads:
+                bare_since = None
+            elif bare_since is None:
+                bare_since = time.monotonic()
+            elif time.monotonic() - bare_since > self._patience:
+                raise ClusterError(
+                    f'the cluster "{self.address.text}" has lost all its workers: none came back '
+                    f"in {self._patience:g} s."
+                )
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
@@ -183,8 +187,6 @@ class Connection:
             return call(*arguments, **options)
         except (OSError, RuntimeError, ValueError, CancelledError, asyncio.TimeoutError) as error:
             here = self._client is not None and self._client.status == "running"
-            if here and isinstance(error, (TimeoutError, asyncio.TimeoutError)):
-                raise TimeoutError from error
             if here and isinstance(error, (RuntimeError, ValueError)):
                 raise
             raise ClusterError(
@@ -241,7 +243,7 @@ def _started(distributed: Any, workers: int) -> Any:
     """Start a cluster on this machine, whose processes do not watch themselves all the time."""
     import dask
 
-    with dask.config.set(_CALM):
+    with dask.config.set(_CALM), _uninterrupted():
         return distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -250,6 +252,19 @@ def _started(distributed: Any, workers: int) -> Any:
             memory_limit=0,
             silence_logs=logging.CRITICAL,
         )
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _one_line(error: BaseException) -> str:
