@@ -37,6 +37,7 @@ from flexor.study import Study, optimize, resume
 
 ROOT = Path(__file__).resolve().parent.parent
 KINDS = {"model": 0.5, "targets": 0.1, "settings": 0.15, "study model": 0.05, "record": 0.2}
+ERRORS = sys.__stderr__ or sys.stderr
 PARTS = {"settings": "settings.json", "study model": "model.toml", "record": "record.sqlite"}
 
 
@@ -57,7 +58,7 @@ def main() -> int:
         numbers = range(asked.first, asked.first + asked.files)
         for number in track(numbers, "files", console=Console(stderr=True)):
             # What hangs in compiled code is shown and ended; the file is still in its place.
-            faulthandler.dump_traceback_later(30.0 * asked.longest, exit=True)
+            faulthandler.dump_traceback_later(30.0 * asked.longest, exit=True, file=ERRORS)
             kind, path = files.damaged(number)
             start = time.process_time()
             said, end = "", "read"

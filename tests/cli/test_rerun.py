@@ -40,11 +40,6 @@ def test_it_says_what_differs(flexor, tmp_path) -> None:
     assert [each["what"] for each in told["changed"]] == ["numpy"]
 
 
-def test_a_landscape_is_a_study_like_any_other(flexor) -> None:
-    flexor("landscape", "finger", "-p", "R01", "--grid", "4", "--out", "map", "--json")
-    assert flexor("rerun", "map").code == 0
-
-
 def test_bad_input_gets_one_sentence(flexor) -> None:
     assert "is not a study" in flexor("rerun", "nowhere").refusal
     flexor(*STUDY)

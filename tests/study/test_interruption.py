@@ -78,7 +78,6 @@ def test_a_full_disk_ends_with_a_sentence_and_the_study_goes_on_when_there_is_ro
     "command",
     [
         ("optimize", "finger", "-p", "L", "--out", "s"),
-        ("landscape", "finger", "-p", "R01", "--grid", "3", "--out", "s"),
         ("compare", "finger", "-p", "L", "-m", "ps", "--seeds", "1", "--out", "s"),
     ],
 )

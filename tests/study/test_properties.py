@@ -27,7 +27,7 @@ OBJECTIVES = {"bending": True, "bending-contact": True, "tip-force": False}  # n
 
 
 @settings(
-    deadline=None, max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None, max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(data=st.data())
 def test_any_study_comes_back_from_its_folder(analytic: ModuleType, data: st.DataObject) -> None:

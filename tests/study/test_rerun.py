@@ -19,8 +19,14 @@ from flexor.study import Rerun, Study, Threads, optimize, rerun
 OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4, "tolerance": 1e-3}}
 
 
-@pytest.mark.parametrize("constants", ["calibrated", "printed"])
-@pytest.mark.parametrize("method", ["pattern-search", "multistart-bfgs", "lm", "cma-es", "da"])
+@pytest.mark.parametrize(
+    ("method", "constants"),
+    [
+        ("pattern-search", "printed"),  # a path of snaps
+        ("multistart-bfgs", "calibrated"),
+        ("da", "calibrated"),
+    ],
+)
 def test_every_bit_comes_again_on_any_number_of_threads(
     tmp_path: Path, method: str, constants: str
 ) -> None:
@@ -58,6 +64,11 @@ def test_the_folder_is_only_read_and_the_new_study_is_like_it(
         del each["created"]
     assert settings[0] == settings[1]
     assert rerun(tmp_path / "again", model=analytic.AnalyticModel()).same
+
+
+def test_a_landscape_is_a_study_like_any_other(analytic: ModuleType, tmp_path: Path) -> None:
+    flexor.landscape(analytic.AnalyticModel(), "R01", grid=4, folder=tmp_path / "s")
+    assert rerun(tmp_path / "s", model=analytic.AnalyticModel()).evaluations == 16
 
 
 class Killed(BaseException):
