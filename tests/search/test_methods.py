@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -298,6 +299,18 @@ def test_a_missing_library_is_named_with_its_install_command(
         search.method(missing)
     assert missing not in search.available()
     assert missing in search.names()
+
+
+def test_an_option_that_is_no_number_is_not_quoted_at_length() -> None:
+    with pytest.raises(InputError, match=r"option starts of .* must be a whole number") as refusal:
+        search.method("bfgs", starts=[0] * 1000)
+    assert len(str(refusal.value)) < 200
+
+
+@pytest.mark.parametrize("value", [float("inf"), float("nan"), 2.5, "3", None])
+def test_an_option_that_is_no_whole_number_is_refused(value: Any) -> None:
+    with pytest.raises(InputError, match=r"option starts of .* must be a whole number"):
+        search.method("pattern-search", starts=value)
 
 
 def test_aliases_and_spellings() -> None:

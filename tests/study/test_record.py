@@ -136,6 +136,10 @@ def damaged(path: Path, kind: str) -> None:
         foreign.close()
     elif kind == "missing":
         path.unlink()
+    elif kind == "schema":
+        place = content.find(b"-- order of evaluation")
+        content[place] = ord("`")
+        path.write_bytes(content)
     elif kind == "bit":
         # Of a design that the index still has as it was: rows are there that cannot be found.
         place = content.find(designs(20, 3)[5].astype("<f8").tobytes())
@@ -149,7 +153,7 @@ def damaged(path: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", ["noise", "empty", "cut", "page", "foreign", "missing", "blob", "bit"]
+    "kind", ["noise", "empty", "cut", "page", "foreign", "missing", "blob", "bit", "schema"]
 )
 def test_a_damaged_file_is_one_clear_sentence(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "r.sqlite"
@@ -160,6 +164,7 @@ def test_a_damaged_file_is_one_clear_sentence(tmp_path: Path, kind: str) -> None
     assert said.startswith(f'the record "{path}" cannot be used: ')
     assert said.endswith(".")
     assert "\n" not in said
+    assert len(said) < len(str(path)) + 300
 
 
 def test_derivatives_come_back_to_the_last_bit(tmp_path: Path) -> None:

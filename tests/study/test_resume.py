@@ -238,6 +238,8 @@ def break_folder(folder: Path, kind: str) -> None:
         settings.write_text("{")
     elif kind == "nested":
         settings.write_text("[" * 100_000)
+    elif kind == "no text":
+        settings.write_text(settings.read_text().replace('"flexor": "', '"flexor": "\\ud800'))
     elif kind == "not utf-8":
         settings.write_bytes(b"\xff\xfe\x00")
     elif kind == "list":
@@ -263,6 +265,7 @@ def break_folder(folder: Path, kind: str) -> None:
         ("file", "is not a study: it is a file"),
         ("not json", "is damaged: it is not the settings of a study"),
         ("nested", "is damaged: it is not the settings of a study"),
+        ("no text", "is damaged: it is not the settings of a study"),
         ("not utf-8", "is damaged: it is not the settings of a study"),
         ("list", "is damaged: it is not the settings of a study"),
         ("half", "is damaged: it is not the settings of a study"),

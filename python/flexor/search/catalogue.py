@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from flexor.errors import InputError, unknown
+from flexor.errors import InputError, shortened, unknown
 from flexor.search.cma_es import CmaEs
 from flexor.search.differential_evolution import DifferentialEvolution
 from flexor.search.direct import Direct
@@ -161,16 +161,19 @@ def method(name: str, **options: Any) -> Search:
 
 
 def _read(method: str, option: str, value: Any, wanted: type) -> Any:
+    refused = f"option {option} of {method} must be"
+    got = f"got {shortened(repr(value))}."
     if wanted is tuple:
         if isinstance(value, (list, tuple)):
             return tuple(value)
-        raise InputError(f"option {option} of {method} must be a list, got {value!r}.")
+        raise InputError(f"{refused} a list, {got}")
     if wanted is bool:
         if value in (0, 1):
             return bool(value)
-        raise InputError(f"option {option} of {method} must be 1 (yes) or 0 (no), got {value!r}.")
+        raise InputError(f"{refused} 1 (yes) or 0 (no), {got}")
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not number or (wanted is int and value != int(value)):
-        article = "a whole number" if wanted is int else "a number"
-        raise InputError(f"option {option} of {method} must be {article}, got {value!r}.")
+    if number and wanted is int:
+        number = isinstance(value, int) or value.is_integer()  # infinities and NaN are not
+    if not number:
+        raise InputError(f"{refused} {'a whole number' if wanted is int else 'a number'}, {got}")
     return wanted(value)

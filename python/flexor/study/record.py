@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.study.outcomes import FloatArray, Outcomes
 
 _TABLES = """
@@ -255,7 +255,9 @@ class Record:
             if isinstance(error, InputError):
                 raise
             where = "in memory" if self._path is None else f'"{self._path}"'
-            raise InputError(f"the record {where} cannot be used: {error}.") from error
+            raise InputError(
+                f"the record {where} cannot be used: {shortened(str(error), 200)}."
+            ) from error
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:

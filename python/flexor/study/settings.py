@@ -95,6 +95,8 @@ class Settings:
         try:
             values = json.loads(path.read_text(encoding="utf-8"))
             found = values["format"]
+            # JSON can escape what is no text, and could then not be written again.
+            json.dumps(values, ensure_ascii=False).encode("utf-8")
         except OSError as error:
             raise InputError(
                 f'"{path}" cannot be read: {(error.strerror or str(error)).lower()}.'

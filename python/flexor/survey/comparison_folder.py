@@ -92,6 +92,8 @@ def read(folder: Path) -> dict[str, Any]:
     try:
         values: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         found, complete = values["format"], set(values) >= {"model", "objective", *_GROWING}
+        # JSON can escape what is no text, and could then not be written again.
+        json.dumps(values, ensure_ascii=False).encode("utf-8")
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'"{path}" cannot be read: {why}.') from error
