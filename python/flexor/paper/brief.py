@@ -41,10 +41,13 @@ def brief(
         f"and that design pays: the optimum of L+R01 bends the finger {gains[0]:.1f} times as far "
         f'as the default with the constants "{names[0]}" and {gains[1]:.1f} times with '
         f'"{names[1]}".',
-        "What differs first of all are the optima: ours are longer and thicker at the tip. "
-        f"{_on_bound(context, best, names[0])}, {_on_bound(other, also, names[1])}; the bound is "
-        "ours, the paper names none. In our model a longer exosuit bends the finger further, with "
-        "every reading of the constants we tried.",
+        "What differs first of all are the optima. In our model a longer exosuit bends the finger "
+        f"further, up to the bound on its length or close to it: {_on_bound(context, best)}, "
+        f"{_on_bound(other, also)}. The paper's lengths are "
+        f"{100.0 * published.TABLE_III['L'].design[0]:.2f} to "
+        f"{100.0 * published.TABLE_III['L+R01'].design[0]:.1f} cm; the bound is ours, the paper "
+        f"names none. The best tip radius of R01 is {_tip(best)} or {_tip(also)} cm, the paper's "
+        f"{100.0 * published.TABLE_III['R01'].design[1]:.2f} cm.",
         "Why we differ, as far as we can tell. The printed modulus with a chamber on the surface "
         f'(the constants "{PRINTED}") cannot have given the printed angles, so the model behind '
         "the paper's numbers had something that its text does not say. Not said are: contact "
@@ -62,15 +65,17 @@ def brief(
     )
 
 
-def _on_bound(context: Context, best: Mapping[str, Optimum], constants: str) -> str:
+def _tip(best: Mapping[str, Optimum]) -> str:
+    return f"{100.0 * best['R01'].design[1]:.2f}"
+
+
+def _on_bound(context: Context, best: Mapping[str, Optimum]) -> str:
     """Say how many optimal lengths are on the upper bound."""
     long = [name for name in SETS if name.startswith("L")]
     upper = context.problem("L").parameters.upper[0]
     longest = sum(best[name].design[0] > upper - 1e-4 for name in long)
     shortest = min(best[name].design[0] for name in long)
     return (
-        f'with "{constants}" {longest} of {len(long)} optimal lengths are at the bound of '
-        f"{100.0 * upper:.0f} cm and the shortest is {100.0 * shortest:.1f} cm (published "
-        f"{100.0 * published.TABLE_III['L'].design[0]:.2f} to "
-        f"{100.0 * published.TABLE_III['L+R01'].design[0]:.1f} cm)"
+        f'with "{context.settings.constants}" {longest} of {len(long)} optimal lengths are at the '
+        f"bound of {100.0 * upper:.0f} cm and the shortest is {100.0 * shortest:.1f} cm"
     )

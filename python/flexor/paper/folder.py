@@ -146,13 +146,13 @@ class Folder:
             raise InputError(f'"{file}" is damaged: delete it to compute it again.')
         return Part(kept["data"], float(kept["seconds"]))
 
-    def seconds(self) -> tuple[float, float]:
-        """Return how long all parts took together, and the processor time of that [s]."""
-        kept = [_read(file) for file in sorted((self.path / "parts").glob("*.json"))]
-        return (
-            sum(float(part["seconds"]) for part in kept),
-            sum(float(part.get("processor", 0.0)) for part in kept),
-        )
+    def processor(self) -> float:
+        """Return the processor time of all parts, which other work on the machine leaves alone [s].
+
+        What other processes computed for them is not in it.
+        """
+        files = sorted((self.path / "parts").glob("*.json"))
+        return sum(float(_read(file).get("processor", 0.0)) for file in files)
 
     def study(self, name: str) -> tuple[Path, bool]:
         """Return the folder of a study, and whether there is one to resume."""

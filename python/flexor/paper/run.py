@@ -59,7 +59,7 @@ class Reproduction:
     sections : tuple of Section
         What the items came to, in the order of the report.
     computing, drawing : float
-        How long all parts took when they were computed, and drawing and writing now [s].
+        Processor time of all parts when they were computed, and of drawing and writing now [s].
     """
 
     folder: Path
@@ -168,21 +168,21 @@ def _carry_out(
         began = time.perf_counter()
         context.item = name
         section = sections[name] = study.ITEMS[name](context)
-        computed = time.perf_counter()
+        computed = time.process_time()
         context.say("drawing and writing")
         for picture in section.pictures:
             images[picture.name] = _drawn(picture, folder.path / "figures")
         for table in section.all_tables:
             folder.write(f"tables/{table.name}.csv", as_csv(table))
-        drawing += time.perf_counter() - computed
+        drawing += time.process_time() - computed
         told(ItemDone(section, time.perf_counter() - began))
     # What is concluded comes first.
     order = tuple(sorted(sections.values(), key=lambda section: section.name != "conclusions"))
-    computing, processor = folder.seconds()
+    computing = folder.processor()
     about: Mapping[str, str] = folder.stamp["provenance"]
     took = (
-        f"{computing:.0f} s of computing ({processor:.0f} s of processor time), {drawing:.0f} s of "
-        f"drawing; {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+        f"{computing:.0f} s of processor time for computing, {drawing:.0f} s for drawing; "
+        f"{os.cpu_count()} cores, {platform.system()} {platform.machine()}"
     )
     report = folder.write("report.html", page(order, images, about, took, _lead()))
     if docs is not None:
