@@ -186,7 +186,7 @@ def _carry_out(
     )
     report = folder.write("report.html", page(order, images, about, took, _lead()))
     if docs is not None:
-        _write_docs(Path(docs), order, about, took)
+        _write_docs(Path(docs), order, about)
     return Reproduction(folder.path, report, order, computing, drawing)
 
 
@@ -224,9 +224,7 @@ def _check_same(folder: Folder, settings: Settings | None) -> Settings:
     return kept
 
 
-def _write_docs(
-    file: Path, sections: tuple[Section, ...], about: Mapping[str, str], took: str
-) -> None:
+def _write_docs(file: Path, sections: tuple[Section, ...], about: Mapping[str, str]) -> None:
     images = file.parent / "images" / "reproduction"
     try:
         images.mkdir(parents=True, exist_ok=True)
@@ -234,7 +232,7 @@ def _write_docs(
             for picture in section.pictures:
                 with style():
                     picture.figure.savefig(images / f"{picture.name}.png", dpi=DOCS_DPI)
-        text = summary(sections, about, took, _lead(), "images/reproduction")
+        text = summary(sections, about, _lead(), "images/reproduction")
         file.write_text(text, encoding="utf-8")
     except OSError as error:
         why = (error.strerror or str(error)).lower()

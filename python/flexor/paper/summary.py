@@ -10,7 +10,6 @@ from flexor.paper.section import Section, Table
 def summary(
     sections: Sequence[Section],
     about: Mapping[str, str],
-    took: str,
     lead: str,
     images: str | None,
 ) -> str:
@@ -22,8 +21,6 @@ def summary(
         In the order they are shown.
     about : dict of str
         Where the numbers come from.
-    took : str
-        How long it all took, in words.
     lead : str
         What it is, in a sentence or two.
     images : str or None
@@ -49,7 +46,8 @@ def summary(
         parts += [_table(table) for table in section.all_tables if table.brief]
     parts.append("## Where the numbers come from")
     listed = [f"- {key}: `{value}`" for key, value in about.items()]
-    parts.append("\n".join([*listed, f"- time: {took}"]))
+    # No times: the same numbers are the same page.
+    parts.append("\n".join(listed))
     return "\n\n".join(parts) + "\n"
 
 
