@@ -130,8 +130,8 @@ def on_objectives(context: Context, best: Mapping[str, Optimum]) -> list[Conclus
                 f"f_bc, {reading}, makes the tip narrower than the base",
                 "Sec. IV, Table IV",
                 R_1 < R_0,
-                f"R_0 = {R_0:.2f} cm, R_1 = {R_1:.2f} cm, {best[name].touching} spheres touching "
-                f"(f_b: {best['bending'].touching})",
+                f"R_0 = {R_0:.2f} cm, R_1 = {R_1:.2f} cm, spheres touching: "
+                f"{best[name].touching} (f_b: {best['bending'].touching})",
             )
         )
     rows.append(

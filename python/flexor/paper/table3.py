@@ -101,8 +101,8 @@ def _text(
     return (
         f"The default design bends the finger by {default['bending']:.2f} rad at 5 N, the "
         f"published optimum of L+R01 by {theirs['L+R01']['bending']:.2f} rad (published "
-        f"{published.LARGEST_BENDING.value}). Our optima bend it further: {order} rad. The best "
-        f"set is {largest}.",
+        f"{published.LARGEST_BENDING.value}). Our optima bend it by: {order} rad. The best set "
+        f"is {largest}.",
         "Sets that hold others are at least as good as those, as they must be."
         if not nested
         else "Some sets are worse than sets they hold: "

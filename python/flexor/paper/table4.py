@@ -65,7 +65,7 @@ def _text(best: dict[str, Optimum]) -> tuple[str, ...]:
     said = {
         name: f"L = {100 * found.design[0]:.1f} cm, R_0 = {100 * found.design[1]:.2f} cm, "
         f"R_1 = {100 * found.design[2]:.2f} cm, bending {found.bending:.2f} rad, tip force "
-        f"{found.tip_force:.2f} N, {found.touching} spheres touching"
+        f"{found.tip_force:.2f} N, spheres touching: {found.touching}"
         for name, found in best.items()
     }
     return (
