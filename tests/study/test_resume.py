@@ -298,6 +298,20 @@ def test_a_folder_that_cannot_be_used_is_one_clear_sentence(
         assert str(refusal.value).endswith(".")
 
 
+@pytest.mark.parametrize("table", ["objective", "parameters"])
+def test_names_without_end_are_not_quoted_at_length(
+    analytic: ModuleType, tmp_path: Path, table: str
+) -> None:
+    optimize(analytic.AnalyticModel(), folder=tmp_path / "s", budget=5, **OPTIONS).close()
+    settings = tmp_path / "s" / "settings.json"
+    values = json.loads(settings.read_text())
+    values[table]["name"] = "a" * 5000
+    settings.write_text(json.dumps(values))
+    with pytest.raises(InputError, match=r"which Flexor does not know: give it as") as refusal:
+        Study.open(tmp_path / "s", model=analytic.AnalyticModel())
+    assert len(str(refusal.value)) < 400
+
+
 def test_places_that_are_taken_or_cannot_be_written(analytic: ModuleType, tmp_path: Path) -> None:
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.tex").write_text("precious")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexor.design import ParameterSet, parameter_set
-from flexor.errors import InputError
+from flexor.errors import InputError, shortened
 from flexor.objective import Objective
 from flexor.objective import objective as named_objective
 from flexor.study.folder import MODEL
@@ -68,6 +68,6 @@ def reopened(
 
 def _own(kind: str, name: str, folder: Path) -> InputError:
     return InputError(
-        f'the study "{folder}" uses {kind} "{name}", which Flexor does not know: '
+        f'the study "{folder}" uses {kind} "{shortened(name)}", which Flexor does not know: '
         f"give it as {kind}=."
     )
