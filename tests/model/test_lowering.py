@@ -90,7 +90,11 @@ def test_finger_has_the_papers_spheres() -> None:
 
 @pytest.mark.parametrize(
     ("use", "modulus", "lever", "stiffness"),
-    [("printed", 30e3, 1.0, 1000.0), ("calibrated", 2.2285e6, 4.4875, 77.1)],
+    [
+        ("printed", 30e3, 1.0, 1000.0),
+        ("calibrated", 2.2285e6, 4.4875, 77.1),
+        ("calibrated-optimum", 371.86e3, 1.09926, 446.33),
+    ],
 )
 def test_sets_of_constants(use: str, modulus: float, lever: float, stiffness: float) -> None:
     model = described("finger", use)
