@@ -1,8 +1,8 @@
 //! One design: everything that follows from a vector of parameters but not from the state.
 
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
-use crate::model::{Mass, Model, Place, Shape, SphereRadius};
+use crate::linalg::{LANES, Matrix, Vector};
+use crate::model::{Mass, Model, Motion, Place, Shape, SphereRadius};
 use crate::section;
 use crate::strain::Mode;
 
@@ -13,10 +13,15 @@ pub(crate) struct Design<G, const D: usize, const P: usize> {
     /// Constant offsets between frames: placement and tip of each body.
     pub rigid: Vec<G>,
     pub rods: Vec<RodDesign<D>>,
+    /// Φ: from a frame's coordinates to the strains at both collocation points of its motion, in
+    /// blocks of columns; a joint's are its twists.
+    pub strain_maps: Vec<[Matrix<D, LANES>; 2]>,
     /// Values of the rods' stiffness on `model.stiffness_pattern`.
     pub stiffness: Vec<f64>,
     pub threads: Vec<ThreadPoint>,
     pub thread_columns: Vec<ThreadColumn>,
+    /// One for each pair of a point's columns, the first not before the second.
+    pub thread_pairs: Vec<ThreadPair>,
     /// Local position of each point in its frame.
     pub points: Vec<Vector<P>>,
     /// Radius of each sphere.
@@ -52,18 +57,31 @@ pub(crate) struct ThreadColumn {
     pub arm: [f64; 3],
 }
 
+/// Inner product of two arms, and the entry of the tangent's half to which the pair adds.
+#[derive(Clone, Debug)]
+pub(crate) struct ThreadPair {
+    pub entry: usize,
+    pub product: f64,
+    /// One half on the diagonal.
+    pub share: f64,
+}
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
         let count = model.actuators.iter().map(|a| a.tendon.len()).sum();
         let columns = model.actuators.iter().flat_map(|a| &model.rods[a.rod].gauss);
-        let columns: usize = columns.map(|g| g.columns.len()).sum();
+        let widths = columns.map(|g| g.columns.len());
+        let pairs: usize = widths.clone().map(|m| m * (m + 1) / 2).sum();
+        let columns: usize = widths.sum();
         let mut design = Self {
             parameters: model.parameters.clone(),
             rigid: vec![G::IDENTITY; 2 * model.bodies.len()],
             rods: vec![RodDesign { axis_scale: Vector::ZERO, reference: Vector::ZERO }; model.rods.len()],
+            strain_maps: vec![[Matrix::ZERO; 2]; model.frames.last().map_or(0, |f| f.blocks.end)],
             stiffness: vec![0.0; model.stiffness_pattern.len()],
             threads: Vec::with_capacity(count),
             thread_columns: Vec::with_capacity(columns),
+            thread_pairs: Vec::with_capacity(pairs),
             points: vec![Vector::ZERO; model.points.len()],
             radii: vec![0.0; model.spheres.len()],
             volumes: vec![0.0; model.masses.len()],
@@ -79,6 +97,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
     pub fn update(&mut self, model: &Model<G, D, P>) {
         self.place_bodies(model);
         self.stiffen_rods(model);
+        self.map_strains(model);
         self.thread_actuators(model);
         self.place_points(model);
         self.weigh(model);
@@ -120,9 +139,33 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
         }
     }
 
+    fn map_strains(&mut self, model: &Model<G, D, P>) {
+        for frame in &model.frames {
+            let maps = &mut self.strain_maps[frame.blocks.clone()];
+            match &frame.motion {
+                Motion::Rigid(_) => {}
+                Motion::Joint(columns) => {
+                    for (m, column) in model.joint_columns[columns.clone()].iter().enumerate() {
+                        maps[m / LANES][0].set_column(m % LANES, &column.twist);
+                    }
+                }
+                Motion::Strain(step) => {
+                    let step = &model.steps[*step];
+                    let scale = &self.rods[step.rod].axis_scale;
+                    for (m, column) in model.strain_columns[step.columns.clone()].iter().enumerate() {
+                        for (map, phi) in maps[m / LANES].iter_mut().zip(column.phi) {
+                            map.0[column.axis][m % LANES] = phi * scale[column.axis];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     fn thread_actuators(&mut self, model: &Model<G, D, P>) {
         self.threads.clear();
         self.thread_columns.clear();
+        self.thread_pairs.clear();
         for actuator in &model.actuators {
             let (p, rod) = (&self.parameters, &model.rods[actuator.rod]);
             let length = p[rod.length];
@@ -143,6 +186,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
                     let scale = if mode.is_angular() { phi } else { phi * length };
                     self.thread_columns
                         .push(ThreadColumn { dof, arm: thread_arm(mode, d).map(|a| a * scale) });
+                }
+                let first = self.thread_columns.len() - gauss.columns.len();
+                let columns = &self.thread_columns[first..];
+                for (m, a) in columns.iter().enumerate() {
+                    for b in &columns[..=m] {
+                        let entry = a.dof.max(b.dof) * model.dof + a.dof.min(b.dof);
+                        let product = dot(&a.arm, &b.arm);
+                        let share = if a.dof == b.dof { 0.5 } else { 1.0 };
+                        self.thread_pairs.push(ThreadPair { entry, product, share });
+                    }
                 }
                 let (weight, end) = (gauss.weight, self.thread_columns.len());
                 self.threads.push(ThreadPoint { base, weight, end });
@@ -232,6 +285,11 @@ pub(crate) fn link_fraction<'a, G: LieGroup<D, P>, const D: usize, const P: usiz
             (Some(shape), centroid)
         }
     }
+}
+
+#[inline]
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.

@@ -84,6 +84,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         }
     }
 
+    /// `(A₁, A₂, κ)` of a frame's motion: of its Magnus step, or (1, 0, 0) where Ω is linear.
+    #[inline]
+    pub fn motion_derivative(&self, model: &Model<G, D, P>, f: usize) -> (Matrix<D, D>, Matrix<D, D>, f64) {
+        match model.frames[f].motion {
+            Motion::Strain(step) => self.magnus_derivative(model, step),
+            Motion::Joint(_) | Motion::Rigid(_) => (Matrix::diagonal(1.0), Matrix::ZERO, 0.0),
+        }
+    }
+
     /// `(A₁, A₂, κ)` with dΩ = A₁ dξ₁ + A₂ dξ₂ and κ [dξ₁, dξ₂] the second-order part of Ω.
     #[inline]
     pub fn magnus_derivative(

@@ -62,7 +62,7 @@ pub trait PathSink<G, const D: usize, const P: usize> {
 }
 
 /// Dimensionless residual that suffices between the listed loads.
-const LOOSE_TOLERANCE: f64 = 1e-5;
+const LOOSE_TOLERANCE: f64 = 1e-3;
 /// A displacement below this (dimensionless) across the smallest sub-step is no jump.
 const SMALLEST_JUMP: f64 = 1e-3;
 

@@ -2,6 +2,9 @@
 
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
+/// Columns in a block: the numbers that a vector register holds.
+pub const LANES: usize = 4;
+
 /// A column of `N` numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<const N: usize>(pub [f64; N]);
@@ -79,6 +82,22 @@ impl<const R: usize, const C: usize> Matrix<R, C> {
         for r in 0..R {
             for c in 0..C {
                 out[c] += self.0[r][c] * v[r];
+            }
+        }
+        out
+    }
+}
+
+impl<const R: usize, const C: usize> Matrix<R, C> {
+    /// `selfᵀ other`.
+    #[inline]
+    pub fn transpose_times_matrix<const K: usize>(&self, other: &Matrix<R, K>) -> Matrix<C, K> {
+        let mut out = Matrix::ZERO;
+        for r in 0..R {
+            for c in 0..C {
+                for k in 0..K {
+                    out.0[c][k] += self.0[r][c] * other.0[r][k];
+                }
             }
         }
         out

@@ -4,4 +4,4 @@ mod cholesky;
 mod fixed;
 
 pub use cholesky::Cholesky;
-pub use fixed::{Matrix, Vector};
+pub use fixed::{LANES, Matrix, Vector};

@@ -36,8 +36,10 @@ pub(crate) struct Frame {
     pub motion: Motion,
     /// Coordinates are `path.start..path.end` at most on the way from the world to this frame.
     pub path: Range<usize>,
-    /// Its own coordinates' places in the store of world columns.
+    /// Its own coordinates, in `column_dofs`.
     pub columns: Range<usize>,
+    /// Its own coordinates' places in the stores of column blocks.
+    pub blocks: Range<usize>,
     /// One past the last of the following frames that move with the very same coordinates.
     pub run_end: usize,
 }
@@ -86,6 +88,8 @@ pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) steps: Vec<MagnusStep>,
     pub(crate) strain_columns: Vec<StrainColumn>,
     pub(crate) joint_columns: Vec<JointColumn<D>>,
+    /// Coordinates of each frame's own motion, frame after frame.
+    pub(crate) column_dofs: Vec<usize>,
     pub(crate) bodies: Vec<Body<P>>,
     pub(crate) rods: Vec<Rod>,
     pub(crate) joints: Vec<JointCoordinate>,

@@ -4,7 +4,7 @@
 //! τ̂ of the path, τ = ξ_lin + ξ_ang × d + d′ in normalised strains.
 
 use super::CoordinateTerms;
-use crate::design::Design;
+use crate::design::{Design, ThreadColumn, dot};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -15,19 +15,20 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     load: &[f64],
     out: &mut CoordinateTerms,
 ) {
-    let n = q.len();
+    let CoordinateTerms { energy, gradient, half_tangent, along } = out;
+    let mut pairs = design.thread_pairs.iter();
     for_each_point(model, design, q, |actuator, weight, unit, norm, columns| {
         let tension = -model.actuators[actuator].sign * load[actuator] * weight;
-        out.energy += tension * norm;
-        for (m, a) in columns.iter().enumerate() {
-            let along = dot(&unit, &a.arm);
-            out.gradient[a.dof] += tension * along;
-            let curvature = tension / norm;
-            for b in &columns[..=m] {
-                // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
-                let value = curvature * (dot(&a.arm, &b.arm) - along * dot(&unit, &b.arm));
-                let (row, column) = if a.dof >= b.dof { (a.dof, b.dof) } else { (b.dof, a.dof) };
-                out.half_tangent[row * n + column] += if a.dof == b.dof { 0.5 * value } else { value };
+        let curvature = tension / norm;
+        *energy += tension * norm;
+        along.clear();
+        for (m, column) in columns.iter().enumerate() {
+            let along_column = dot(&unit, &column.arm);
+            gradient[column.dof] += tension * along_column;
+            along.push(along_column);
+            // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
+            for (other, pair) in along.iter().zip(pairs.by_ref().take(m + 1)) {
+                half_tangent[pair.entry] += curvature * pair.share * (pair.product - along_column * other);
             }
         }
     });
@@ -66,7 +67,7 @@ fn for_each_point<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     q: &[f64],
-    mut visit: impl FnMut(usize, f64, [f64; 3], f64, &[crate::design::ThreadColumn]),
+    mut visit: impl FnMut(usize, f64, [f64; 3], f64, &[ThreadColumn]),
 ) {
     let (mut point, mut start) = (0, 0);
     for (index, actuator) in model.actuators.iter().enumerate() {
@@ -85,9 +86,4 @@ fn for_each_point<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
         point += actuator.tendon.len();
     }
-}
-
-#[inline]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -25,11 +25,18 @@ pub(crate) struct CoordinateTerms {
     pub energy: f64,
     pub gradient: Vec<f64>,
     pub half_tangent: Vec<f64>,
+    /// Scratch of a chamber's or cable's point: its tangent's part along each column's arm.
+    along: Vec<f64>,
 }
 
 impl CoordinateTerms {
     pub fn new(dof: usize) -> Self {
-        Self { energy: 0.0, gradient: vec![0.0; dof], half_tangent: vec![0.0; dof * dof] }
+        Self {
+            energy: 0.0,
+            gradient: vec![0.0; dof],
+            half_tangent: vec![0.0; dof * dof],
+            along: Vec::with_capacity(dof),
+        }
     }
 
     pub fn clear(&mut self) {

@@ -120,8 +120,8 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let mut twist = self.twist[frame.parent];
-            for (dof, column) in data.assembly.columns(frame.columns.clone()) {
-                twist += *column * lambda[*dof];
+            for (dof, column) in data.assembly.columns(model, f) {
+                twist += column * lambda[dof];
             }
             self.twist[f] = twist;
         }

@@ -222,8 +222,8 @@ fn column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
         let wrench = &data.assembly.frames.wrench[f];
         let mut own = Vector::<D>::ZERO;
-        for (dof, column) in data.assembly.columns(frame.columns.clone()) {
-            own += *column * lambda[*dof];
+        for (dof, column) in data.assembly.columns(model, f) {
+            own += column * lambda[dof];
         }
         // Half of the frame's own drift: the other half is in the curvature of its exponential.
         let carrier = (adjoint.drift_twist[f] + adjoint.drift_twist[frame.parent]) * 0.5;

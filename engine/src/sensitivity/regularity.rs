@@ -154,8 +154,8 @@ fn can_move<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let wrench = G::point_jacobian(&data.kinematics.points[point]).transpose_times(direction);
     let mut f = model.points[point].frame;
     while f != 0 {
-        let mut columns = data.assembly.columns(model.frames[f].columns.clone());
-        if columns.any(|(_, column)| wrench.dot(column).abs() > 1e-12 * column.norm()) {
+        let mut columns = data.assembly.columns(model, f);
+        if columns.any(|(_, column)| wrench.dot(&column).abs() > 1e-12 * column.norm()) {
             return true;
         }
         f = model.frames[f].parent;

@@ -29,8 +29,8 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
             let wrench = self.wrench[f];
             self.wrench[frame.parent] += wrench;
-            for (dof, column) in data.assembly.columns(frame.columns.clone()) {
-                out[*dof] += wrench.dot(column);
+            for (dof, column) in data.assembly.columns(model, f) {
+                out[dof] += wrench.dot(&column);
             }
         }
         true

@@ -7,7 +7,7 @@ use super::super::{
     LinkDescription, Model, ModelError, Motion, Shape, ShapeDescription,
 };
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
+use crate::linalg::{LANES, Vector};
 use crate::strain::Mode;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
@@ -77,27 +77,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         for dof in &own {
             path = if path.is_empty() { *dof..dof + 1 } else { path.start.min(*dof)..path.end.max(dof + 1) };
         }
-        let start = self.frames[self.frames.len() - 1].columns.end;
-        self.frames.push(Frame { parent, body, motion, path, columns: start..start + own.len(), run_end: 0 });
+        let last = &self.frames[self.frames.len() - 1];
+        let (column, block) = (last.columns.end, last.blocks.end);
+        let columns = column..column + own.len();
+        let blocks = block..block + own.len().div_ceil(LANES);
+        self.frames.push(Frame { parent, body, motion, path, columns, blocks, run_end: 0 });
+        self.column_dofs.extend(own);
         self.frame_names.push(name);
         self.frames.len() - 1
     }
 
     /// Marks runs of frames, each the child of the one before, that share all their coordinates.
     pub(super) fn find_runs(&mut self) {
-        let dofs = |f: usize| -> Vec<usize> {
-            match &self.frames[f].motion {
-                Motion::Strain(step) => {
-                    self.strain_columns[self.steps[*step].columns.clone()].iter().map(|c| c.dof).collect()
-                }
-                Motion::Rigid(_) | Motion::Joint(_) => vec![],
-            }
+        let dofs = |f: usize| match &self.frames[f].motion {
+            Motion::Strain(_) => &self.column_dofs[self.frames[f].columns.clone()],
+            Motion::Rigid(_) | Motion::Joint(_) => &[],
         };
-        let all: Vec<Vec<usize>> = (0..self.frames.len()).map(dofs).collect();
+        let follows = |f: usize| f + 1 < self.frames.len() && self.frames[f + 1].parent == f;
+        let same: Vec<bool> = (0..self.frames.len())
+            .map(|f| follows(f) && !dofs(f).is_empty() && dofs(f) == dofs(f + 1))
+            .collect();
         for f in (0..self.frames.len()).rev() {
-            let follows = f + 1 < self.frames.len() && self.frames[f + 1].parent == f;
-            let same = follows && !all[f].is_empty() && all[f] == all[f + 1];
-            self.frames[f].run_end = if same { self.frames[f + 1].run_end } else { f + 1 };
+            self.frames[f].run_end = if same[f] { self.frames[f + 1].run_end } else { f + 1 };
         }
     }
 

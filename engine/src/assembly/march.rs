@@ -1,0 +1,165 @@
+//! Outward along the tree, each coordinate's column is paired with all columns before it.
+
+use super::Assembly;
+use crate::design::Design;
+use crate::lie::LieGroup;
+use crate::linalg::{LANES, Matrix, Vector};
+use crate::model::Model;
+
+/// Sums over one run of frames that share their coordinates, in blocks of columns.
+#[derive(Clone, Debug)]
+pub(super) struct Run<const D: usize> {
+    /// Σ S.
+    columns: Vec<Matrix<D, LANES>>,
+    /// Σ (H̄ + ½ M(w̄)) S.
+    rows: Vec<Matrix<D, LANES>>,
+    /// Σ Sᵀ w̄.
+    gradient: Vec<Vector<LANES>>,
+    /// The run's columns with one another.
+    own: Vec<Matrix<LANES, LANES>>,
+    /// The run's columns with the other side of couplings.
+    coupled: Vec<Vector<LANES>>,
+}
+
+impl<const D: usize> Run<D> {
+    pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
+        let widest = model.frames.iter().map(|f| f.blocks.len()).max().unwrap_or(0);
+        Self {
+            columns: vec![Matrix::ZERO; widest],
+            rows: vec![Matrix::ZERO; widest],
+            gradient: vec![Vector::ZERO; widest],
+            own: vec![Matrix::ZERO; widest * widest],
+            coupled: vec![Vector::ZERO; widest * model.coupled.len()],
+        }
+    }
+
+    fn clear(&mut self, blocks: usize, width: usize) {
+        self.columns[..blocks].fill(Matrix::ZERO);
+        self.rows[..blocks].fill(Matrix::ZERO);
+        self.gradient[..blocks].fill(Vector::ZERO);
+        self.own[..blocks * blocks].fill(Matrix::ZERO);
+        self.coupled[..blocks * width].fill(Vector::ZERO);
+    }
+}
+
+impl<const D: usize> Assembly<D> {
+    /// The frames of one rod element move with the same coordinates; such a run meets the columns
+    /// before it once, with its rows summed, and pairs its own columns among themselves.
+    pub(super) fn march<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        coupled: bool,
+    ) {
+        let size = D * model.dof;
+        let mut f = 1;
+        while f < model.frames.len() {
+            let frame = &model.frames[f];
+            if !self.frames.loaded[f] {
+                f += 1;
+                continue;
+            }
+            let parent = &model.frames[frame.parent];
+            if frame.parent == 0 {
+                self.prefix[frame.body * size..][..size].fill(0.0);
+            } else if parent.body != frame.body {
+                self.prefix.copy_within(parent.body * size..(parent.body + 1) * size, frame.body * size);
+            }
+            let end = frame.run_end;
+            if !frame.blocks.is_empty() {
+                self.sum_run(model, design, f..end, coupled);
+                self.pair_run(model, f);
+            }
+            f = end;
+        }
+    }
+
+    /// Sums over the frames of a run and pairs their columns with one another.
+    #[inline]
+    fn sum_run<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        frames: std::ops::Range<usize>,
+        coupled: bool,
+    ) {
+        let width = model.coupled.len();
+        let count = model.frames[frames.start].blocks.len();
+        let run = &mut self.run;
+        run.clear(count, width);
+        for f in frames {
+            if !self.frames.loaded[f] {
+                break;
+            }
+            let wrench = self.frames.wrench[f];
+            let form = self.frames.stiffness[f] + G::bracket_form(&wrench) * 0.5;
+            let own = model.frames[f].blocks.clone();
+            let columns = &self.columns[own.clone()];
+            let motions = &self.motions[own.clone()];
+            let maps = &design.strain_maps[own];
+            for i in 0..count {
+                let row = form * columns[i];
+                run.rows[i] += row;
+                run.gradient[i] += columns[i].transpose_times(&wrench);
+                let curved = self.curvature[f].transpose() * motions[i];
+                // dξ₁ᵀ F dξ₂, the half that U keeps.
+                let bracketed = self.bracket[f].transpose() * maps[i][0];
+                for j in 0..count {
+                    let before = run.columns[j] + columns[j] * 0.5;
+                    let paired = row.transpose_times_matrix(&before)
+                        + curved.transpose_times_matrix(&motions[j])
+                        + bracketed.transpose_times_matrix(&maps[j][1]);
+                    run.own[i * count + j] += paired;
+                }
+                if coupled {
+                    let carried = &self.coupled[f * D * width..(f + 1) * D * width];
+                    for (d, carried) in carried.chunks_exact(width).enumerate() {
+                        let lanes = Vector(columns[i].0[d]);
+                        for (out, z) in run.coupled[i * width..(i + 1) * width].iter_mut().zip(carried) {
+                            *out += lanes * *z;
+                        }
+                    }
+                }
+            }
+            for (sum, column) in run.columns.iter_mut().zip(columns) {
+                *sum += *column;
+            }
+        }
+    }
+
+    /// Pairs the run that starts at frame `f` with the columns before it.
+    #[inline]
+    fn pair_run<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>, f: usize) {
+        let (n, span) = (model.dof, model.coupled.clone());
+        let width = span.len();
+        let first = &model.frames[f];
+        let path = model.frames[first.parent].path.clone();
+        let prefix = &mut self.prefix[first.body * D * n..(first.body + 1) * D * n];
+        let dofs = &model.column_dofs[first.columns.clone()];
+        let count = first.blocks.len();
+        let run = &self.run;
+        for (m, dof) in dofs.iter().enumerate() {
+            let (block, lane) = (m / LANES, m % LANES);
+            self.coordinates.gradient[*dof] += run.gradient[block][lane];
+            let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
+            for d in 0..D {
+                let y = run.rows[block].0[d][lane];
+                let before = &prefix[d * n + path.start..d * n + path.end];
+                for (r, p) in row[path.clone()].iter_mut().zip(before) {
+                    *r += y * p;
+                }
+            }
+            for (l, other) in dofs.iter().enumerate() {
+                row[*other] += run.own[block * count + l / LANES].0[lane][l % LANES];
+            }
+            for (r, z) in row[span.clone()].iter_mut().zip(&run.coupled[block * width..(block + 1) * width]) {
+                *r += z[lane];
+            }
+        }
+        for (m, dof) in dofs.iter().enumerate() {
+            for d in 0..D {
+                prefix[d * n + dof] += run.columns[m / LANES].0[d][m % LANES];
+            }
+        }
+    }
+}

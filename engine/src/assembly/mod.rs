@@ -1,0 +1,243 @@
+//! Π, its gradient and its Hessian at a state: potentials on frames carried back to coordinates.
+//!
+//! With world twists the columns of a chain simply add, exp(Σ ζ_i + ½ Σ_{i<j} [ζ_i, ζ_j] + …), so
+//! for coordinates i before j the second derivative is S_iᵀ (H̄_j + ½ M(w̄_j)) S_j, with w̄_j and H̄_j
+//! the sums of wrenches and stiffness forms over all frames that j carries. A frame's own block adds
+//! the curvature of its exponential and, on rods, that of the Magnus commutator.
+//!
+//! Columns are kept in blocks of four, one vector register wide, with unused ones zero.
+
+mod march;
+mod motions;
+
+use crate::design::Design;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::linalg::{LANES, Matrix, Vector};
+use crate::model::Model;
+use crate::potential::{self, CoordinateTerms, FrameTerms};
+use march::Run;
+
+/// Workspace of the assembly.
+#[derive(Clone, Debug)]
+pub(crate) struct Assembly<const D: usize> {
+    pub coordinates: CoordinateTerms,
+    pub frames: FrameTerms<D>,
+    pub energy: f64,
+    pub gradient: Vec<f64>,
+    /// The full tangent, row-major.
+    pub tangent: Vec<f64>,
+    /// World columns S of each frame's own coordinates, at `model.frames[f].blocks`.
+    columns: Vec<Matrix<D, LANES>>,
+    /// The same columns as changes dΩ of the frame's motion.
+    motions: Vec<Matrix<D, LANES>>,
+    /// Curvature Q of each frame's exponential, a form on its motions.
+    curvature: Vec<Matrix<D, D>>,
+    /// Second derivative of each frame's Ω, a form on the strains at its collocation points.
+    bracket: Vec<Matrix<D, D>>,
+    run: Run<D>,
+    /// Σ of the columns met so far, one D × dof block per body.
+    prefix: Vec<f64>,
+    /// Jacobians of the kept frames, one D × dof block each.
+    kept: Vec<f64>,
+    /// Σ of coupling forms times column Jacobians, one D × coupled block per frame.
+    coupled: Vec<f64>,
+}
+
+impl<const D: usize> Assembly<D> {
+    pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
+        let (n, frames) = (model.dof, model.frames.len());
+        let pairs: usize = model.contacts.iter().map(potential::touch::most_couplings).sum();
+        let blocks = model.frames.last().map_or(0, |f| f.blocks.end);
+        Self {
+            coordinates: CoordinateTerms::new(n),
+            frames: FrameTerms::new(frames, pairs + model.springs.len()),
+            energy: 0.0,
+            gradient: vec![0.0; n],
+            tangent: vec![0.0; n * n],
+            columns: vec![Matrix::ZERO; blocks],
+            motions: vec![Matrix::ZERO; blocks],
+            curvature: vec![Matrix::ZERO; frames],
+            bracket: vec![Matrix::ZERO; frames],
+            run: Run::new(model),
+            prefix: vec![0.0; model.bodies.len() * D * n],
+            kept: vec![0.0; model.jacobian_slot.iter().flatten().count() * D * n],
+            coupled: vec![0.0; frames * D * model.coupled.len()],
+        }
+    }
+
+    /// Energy, gradient (the residual of (9)) and tangent at the state held by `kinematics`.
+    pub fn update<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+    ) {
+        let coordinates = &mut self.coordinates;
+        coordinates.clear();
+        potential::elastic::add(model, design, q, coordinates);
+        potential::joint::add(model, design, q, coordinates);
+        potential::actuator::add(model, design, q, load, coordinates);
+        let frames = &mut self.frames;
+        frames.clear();
+        potential::gravity::add(model, design, &kinematics.points, frames);
+        potential::spring::add(model, design, &kinematics.points, frames);
+        potential::contact::add(model, design, &kinematics.points, frames);
+        potential::round_cone::add(model, design, &kinematics.points, frames);
+        potential::wrench::add(model, design, kinematics, load, frames);
+        self.energy = coordinates.energy + frames.energy;
+
+        self.carry_back(model);
+        self.expand_motions(model, design, kinematics);
+        self.keep_jacobians(model);
+        let coupled = self.carry_couplings(model);
+        self.march(model, design, coupled);
+        self.symmetrise(model.dof);
+        self.circulate(model, design, kinematics, load);
+    }
+
+    /// The frame's own coordinates with their world columns, for a frame that carries something or
+    /// leads to a kept Jacobian.
+    pub fn columns<'a, G: LieGroup<D, P>, const P: usize>(
+        &'a self,
+        model: &'a Model<G, D, P>,
+        f: usize,
+    ) -> impl Iterator<Item = (usize, Vector<D>)> + 'a {
+        let frame = &model.frames[f];
+        let dofs = &model.column_dofs[frame.columns.clone()];
+        let blocks = &self.columns[frame.blocks.clone()];
+        dofs.iter().enumerate().map(|(m, dof)| (*dof, blocks[m / LANES].column(m % LANES)))
+    }
+
+    /// Sums wrenches and stiffness forms over all frames that each frame carries.
+    fn carry_back<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) {
+        let frames = &mut self.frames;
+        for f in (1..model.frames.len()).rev() {
+            let parent = model.frames[f].parent;
+            if frames.loaded[f] && parent != 0 {
+                frames.loaded[parent] = true;
+                let (wrench, stiffness) = (frames.wrench[f], frames.stiffness[f]);
+                frames.wrench[parent] += wrench;
+                frames.stiffness[parent] += stiffness;
+            }
+        }
+    }
+
+    /// Jacobians of the frames that couplings and follower loads refer to.
+    fn keep_jacobians<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) {
+        let n = model.dof;
+        self.kept.fill(0.0);
+        for (frame, slot) in model.jacobian_slot.iter().enumerate() {
+            let Some(slot) = slot else { continue };
+            let jacobian = &mut self.kept[slot * D * n..(slot + 1) * D * n];
+            let mut f = frame;
+            while f != 0 {
+                for (m, dof) in model.column_dofs[model.frames[f].columns.clone()].iter().enumerate() {
+                    let column = self.columns[model.frames[f].blocks.start + m / LANES].column(m % LANES);
+                    for d in 0..D {
+                        jacobian[d * n + dof] += column[d];
+                    }
+                }
+                f = model.frames[f].parent;
+            }
+        }
+    }
+
+    /// Sums X J_column of all couplings over what each frame carries; `false` when there are none.
+    fn carry_couplings<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) -> bool {
+        let (n, span) = (model.dof, model.coupled.clone());
+        let width = span.len();
+        if self.frames.couplings.is_empty() || width == 0 {
+            return false;
+        }
+        self.coupled.fill(0.0);
+        for coupling in &self.frames.couplings {
+            let Some(slot) = model.jacobian_slot[coupling.column] else { continue };
+            let rows = &mut self.coupled[coupling.row * D * width..(coupling.row + 1) * D * width];
+            let jacobian = &self.kept[slot * D * n..(slot + 1) * D * n];
+            for r in 0..D {
+                for d in 0..D {
+                    let x = coupling.form.0[r][d];
+                    let source = &jacobian[d * n + span.start..d * n + span.end];
+                    for (out, j) in rows[r * width..(r + 1) * width].iter_mut().zip(source) {
+                        *out += x * j;
+                    }
+                }
+            }
+        }
+        for f in (1..model.frames.len()).rev() {
+            let parent = model.frames[f].parent;
+            if self.frames.loaded[f] && parent != 0 {
+                let (head, tail) = self.coupled.split_at_mut(f * D * width);
+                for (p, c) in
+                    head[parent * D * width..(parent + 1) * D * width].iter_mut().zip(&tail[..D * width])
+                {
+                    *p += c;
+                }
+            }
+        }
+        true
+    }
+
+    /// Adds Jᵀw for a frame whose Jacobian is kept.
+    pub fn add_generalised_force<G: LieGroup<D, P>, const P: usize>(
+        &self,
+        model: &Model<G, D, P>,
+        frame: usize,
+        wrench: &Vector<D>,
+        out: &mut [f64],
+    ) {
+        let Some(slot) = model.jacobian_slot[frame] else { return };
+        let n = model.dof;
+        for d in 0..D {
+            let row = &self.kept[(slot * D + d) * n..(slot * D + d + 1) * n];
+            for (o, j) in out.iter_mut().zip(row) {
+                *o += j * wrench[d];
+            }
+        }
+    }
+
+    fn symmetrise(&mut self, n: usize) {
+        let half = &self.coordinates.half_tangent;
+        for i in 0..n {
+            for j in 0..=i {
+                let value = half[i * n + j] + half[j * n + i];
+                self.tangent[i * n + j] = value;
+                self.tangent[j * n + i] = value;
+            }
+        }
+        self.gradient.copy_from_slice(&self.coordinates.gradient);
+    }
+
+    /// The antisymmetric part of the tangent under loads without a potential.
+    fn circulate<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+        load: &[f64],
+    ) {
+        let n = model.dof;
+        for wrench in model.wrenches.iter().filter(|w| !w.is_conservative()) {
+            let Some(slot) = model.jacobian_slot[wrench.frame] else { continue };
+            let (w, sign) = potential::wrench::circulatory(wrench, design, kinematics);
+            let form = G::bracket_form(&w) * (sign * wrench.input.map_or(1.0, |i| load[i]));
+            let jacobian = &self.kept[slot * D * n..(slot + 1) * D * n];
+            let column = |j: usize| {
+                let mut c = Vector::<D>::ZERO;
+                for d in 0..D {
+                    c[d] = jacobian[d * n + j];
+                }
+                c
+            };
+            for i in 0..n {
+                let row = form.transpose_times(&column(i));
+                for j in 0..n {
+                    self.tangent[i * n + j] += row.dot(&column(j));
+                }
+            }
+        }
+    }
+}

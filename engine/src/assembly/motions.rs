@@ -1,0 +1,45 @@
+//! Columns of every frame's own motion, and what curves them.
+
+use super::Assembly;
+use crate::design::Design;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::linalg::Matrix;
+use crate::model::Model;
+
+impl<const D: usize> Assembly<D> {
+    /// Expands the motions of all frames that carry something or are asked for their Jacobian.
+    pub(super) fn expand_motions<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+    ) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let loaded = self.frames.loaded[f];
+            if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
+                continue;
+            }
+            let (omega, stumpff) = (&kinematics.omega[f], &kinematics.stumpff[f]);
+            let (adjoint, tangent) = (kinematics.pose[f].adjoint(), G::tangent(omega, stumpff));
+            let (a1, a2, commutator) = kinematics.motion_derivative(model, f);
+            // dΩ = A₁ dξ₁ + A₂ dξ₂ + κ [dξ₁, dξ₂], dξ = Φ dq, and S = Ad T dΩ.
+            let operator = adjoint * tangent;
+            for block in frame.blocks.clone() {
+                let [phi1, phi2] = &design.strain_maps[block];
+                let motion = a1 * *phi1 + a2 * *phi2;
+                self.motions[block] = motion;
+                self.columns[block] = operator * motion;
+            }
+            if loaded {
+                let body_wrench = adjoint.transpose_times(&self.frames.wrench[f]);
+                self.curvature[f] = G::tangent_curvature(omega, &body_wrench, stumpff) * 0.5;
+                self.bracket[f] = if commutator == 0.0 {
+                    Matrix::ZERO
+                } else {
+                    G::bracket_form(&tangent.transpose_times(&body_wrench)) * commutator
+                };
+            }
+        }
+    }
+}
