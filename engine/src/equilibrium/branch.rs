@@ -8,8 +8,11 @@ use crate::model::Model;
 const CORRECTIONS: usize = 12;
 /// How far the corrector may go, as a multiple of the predictor.
 const WANDER: f64 = 1.0;
-/// Longest predictor (dimensionless norm over all coordinates): several full turns of a rod.
-const LONGEST_PREDICTION: f64 = 30.0;
+/// Largest change of the predictor over one sub-step: what it leaves open could hide a jump.
+const LARGEST_BEND: f64 = 2.5;
+/// Longest predictor (dimensionless norm over all coordinates): further on, contacts met on the way
+/// make it worthless.
+const LONGEST_PREDICTION: f64 = 4.0;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless, into `velocity[which]`.
@@ -95,6 +98,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             bend += (h * (b - a)).powi(2);
             reach += (0.5 * h * (a.abs() + b.abs())).powi(2);
         }
-        error.sqrt() <= 0.6 * bend.sqrt() + 0.05 * reach.sqrt() + 1e-9 && norm(v1).is_finite()
+        bend.sqrt() <= LARGEST_BEND
+            && error.sqrt() <= 0.6 * bend.sqrt() + 0.05 * reach.sqrt() + 1e-9
+            && norm(v1).is_finite()
     }
 }

@@ -1,6 +1,6 @@
 //! Following an equilibrium along a list of loads.
 
-use super::solver::Solver;
+use super::solver::{Solver, largest};
 use super::status::Status;
 use crate::lie::LieGroup;
 use crate::model::Model;
@@ -95,7 +95,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             } else {
                 status = Status::NotReached;
             }
-            let residual = super::solver::largest(&self.residual);
+            let residual = largest(&self.residual);
             let report = StepReport { status, q: &self.q, iterations: self.iterations - before, residual };
             sink.step(index, report, self);
         }
@@ -163,14 +163,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 if !status.is_equilibrium() {
                     return status;
                 }
-                if self.displacement() > SMALLEST_JUMP {
+                self.set_velocity(model, rate, 1);
+                if self.displacement() > SMALLEST_JUMP + 1.5 * (next - lambda) * self.ordinary_speed() {
                     let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
                     sink.event(Event { step: index, kind: EventKind::Snap, load, before, after });
                 }
                 lambda = next;
                 next = 1.0;
                 barrier = f64::INFINITY;
-                self.set_velocity(model, rate, 1);
                 last = status;
             }
             self.velocity.swap(0, 1);
@@ -183,6 +183,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         for ((u, s), r) in self.load.iter_mut().zip(&self.start_load).zip(rate) {
             *u = s + lambda * r;
         }
+    }
+
+    /// Largest speed that a branch without a fold has between the velocities at hand.
+    fn ordinary_speed(&self) -> f64 {
+        let [before, after] = [0, 1].map(|end| largest(&self.velocity[end]));
+        // Towards a fold the speed grows without bound; behind it, it does not.
+        if before <= 4.0 * after { before.max(after) } else { 4.0 * after }
     }
 
     /// Largest dimensionless move since `self.start`.
