@@ -10,9 +10,10 @@ const CORRECTIONS: usize = 12;
 const WANDER: f64 = 1.0;
 /// Largest change of the predictor over one sub-step: what it leaves open could hide a jump.
 const LARGEST_BEND: f64 = 2.5;
-/// Longest predictor (dimensionless norm over all coordinates): further on, contacts met on the way
-/// make it worthless.
-const LONGEST_PREDICTION: f64 = 4.0;
+/// Longest predictor (dimensionless norm over all coordinates): several full turns of a rod.
+const LONGEST_PREDICTION: f64 = 30.0;
+/// The same where there is contact: further on, what is met on the way makes it worthless.
+const LONGEST_WITH_CONTACT: f64 = 4.0;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless, into `velocity[which]`.
@@ -40,7 +41,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         tolerance: f64,
     ) -> bool {
         let predicted = h * norm(&self.velocity[0]);
-        if !(predicted <= LONGEST_PREDICTION) {
+        let longest = if model.contacts.is_empty() { LONGEST_PREDICTION } else { LONGEST_WITH_CONTACT };
+        if !(predicted <= longest) {
             return false;
         }
         for ((q, s), (v, u)) in
