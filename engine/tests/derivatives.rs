@@ -8,10 +8,9 @@ mod trees;
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::linalg::Vector;
 use flexor_engine::model::*;
-use flexor_engine::strain::BasisKind;
 use flexor_engine::{ContactForce, Data};
 use proptest::prelude::*;
-use trees::{BASES, SECTIONS, planar_tree, solids, spatial_tree, with_round_cones};
+use trees::{SECTIONS, basis, planar_tree, solids, spatial_tree, with_round_cones};
 
 /// Step of the differences: small against the distance of overlapping sphere centres.
 const STEP: f64 = 4e-6;
@@ -109,10 +108,6 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
     prop_assert!(2 * checked > n, "only {checked} of {n} coordinates are away from a change of contact");
     Ok(())
-}
-
-fn basis() -> impl Strategy<Value = BasisKind> {
-    prop::sample::select(BASES.to_vec())
 }
 
 proptest! {

@@ -10,9 +10,8 @@ use flexor_engine::Data;
 use flexor_engine::equilibrium::{Event, Options, PathSink, Solver, Status, StepReport};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
-use flexor_engine::strain::BasisKind;
 use proptest::prelude::*;
-use trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
+use trees::{SECTIONS, basis, planar_tree, spatial_tree, with_round_cones};
 
 /// A mirror through the origin: −1 for the axis that is turned over.
 #[derive(Clone, Copy, Debug)]
@@ -188,10 +187,6 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
     prop_assert!(energy < first, "from {first} to {energy}");
     Ok(())
-}
-
-fn basis() -> impl Strategy<Value = BasisKind> {
-    prop::sample::select(BASES.to_vec())
 }
 
 proptest! {

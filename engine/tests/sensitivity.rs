@@ -9,7 +9,7 @@ use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use proptest::prelude::*;
-use trees::{BASES, SECTIONS, planar_tree, solids, spatial_tree, with_round_cones};
+use trees::{SECTIONS, basis, planar_tree, solids, spatial_tree, with_round_cones};
 
 /// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
 fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -60,10 +60,6 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
     }
     Ok(())
-}
-
-fn basis() -> impl Strategy<Value = flexor_engine::strain::BasisKind> {
-    prop::sample::select(BASES.to_vec())
 }
 
 proptest! {

@@ -101,7 +101,7 @@ impl<const D: usize> Assembly<D> {
                 let row = form * columns[i];
                 run.rows[i] += row;
                 run.gradient[i] += columns[i].transpose_times(&wrench);
-                let curved = self.curvature[f].transpose() * motions[i];
+                let curved = self.curvature[f] * motions[i];
                 // dξ₁ᵀ F dξ₂, the half that U keeps.
                 let bracketed = self.bracket[f].transpose() * maps[i][0];
                 for j in 0..count {

@@ -105,10 +105,7 @@ impl<const D: usize> Assembly<D> {
         model: &'a Model<G, D, P>,
         f: usize,
     ) -> impl Iterator<Item = (usize, Vector<D>)> + 'a {
-        let frame = &model.frames[f];
-        let dofs = &model.column_dofs[frame.columns.clone()];
-        let blocks = &self.columns[frame.blocks.clone()];
-        dofs.iter().enumerate().map(|(m, dof)| (*dof, blocks[m / LANES].column(m % LANES)))
+        columns_of(model, &self.columns, f)
     }
 
     /// Sums wrenches and stiffness forms over all frames that each frame carries.
@@ -134,8 +131,7 @@ impl<const D: usize> Assembly<D> {
             let jacobian = &mut self.kept[slot * D * n..(slot + 1) * D * n];
             let mut f = frame;
             while f != 0 {
-                for (m, dof) in model.column_dofs[model.frames[f].columns.clone()].iter().enumerate() {
-                    let column = self.columns[model.frames[f].blocks.start + m / LANES].column(m % LANES);
+                for (dof, column) in columns_of(model, &self.columns, f) {
                     for d in 0..D {
                         jacobian[d * n + dof] += column[d];
                     }
@@ -240,4 +236,16 @@ impl<const D: usize> Assembly<D> {
             }
         }
     }
+}
+
+/// Reads a frame's coordinates and columns out of the blocks.
+fn columns_of<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &'a Model<G, D, P>,
+    columns: &'a [Matrix<D, LANES>],
+    f: usize,
+) -> impl Iterator<Item = (usize, Vector<D>)> + 'a {
+    let frame = &model.frames[f];
+    let dofs = &model.column_dofs[frame.columns.clone()];
+    let blocks = &columns[frame.blocks.clone()];
+    dofs.iter().enumerate().map(|(m, dof)| (*dof, blocks[m / LANES].column(m % LANES)))
 }

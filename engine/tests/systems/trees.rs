@@ -3,6 +3,12 @@
 use super::systems::{at, body, empty, finger, joint, rod, strain};
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode, sample_points};
+use proptest::prelude::*;
+
+/// Any basis.
+pub fn basis() -> impl Strategy<Value = BasisKind> {
+    prop::sample::select(BASES.to_vec())
+}
 
 /// All bases.
 pub const BASES: [BasisKind; 7] = [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from flexor.validate.comparison import compare
 from flexor.validate.systems import build, link, si, vector
 
 Array = NDArray[np.float64]
+Fields = dict[str, Any]
 RADII = (0.012, 0.008)  # m
 CONTACT, SPRING, REST = 1000.0, 50.0, 0.01  # N/m, N/m, m
 PUSHES = np.array([0.0, 0.2, 0.4, 0.8, 1.6, 3.2])  # N
@@ -18,15 +21,16 @@ PUSHES = np.array([0.0, 0.2, 0.4, 0.8, 1.6, 3.2])  # N
 LINES = {"space": (0.6, 0.48, 0.64), "plane": (0.8, 0.0, 0.6)}
 START = 0.03  # m between the centres without load
 CONE, CONE_LENGTH = (0.016, 0.01), 0.1  # m, m
+SLIDER = {"body": "slider", "at": "base"}
 
 
-def _model(where: str) -> tuple[Model, Array]:
-    """Build a fixed sphere, and one on a slide that a spring and a push press against it."""
+def _pressed(
+    where: str, name: str, still: Fields, spheres: Fields, contact: Fields
+) -> tuple[Model, Array]:
+    """Build a fixed body, and a sphere on a slide that a spring and a push press against it."""
     line = np.array(LINES[where])
-    # The second sphere slides along the line; the spring pulls it beyond the first one's centre.
-    anchor = -0.02 * line
     bodies = {
-        "still": link(0.01, RADII[0]),
+        "still": still,
         "slider": link(
             0.01,
             RADII[1],
@@ -34,31 +38,46 @@ def _model(where: str) -> tuple[Model, Array]:
             joint={"kind": "prismatic", "axis": line.tolist()},
         ),
     }
-    base = {"body": "slider", "at": "base"}
     model = build(
-        "spheres",
+        name,
         bodies,
         planar=where == "plane",
-        spheres={name: {"points": [{"body": name, "at": "base"}]} for name in bodies},
-        contacts={"touch": {"first": "still", "second": "slider", "stiffness": si(CONTACT, "N/m")}},
+        spheres=spheres,
+        contacts={"touch": {**contact, "stiffness": si(CONTACT, "N/m")}},
         springs={
             "spring": {
-                "first": base,
-                "second": {"world": vector(anchor, "m")},
+                "first": SLIDER,
+                # Beyond the origin, so that it pulls all along the slide.
+                "second": {"world": vector(-0.02 * line, "m")},
                 "stiffness": si(SPRING, "N/m"),
                 "rest_length": si(REST, "m"),
             }
         },
-        wrenches={"push": {**base, "force": vector(-line, "N"), "input": True}},
+        wrenches={"push": {**SLIDER, "force": vector(-line, "N"), "input": True}},
     )
     return model, line
+
+
+def _spheres(where: str) -> tuple[Model, Array]:
+    """Build two spheres."""
+    spheres = {body: {"points": [{"body": body, "at": "base"}]} for body in ("still", "slider")}
+    contact = {"first": "still", "second": "slider"}
+    return _pressed(where, "spheres", link(0.01, RADII[0]), spheres, contact)
+
+
+def _cone(where: str) -> tuple[Model, Array]:
+    """Build a sphere, and a round cone whose axis, the x axis, the slide meets in its middle."""
+    still = link(CONE_LENGTH, CONE, placement={"x": si(-0.5 * CONE_LENGTH, "m")})
+    spheres = {"ball": {"points": [SLIDER]}, "cone": {"bodies": ["still"]}}
+    contact = {"first": "ball", "second": "cone", "shape": "round-cones"}
+    return _pressed(where, "cone", still, spheres, contact)
 
 
 def pressed_spheres() -> Outcome:
     """Compare distance, overlap and forces."""
     comparisons = []
     for where in LINES:
-        model, line = _model(where)
+        model, line = _spheres(where)
         path = model.equilibrium(PUSHES)
         # k (R - x) = k_s (x + 2 cm - rest) + push, while it gives an overlap.
         reach = sum(RADII)
@@ -79,46 +98,6 @@ def pressed_spheres() -> Outcome:
     return Outcome(tuple(comparisons))
 
 
-def _cone_model(where: str) -> tuple[Model, Array]:
-    """Build a fixed round cone, and a sphere on a slide that is pressed against its side."""
-    line = np.array(LINES[where])
-    # The slide meets the cone's axis, the x axis, in its middle.
-    bodies = {
-        "still": link(CONE_LENGTH, CONE, placement={"x": si(-0.5 * CONE_LENGTH, "m")}),
-        "slider": link(
-            0.01,
-            RADII[1],
-            placement={axis: si(START * v, "m") for axis, v in zip("xyz", line, strict=True)},
-            joint={"kind": "prismatic", "axis": line.tolist()},
-        ),
-    }
-    base = {"body": "slider", "at": "base"}
-    model = build(
-        "cone",
-        bodies,
-        planar=where == "plane",
-        spheres={"ball": {"points": [base]}, "cone": {"bodies": ["still"]}},
-        contacts={
-            "touch": {
-                "first": "ball",
-                "second": "cone",
-                "shape": "round-cones",
-                "stiffness": si(CONTACT, "N/m"),
-            }
-        },
-        springs={
-            "spring": {
-                "first": base,
-                "second": {"world": vector(-0.02 * line, "m")},
-                "stiffness": si(SPRING, "N/m"),
-                "rest_length": si(REST, "m"),
-            }
-        },
-        wrenches={"push": {**base, "force": vector(-line, "N"), "input": True}},
-    )
-    return model, line
-
-
 def pressed_cone() -> Outcome:
     """Compare place, overlap and forces."""
     comparisons = []
@@ -126,7 +105,7 @@ def pressed_cone() -> Outcome:
     sine = -taper / CONE_LENGTH
     cosine = np.sqrt(1.0 - sine**2)
     for where in LINES:
-        model, line = _cone_model(where)
+        model, line = _cone(where)
         path = model.equilibrium(PUSHES)
         # d = R + r(middle) - c x: seen from outside, the cone's side is a plane.
         across = float(np.hypot(line[1], line[2]))
