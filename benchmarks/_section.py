@@ -6,11 +6,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from _machine import machine
 from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+class Missing(Exception):
+    """What a section needs and is not there."""
 
 
 @dataclass
@@ -38,6 +43,11 @@ class Section:
         console = Console()
         for part in self.parts:
             console.print(part, markup=False) if isinstance(part, str) else console.print(part)
+
+    def report(self) -> None:
+        """Print it below a line on where it was measured."""
+        Console().print(machine(), markup=False)
+        self.show()
 
     def markdown(self, image: str | None = None) -> str:
         """Write it, with the figure at a path as the document sees it."""

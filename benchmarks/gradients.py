@@ -18,7 +18,6 @@ import time
 
 import numpy as np
 from _differences import check
-from _machine import machine
 from _section import Section, table
 from _timing import progress
 from numpy.typing import NDArray
@@ -52,8 +51,7 @@ def main() -> None:
     asked = reading.parse_args()
     model, console = flexor.load("finger"), Console()
     section = measure(asked.designs, asked.runs)
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     found = {name: searches(model, name, asked.seeds, asked.budget) for name in SETS}
     for within in WITHIN:
         saved = Table("set", "best f_b", *METHODS, "times fewer")

@@ -20,7 +20,6 @@ from pathlib import Path
 
 import numpy as np
 from _growth_figure import draw
-from _machine import machine
 from _random_designs import random_designs
 from _rods import finger, spatial_rod, tapered
 from _section import Section, table
@@ -70,8 +69,7 @@ def main() -> None:
     reading.add_argument("--figure", type=Path, help="where to draw it (PNG, SVG or PDF)")
     asked = reading.parse_args()
     section = measure(asked.runs, quick=asked.quick)
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     if asked.figure is not None:
         section.save(asked.figure)
 

@@ -21,8 +21,7 @@ from importlib.machinery import ExtensionFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
-from _machine import machine
-from _section import Section, table
+from _section import Missing, Section, table
 from _timing import progress
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,10 +57,6 @@ PARTS: tuple[tuple[str, str, str], ...] = (
 CLEARING = -1  # in place of an address
 
 
-class Missing(Exception):
-    """What a profile needs and is not there."""
-
-
 def main() -> int:
     """Measure, and print the table."""
     reading = argparse.ArgumentParser(description=__doc__)
@@ -77,8 +72,7 @@ def main() -> int:
     except Missing as missing:
         print(f"error: {missing}", file=sys.stderr)
         return 2
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     return 0
 
 

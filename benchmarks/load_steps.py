@@ -12,7 +12,6 @@ import argparse
 import sys
 
 import numpy as np
-from _machine import machine
 from _random_designs import geometry, random_vectors
 from _section import Section, table
 from numpy.typing import NDArray
@@ -35,8 +34,7 @@ def main() -> int:
     )
     asked = reading.parse_args()
     section, good = measure(asked.designs, tuple(asked.seeds))
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     return 0 if good else 1
 
 

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from _machine import machine
 from _random_designs import random_designs
 from _section import Section, table
 from _timing import progress
@@ -78,8 +77,7 @@ def main() -> None:
     reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
     asked = reading.parse_args()
     section = measure(asked.designs, asked.runs)
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
 
 
 def measure(designs: int, runs: int) -> Section:

@@ -17,7 +17,6 @@ import _peer_exudyn
 import _peer_scipy
 import _peer_soromox
 from _contest import Contest, Missing
-from _machine import machine
 from _section import Section, table
 from _timing import Times, by_turns
 
@@ -41,8 +40,7 @@ def main() -> int:
     reading.add_argument("--quick", action="store_true", help="smaller batches")
     asked = reading.parse_args()
     section, good = measure(asked.runs, quick=asked.quick)
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     return 0 if good else 1
 
 

@@ -25,7 +25,7 @@ import peers
 import speed
 import structure
 from _machine import machine, others, warning
-from _section import Section
+from _section import Missing, Section
 from rich.console import Console
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -70,7 +70,7 @@ def quick(runs: int) -> Sections:
     return {
         "speed": lambda: (speed.measure(1_000, runs), True),
         "growth": lambda: (growth.measure(runs, quick=True), True),
-        "structure": lambda: (structure.measure(runs, quick=True), True),
+        "structure": lambda: tangent(runs, short=True),
         "hotspots": lambda: profile(runs, short=True),
         "peers": lambda: peers.measure(runs, quick=True),
         "memory": lambda: (memory.measure(10_000, runs), True),
@@ -84,7 +84,7 @@ def full(runs: int) -> Sections:
     return {
         "speed": lambda: (speed.measure(2_000, max(runs, 5)), True),
         "growth": lambda: (growth.measure(runs, quick=False), True),
-        "structure": lambda: (structure.measure(runs, quick=False), True),
+        "structure": lambda: tangent(runs, short=False),
         "hotspots": lambda: profile(runs, short=False),
         "peers": lambda: peers.measure(runs, quick=False),
         "memory": lambda: (memory.measure(100_000, runs), True),
@@ -93,14 +93,28 @@ def full(runs: int) -> Sections:
     }
 
 
-def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
-    """Profile the engine, or say what is missing for it."""
+def tried(measure: Callable[[], Section], title: str, command: str) -> tuple[Section, bool]:
+    """Measure with tools that need not be there, or say which is missing."""
     try:
-        return hotspots.measure(runs, quick=short), True
-    except hotspots.Missing as missing:
-        section = Section("Where the time goes", "./dev bench hotspots")
-        section.parts.append(f"Not measured: {missing}")
-        return section, True
+        return measure(), True
+    except Missing as missing:
+        return Section(title, command, [f"Not measured: {missing}"]), True
+
+
+def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
+    """Profile the engine."""
+    return tried(
+        lambda: hotspots.measure(runs, quick=short), "Where the time goes", "./dev bench hotspots"
+    )
+
+
+def tangent(runs: int, *, short: bool) -> tuple[Section, bool]:
+    """Look at the structure of the tangent."""
+    return tried(
+        lambda: structure.measure(runs, quick=short),
+        "Structure of the tangent",
+        "./dev bench structure",
+    )
 
 
 def opening(load: float, *, quick: bool) -> str:

@@ -12,7 +12,6 @@ import argparse
 import statistics
 from collections.abc import Iterator
 
-from _machine import machine
 from _random_designs import random_designs
 from _section import Section, table
 from _timing import Times, progress
@@ -73,8 +72,7 @@ def main() -> None:
     reading.add_argument("--runs", type=int, default=5, help="of which the median is printed")
     asked = reading.parse_args()
     section = measure(asked.designs, asked.runs)
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
 
 
 def measure(designs: int, runs: int) -> Section:

@@ -23,9 +23,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from _machine import machine
 from _rods import finger, spatial_rod
-from _section import Section, table
+from _section import Missing, Section, table
 from _timing import by_turns, enough, exponent
 from numpy.typing import NDArray
 
@@ -42,10 +41,6 @@ MANY = 5
 SOURCE = Path(__file__).with_name("_recursion.c")
 
 
-class Missing(Exception):
-    """There is no C compiler."""
-
-
 def main() -> int:
     """Measure, and print the table."""
     reading = argparse.ArgumentParser(description=__doc__)
@@ -57,8 +52,7 @@ def main() -> int:
     except Missing as missing:
         print(f"error: {missing}", file=sys.stderr)
         return 2
-    section.parts.insert(0, machine())
-    section.show()
+    section.report()
     return 0
 
 
