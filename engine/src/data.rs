@@ -68,8 +68,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy, residual and tangent at the state `q` under `load`.
     pub fn evaluate(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
+        self.evaluate_residual(model, q, load);
+        self.evaluate_tangent(model, q, load);
+    }
+
+    /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
+    pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
         self.kinematics.update(model, &self.design, q);
-        self.assembly.update(model, &self.design, &self.kinematics, q, load);
+        self.assembly.update_residual(model, &self.design, &self.kinematics, q, load);
+    }
+
+    /// Computes the tangent that goes with the last residual, given its state and load once more.
+    pub fn evaluate_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
+        self.assembly.update_tangent(model, &self.design, &self.kinematics, q, load);
     }
 
     /// Π [J] at the last state evaluated, without the work of non-conservative loads.
@@ -82,7 +93,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         &self.assembly.gradient
     }
 
-    /// The derivative of the residual, row-major, at the last state evaluated.
+    /// The derivative of the residual, row-major, at the last state whose tangent was evaluated.
     pub fn tangent(&self) -> &[f64] {
         &self.assembly.tangent
     }

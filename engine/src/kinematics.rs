@@ -2,7 +2,7 @@
 
 use crate::design::Design;
 use crate::lie::{LieGroup, Stumpff};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{LANES, Matrix, Vector};
 use crate::model::{Model, Motion};
 
 /// √3/12: the commutator's factor in the 4th-order Magnus expansion at the Zanna points.
@@ -45,7 +45,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                     let columns = &model.joint_columns[columns.clone()];
                     columns.iter().fold(Vector::ZERO, |sum, c| sum + c.twist * q[c.dof])
                 }
-                Motion::Strain(step) => self.magnus(model, design, *step, q),
+                Motion::Strain(step) => self.magnus(model, design, f, *step, q),
             };
             let stumpff = Stumpff::new(G::angle_squared(&omega));
             self.pose[f] = parent.compose(&G::exp(&omega, &stumpff));
@@ -63,17 +63,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
+        f: usize,
         step: usize,
         q: &[f64],
     ) -> Vector<D> {
+        let frame = &model.frames[f];
         let magnus = &model.steps[step];
         let rod = &design.rods[magnus.rod];
         let mut a = rod.reference;
         let mut b = rod.reference;
-        for column in &model.strain_columns[magnus.columns.clone()] {
-            let x = q[column.dof] * rod.axis_scale[column.axis];
-            a[column.axis] += column.phi[0] * x;
-            b[column.axis] += column.phi[1] * x;
+        let dofs = &model.column_dofs[frame.columns.clone()];
+        for (dofs, [phi1, phi2]) in dofs.chunks(LANES).zip(&design.strain_maps[frame.blocks.clone()]) {
+            let mut x = Vector::<LANES>::ZERO;
+            dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = q[*dof]);
+            a += *phi1 * x;
+            b += *phi2 * x;
         }
         self.strain[step] = [a, b];
         let h = magnus.h;
@@ -85,7 +89,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
     }
 
     /// `(A₁, A₂, κ)` of a frame's motion: of its Magnus step, or (1, 0, 0) where Ω is linear.
-    #[inline]
+    #[inline(always)]
     pub fn motion_derivative(&self, model: &Model<G, D, P>, f: usize) -> (Matrix<D, D>, Matrix<D, D>, f64) {
         match model.frames[f].motion {
             Motion::Strain(step) => self.magnus_derivative(model, step),
@@ -94,7 +98,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
     }
 
     /// `(A₁, A₂, κ)` with dΩ = A₁ dξ₁ + A₂ dξ₂ and κ [dξ₁, dξ₂] the second-order part of Ω.
-    #[inline]
+    #[inline(always)]
     pub fn magnus_derivative(
         &self,
         model: &Model<G, D, P>,

@@ -13,8 +13,6 @@ pub(super) struct Run<const D: usize> {
     columns: Vec<Matrix<D, LANES>>,
     /// Σ (H̄ + ½ M(w̄)) S.
     rows: Vec<Matrix<D, LANES>>,
-    /// Σ Sᵀ w̄.
-    gradient: Vec<Vector<LANES>>,
     /// The run's columns with one another.
     own: Vec<Matrix<LANES, LANES>>,
     /// The run's columns with the other side of couplings.
@@ -27,7 +25,6 @@ impl<const D: usize> Run<D> {
         Self {
             columns: vec![Matrix::ZERO; widest],
             rows: vec![Matrix::ZERO; widest],
-            gradient: vec![Vector::ZERO; widest],
             own: vec![Matrix::ZERO; widest * widest],
             coupled: vec![Vector::ZERO; widest * model.coupled.len()],
         }
@@ -36,7 +33,6 @@ impl<const D: usize> Run<D> {
     fn clear(&mut self, blocks: usize, width: usize) {
         self.columns[..blocks].fill(Matrix::ZERO);
         self.rows[..blocks].fill(Matrix::ZERO);
-        self.gradient[..blocks].fill(Vector::ZERO);
         self.own[..blocks * blocks].fill(Matrix::ZERO);
         self.coupled[..blocks * width].fill(Vector::ZERO);
     }
@@ -100,7 +96,6 @@ impl<const D: usize> Assembly<D> {
             for i in 0..count {
                 let row = form * columns[i];
                 run.rows[i] += row;
-                run.gradient[i] += columns[i].transpose_times(&wrench);
                 let curved = self.curvature[f] * motions[i];
                 // dξ₁ᵀ F dξ₂, the half that U keeps.
                 let bracketed = self.bracket[f].transpose() * maps[i][0];
@@ -140,7 +135,6 @@ impl<const D: usize> Assembly<D> {
         let run = &self.run;
         for (m, dof) in dofs.iter().enumerate() {
             let (block, lane) = (m / LANES, m % LANES);
-            self.coordinates.gradient[*dof] += run.gradient[block][lane];
             let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
             for d in 0..D {
                 let y = run.rows[block].0[d][lane];

@@ -27,6 +27,10 @@ pub(crate) struct Assembly<const D: usize> {
     pub gradient: Vec<f64>,
     /// The full tangent, row-major.
     pub tangent: Vec<f64>,
+    /// Ad of each frame's pose and T(Ω) of its motion, where it moves and carries something.
+    operators: Vec<[Matrix<D, D>; 2]>,
+    /// The wrench that each frame carries, in its body frame, and its dual to dΩ.
+    duals: Vec<[Vector<D>; 2]>,
     /// World columns S of each frame's own coordinates, at `model.frames[f].blocks`.
     columns: Vec<Matrix<D, LANES>>,
     /// The same columns as changes dΩ of the frame's motion.
@@ -55,6 +59,8 @@ impl<const D: usize> Assembly<D> {
             energy: 0.0,
             gradient: vec![0.0; n],
             tangent: vec![0.0; n * n],
+            operators: vec![[Matrix::ZERO; 2]; frames],
+            duals: vec![[Vector::ZERO; 2]; frames],
             columns: vec![Matrix::ZERO; blocks],
             motions: vec![Matrix::ZERO; blocks],
             curvature: vec![Matrix::ZERO; frames],
@@ -66,8 +72,8 @@ impl<const D: usize> Assembly<D> {
         }
     }
 
-    /// Energy, gradient (the residual of (9)) and tangent at the state held by `kinematics`.
-    pub fn update<G: LieGroup<D, P>, const P: usize>(
+    /// Energy and gradient, the residual of (9), at the state held by `kinematics`.
+    pub fn update_residual<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -90,6 +96,24 @@ impl<const D: usize> Assembly<D> {
         self.energy = coordinates.energy + frames.energy;
 
         self.carry_back(model);
+        self.pull_back(model, design, kinematics);
+    }
+
+    /// The tangent at the state that [`Assembly::update_residual`] saw last.
+    pub fn update_tangent<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+    ) {
+        let coordinates = &mut self.coordinates;
+        coordinates.clear_tangent();
+        potential::elastic::add_tangent(model, design, coordinates);
+        potential::joint::add_tangent(model, design, q, coordinates);
+        potential::actuator::add_tangent(design, coordinates);
+
         self.expand_motions(model, design, kinematics);
         self.keep_jacobians(model);
         let coupled = self.carry_couplings(model);
@@ -204,7 +228,6 @@ impl<const D: usize> Assembly<D> {
                 self.tangent[j * n + i] = value;
             }
         }
-        self.gradient.copy_from_slice(&self.coordinates.gradient);
     }
 
     /// The antisymmetric part of the tangent under loads without a potential.

@@ -1,13 +1,48 @@
-//! Columns of every frame's own motion, and what curves them.
+//! What every frame's own motion makes of the wrench it carries: gradient, columns, curvature.
 
 use super::Assembly;
 use crate::design::Design;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
-use crate::linalg::Matrix;
+use crate::linalg::{LANES, Matrix};
 use crate::model::Model;
 
 impl<const D: usize> Assembly<D> {
+    /// Adds Sᵀ w̄ of all frames to the gradient, S = Ad T dΩ/dq being the columns of their motions.
+    pub(super) fn pull_back<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+    ) {
+        self.gradient.copy_from_slice(&self.coordinates.gradient);
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let loaded = self.frames.loaded[f];
+            if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
+                continue;
+            }
+            let (adjoint, tangent) =
+                (kinematics.pose[f].adjoint(), G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]));
+            self.operators[f] = [adjoint, tangent];
+            if !loaded {
+                continue;
+            }
+            let body_wrench = adjoint.transpose_times(&self.frames.wrench[f]);
+            let dual = tangent.transpose_times(&body_wrench);
+            self.duals[f] = [body_wrench, dual];
+            let (a1, a2, _) = kinematics.motion_derivative(model, f);
+            let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
+            let dofs = &model.column_dofs[frame.columns.clone()];
+            for (dofs, block) in dofs.chunks(LANES).zip(frame.blocks.clone()) {
+                let [phi1, phi2] = &design.strain_maps[block];
+                let pulled = phi1.transpose_times(&one) + phi2.transpose_times(&two);
+                for (lane, dof) in dofs.iter().enumerate() {
+                    self.gradient[*dof] += pulled[lane];
+                }
+            }
+        }
+    }
+
     /// Expands the motions of all frames that carry something or are asked for their Jacobian.
     pub(super) fn expand_motions<G: LieGroup<D, P>, const P: usize>(
         &mut self,
@@ -20,8 +55,7 @@ impl<const D: usize> Assembly<D> {
             if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
                 continue;
             }
-            let (omega, stumpff) = (&kinematics.omega[f], &kinematics.stumpff[f]);
-            let (adjoint, tangent) = (kinematics.pose[f].adjoint(), G::tangent(omega, stumpff));
+            let [adjoint, tangent] = self.operators[f];
             let (a1, a2, commutator) = kinematics.motion_derivative(model, f);
             // dΩ = A₁ dξ₁ + A₂ dξ₂ + κ [dξ₁, dξ₂], dξ = Φ dq, and S = Ad T dΩ.
             let operator = adjoint * tangent;
@@ -32,13 +66,11 @@ impl<const D: usize> Assembly<D> {
                 self.columns[block] = operator * motion;
             }
             if loaded {
-                let body_wrench = adjoint.transpose_times(&self.frames.wrench[f]);
-                self.curvature[f] = G::tangent_curvature(omega, &body_wrench, stumpff) * 0.5;
-                self.bracket[f] = if commutator == 0.0 {
-                    Matrix::ZERO
-                } else {
-                    G::bracket_form(&tangent.transpose_times(&body_wrench)) * commutator
-                };
+                let [body_wrench, dual] = &self.duals[f];
+                let (omega, stumpff) = (&kinematics.omega[f], &kinematics.stumpff[f]);
+                self.curvature[f] = G::tangent_curvature(omega, body_wrench, stumpff) * 0.5;
+                self.bracket[f] =
+                    if commutator == 0.0 { Matrix::ZERO } else { G::bracket_form(dual) * commutator };
             }
         }
     }

@@ -1,13 +1,18 @@
 //! One sub-step along a branch: predictor, Newton corrector, and the test that it is the same branch.
 
+use super::descent::NEGLIGIBLE_STEP;
 use super::solver::{Solver, largest, norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
 /// Corrector iterations of one sub-step.
-const CORRECTIONS: usize = 12;
+const CORRECTIONS: usize = 16;
 /// How far the corrector may go, as a multiple of the predictor.
-const WANDER: f64 = 1.0;
+const WANDER: f64 = 2.0;
+/// Chord steps are taken while each leaves less than this of the residual
+const CONTRACTION: f64 = 0.1;
+/// and this many more of them, at the same rate, would do.
+const CHORDS: i32 = 2;
 /// Largest change of the predictor over one sub-step: what it leaves open could hide a jump.
 const LARGEST_BEND: f64 = 2.5;
 /// Longest predictor (dimensionless norm over all coordinates): several full turns of a rod.
@@ -59,21 +64,34 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     }
 
     /// Newton's method with full steps; fails as soon as the tangent is not positive definite.
+    ///
+    /// Where a step has nearly solved the residual, chord steps with the tangent at hand do the rest.
     fn correct(&mut self, model: &Model<G, D, P>, reach: f64, tolerance: f64) -> bool {
         let mut size = self.evaluate(model);
+        let mut chord = false;
         let mut previous = f64::INFINITY;
         let mut wandered = 0.0;
         for _ in 0..CORRECTIONS {
-            if !size.is_finite() || !self.factorise(0.0) {
+            if !size.is_finite() {
                 return false;
             }
-            if size <= tolerance {
-                return true;
+            if !chord {
+                self.evaluate_tangent(model);
+                if !self.factorise(0.0) {
+                    return false;
+                }
+                if size <= tolerance {
+                    return true;
+                }
             }
             self.newton_step();
             let length = largest(&self.step);
-            if length <= 1e-11 {
-                return true;
+            if length <= NEGLIGIBLE_STEP {
+                if !chord {
+                    return true;
+                }
+                chord = false;
+                continue;
             }
             // A corrector that wanders off does not belong to the predictor's branch.
             wandered += length;
@@ -82,7 +100,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             }
             previous = length;
             Self::advance(&mut self.q, &self.step, &self.unit);
-            size = self.evaluate(model);
+            let before = std::mem::replace(&mut size, self.evaluate(model));
+            let contraction = size / before;
+            chord =
+                size > tolerance && contraction < CONTRACTION && size * contraction.powi(CHORDS) <= tolerance;
         }
         false
     }

@@ -8,33 +8,36 @@ use crate::model::Model;
 /// Dimensionless radii: one unit is one radian of the softest angular coordinate.
 const LARGEST_RADIUS: f64 = 4.0;
 /// Below this, a Newton step no longer changes the state.
-const NEGLIGIBLE_STEP: f64 = 1e-11;
+pub(super) const NEGLIGIBLE_STEP: f64 = 1e-11;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// Minimises Π from `self.q` under `self.load`; the energy never rises along accepted steps.
     pub(super) fn descend(&mut self, model: &Model<G, D, P>, mut radius: f64) -> Status {
         let first = self.iterations;
         let mut size = self.evaluate(model);
+        if !size.is_finite() {
+            return Status::Diverged;
+        }
+        self.evaluate_tangent(model);
         let mut energy = self.data.energy();
-        loop {
-            if !size.is_finite() {
-                return Status::Diverged;
-            }
+        let mut turned_back = false;
+        let status = loop {
             if self.iterations - first > self.options.max_iterations {
-                return Status::IterationLimit;
+                break Status::IterationLimit;
             }
             if size <= self.options.tolerance && self.factorise(0.0) {
-                return Status::Converged;
+                break Status::Converged;
             }
-            let Some((decrease, definite)) = self.trust_region_step(radius) else { return Status::Diverged };
+            let Some((decrease, definite)) = self.trust_region_step(radius) else { break Status::Diverged };
             let length = norm(&self.step);
             if definite && largest(&self.step) <= NEGLIGIBLE_STEP {
-                return Status::Converged;
+                break Status::Converged;
             }
             if radius < 1e-13 {
-                return Status::Stalled;
+                break Status::Stalled;
             }
             self.trial.copy_from_slice(&self.q);
+            self.trial_residual.copy_from_slice(&self.residual);
             Self::advance(&mut self.q, &self.step, &self.unit);
             let trial_size = self.evaluate(model);
             let trial_energy = self.data.energy();
@@ -48,7 +51,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 trial_size < size || (!definite && actual >= -noise)
             };
             let ratio = if decrease > noise { actual / decrease } else { 1.0 };
-            if accepted && trial_size.is_finite() {
+            turned_back = !(accepted && trial_size.is_finite());
+            if !turned_back {
                 if ratio > 0.75 && length > 0.8 * radius {
                     radius = (2.0 * radius).min(LARGEST_RADIUS);
                 } else if ratio < 0.25 {
@@ -56,11 +60,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 }
                 size = trial_size;
                 energy = trial_energy;
+                self.evaluate_tangent(model);
             } else {
+                // The tangent at hand is still that of the state gone back to.
                 self.q.copy_from_slice(&self.trial);
+                self.residual.copy_from_slice(&self.trial_residual);
                 radius = 0.25 * length.min(radius);
-                size = self.evaluate(model);
             }
+        };
+        if turned_back {
+            self.evaluate(model);
         }
+        status
     }
 }

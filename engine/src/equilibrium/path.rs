@@ -61,8 +61,10 @@ pub trait PathSink<G, const D: usize, const P: usize> {
     fn event(&mut self, event: Event);
 }
 
-/// Dimensionless residual that suffices between the listed loads.
-const LOOSE_TOLERANCE: f64 = 1e-3;
+/// Dimensionless residual that suffices between the listed loads: a fraction of the predicted move,
+const LOOSE: f64 = 0.03;
+/// and at most this.
+const LOOSEST: f64 = 0.1;
 /// A displacement below this (dimensionless) across the smallest sub-step is no jump.
 const SMALLEST_JUMP: f64 = 1e-3;
 
@@ -148,8 +150,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 return Status::IterationLimit;
             }
             self.set_load(rate, next);
-            let tolerance = if next == 1.0 { self.options.tolerance } else { LOOSE_TOLERANCE };
-            if self.follow_branch(model, rate, next - lambda, tolerance) {
+            if self.follow_branch(model, rate, next - lambda, self.tolerance_at(next, next - lambda)) {
                 last = Status::Converged;
                 lambda = next;
                 next = if barrier > lambda { barrier.min(1.0) } else { 1.0 };
@@ -177,6 +178,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             self.start.copy_from_slice(&self.q);
         }
         last
+    }
+
+    /// The tolerance for a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
+    fn tolerance_at(&self, lambda: f64, h: f64) -> f64 {
+        if lambda == 1.0 {
+            self.options.tolerance
+        } else {
+            (LOOSE * h * largest(&self.velocity[0])).clamp(self.options.tolerance, LOOSEST)
+        }
     }
 
     fn set_load(&mut self, rate: &[f64], lambda: f64) {

@@ -18,6 +18,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if !size.is_finite() {
                 return Status::Diverged;
             }
+            self.evaluate_tangent(model);
             self.factorise(0.0);
             if size <= self.options.tolerance {
                 let stable = is_stable(self.data.tangent(), &self.data.design.scale);

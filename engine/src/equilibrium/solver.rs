@@ -42,6 +42,7 @@ pub struct Solver<G, const D: usize, const P: usize> {
     /// A dimensionless step.
     pub(super) step: Vec<f64>,
     pub(super) trial: Vec<f64>,
+    pub(super) trial_residual: Vec<f64>,
     /// Scratch of the linear solves.
     pub(super) work: Vec<f64>,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
@@ -69,6 +70,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             residual: zeros(),
             step: zeros(),
             trial: zeros(),
+            trial_residual: zeros(),
             work: zeros(),
             velocity: [zeros(), zeros()],
             start: zeros(),
@@ -131,11 +133,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         &self.q
     }
 
-    /// Evaluates Π, residual and tangent at the current state; returns the largest dimensionless
+    /// Evaluates Π and the residual at the current state; returns the largest dimensionless
     /// residual, NaN or infinite when the state is out of reach.
     pub(super) fn evaluate(&mut self, model: &Model<G, D, P>) -> f64 {
-        self.data.evaluate(model, &self.q, &self.load);
-        self.iterations += 1;
+        self.data.evaluate_residual(model, &self.q, &self.load);
         let unit_energy = self.data.design.reference_stiffness;
         let mut largest = 0.0f64;
         for ((r, g), unit) in self.residual.iter_mut().zip(self.data.residual()).zip(&self.unit) {
@@ -144,6 +145,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             largest = if r.abs() <= largest { largest } else { r.abs() };
         }
         if self.data.energy().is_finite() { largest } else { f64::NAN }
+    }
+
+    /// Evaluates the tangent at the current state, after its residual: an iteration.
+    pub(super) fn evaluate_tangent(&mut self, model: &Model<G, D, P>) {
+        self.data.evaluate_tangent(model, &self.q, &self.load);
+        self.iterations += 1;
     }
 
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,

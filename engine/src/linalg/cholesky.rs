@@ -1,5 +1,7 @@
 //! Cholesky factorisation of a shifted, symmetrically scaled matrix into a reused buffer.
 
+use super::LANES;
+
 /// `S A S + λ I = Uᵀ U`, with `A` given by its upper triangle and `S` diagonal.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
@@ -83,8 +85,7 @@ impl Cholesky {
         let n = self.n;
         for i in (0..n).rev() {
             let row = &self.factor[i * n + i + 1..i * n + n];
-            let sum: f64 = row.iter().zip(&y[i + 1..]).map(|(u, x)| u * x).sum();
-            y[i] = (y[i] - sum) * self.inverse_diagonal[i];
+            y[i] = (y[i] - inner(row, &y[i + 1..])) * self.inverse_diagonal[i];
         }
     }
 
@@ -93,6 +94,20 @@ impl Cholesky {
         self.solve_lower(b);
         self.solve_upper(b);
     }
+}
+
+/// Inner product, with as many partial sums as a vector register holds.
+#[inline]
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a.zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

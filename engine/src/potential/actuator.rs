@@ -15,23 +15,39 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     load: &[f64],
     out: &mut CoordinateTerms,
 ) {
-    let CoordinateTerms { energy, gradient, half_tangent, along } = out;
-    let mut pairs = design.thread_pairs.iter();
+    let CoordinateTerms { energy, gradient, curvature, along, .. } = out;
+    curvature.clear();
+    along.clear();
     for_each_point(model, design, q, |actuator, weight, unit, norm, columns| {
         let tension = -model.actuators[actuator].sign * load[actuator] * weight;
-        let curvature = tension / norm;
         *energy += tension * norm;
-        along.clear();
-        for (m, column) in columns.iter().enumerate() {
+        curvature.push(tension / norm);
+        for column in columns {
             let along_column = dot(&unit, &column.arm);
             gradient[column.dof] += tension * along_column;
             along.push(along_column);
-            // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
-            for (other, pair) in along.iter().zip(pairs.by_ref().take(m + 1)) {
-                half_tangent[pair.entry] += curvature * pair.share * (pair.product - along_column * other);
-            }
         }
     });
+}
+
+/// The second derivative at the state that [`add`] saw last.
+pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    design: &Design<G, D, P>,
+    out: &mut CoordinateTerms,
+) {
+    let CoordinateTerms { half_tangent, curvature, along, .. } = out;
+    let mut pairs = design.thread_pairs.iter();
+    let mut start = 0;
+    for (thread, curvature) in design.threads.iter().zip(curvature) {
+        let along = &along[start..thread.end];
+        start = thread.end;
+        for (m, one) in along.iter().enumerate() {
+            // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
+            for (other, pair) in along.iter().zip(pairs.by_ref().take(m + 1)) {
+                half_tangent[pair.entry] += *curvature * pair.share * (pair.product - one * other);
+            }
+        }
+    }
 }
 
 /// Adds `−Σ_a du_a ∂ℓ_a/∂q` to `gradient`: how the residual changes with the load.

@@ -19,10 +19,21 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let (i, joint) = (coordinate.dof, &coordinate.joint);
         let k = design.parameters[coordinate.stiffness];
         let x = q[i] - joint.rest;
-        let (energy, slope, curvature) = limit(joint, q[i]);
+        let (energy, slope, _) = limit(joint, q[i]);
         out.energy += 0.5 * k * x * x + energy;
         out.gradient[i] += k * x + slope;
-        out.add_diagonal(i, k + curvature);
+    }
+}
+
+pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    q: &[f64],
+    out: &mut CoordinateTerms,
+) {
+    for coordinate in &model.joints {
+        let (_, _, curvature) = limit(&coordinate.joint, q[coordinate.dof]);
+        out.add_diagonal(coordinate.dof, design.parameters[coordinate.stiffness] + curvature);
     }
 }
 

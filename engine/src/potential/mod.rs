@@ -25,7 +25,9 @@ pub(crate) struct CoordinateTerms {
     pub energy: f64,
     pub gradient: Vec<f64>,
     pub half_tangent: Vec<f64>,
-    /// Scratch of a chamber's or cable's point: its tangent's part along each column's arm.
+    /// What the points of chambers and cables keep for the tangent: curvature of each.
+    curvature: Vec<f64>,
+    /// The part of each point's unit tangent along the arms of its columns.
     along: Vec<f64>,
 }
 
@@ -35,13 +37,17 @@ impl CoordinateTerms {
             energy: 0.0,
             gradient: vec![0.0; dof],
             half_tangent: vec![0.0; dof * dof],
-            along: Vec::with_capacity(dof),
+            curvature: vec![],
+            along: vec![],
         }
     }
 
     pub fn clear(&mut self) {
         self.energy = 0.0;
         self.gradient.fill(0.0);
+    }
+
+    pub fn clear_tangent(&mut self) {
         self.half_tangent.fill(0.0);
     }
 
