@@ -146,11 +146,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         // The nearest load that could not be reached in one sub-step.
         let mut barrier = f64::INFINITY;
         while lambda < 1.0 {
+            self.set_load(rate, next);
+            let tolerance = self.tolerance_at(next, next - lambda);
+            let followed = self.follow_branch(model, rate, next - lambda, tolerance);
             if self.iterations - first > self.options.max_iterations {
                 return Status::IterationLimit;
             }
-            self.set_load(rate, next);
-            if self.follow_branch(model, rate, next - lambda, self.tolerance_at(next, next - lambda)) {
+            if followed {
                 last = Status::Converged;
                 lambda = next;
                 next = if barrier > lambda { barrier.min(1.0) } else { 1.0 };
