@@ -13,25 +13,26 @@ pub struct Adjoint<const D: usize, const P: usize> {
     pub(super) twist: Vec<Vector<D>>,
     /// Virtual velocity of each point.
     pub(super) velocity: Vec<Vector<P>>,
-    /// The same under a change of one geometric parameter.
-    pub(super) drift_twist: Vec<Vector<D>>,
-    pub(super) drift: Vec<Vector<P>>,
     /// Wrenches of an output on the frames.
     pub(super) wrench: Vec<Vector<D>>,
     /// Derivatives with respect to every parameter.
     pub(super) gradient: Vec<f64>,
-    /// Geometric parameters: what each one moves.
-    pub(super) motions: Vec<GeometricParameter>,
+    /// What every geometric parameter moves, whatever the output.
+    pub(super) drifts: Vec<Drift<D, P>>,
     /// ∂y/∂q of an output, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
 }
 
-/// A parameter that moves frames or points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct GeometricParameter {
-    pub index: usize,
+/// How frames and points move with a geometric parameter, the coordinates held.
+#[derive(Clone, Debug)]
+pub(super) struct Drift<const D: usize, const P: usize> {
+    pub parameter: usize,
     pub kind: Geometric,
+    /// World twist of each frame.
+    pub twist: Vec<Vector<D>>,
+    /// Velocity of each point.
+    pub points: Vec<Vector<P>>,
 }
 
 /// What a geometric parameter changes.
@@ -54,10 +55,12 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Self {
         let mut mask = vec![false; model.parameters.len()];
         wanted.iter().for_each(|i| mask[*i] = true);
-        let mut motions = vec![];
-        let mut push = |index: usize, kind| {
-            if mask[index] {
-                motions.push(GeometricParameter { index, kind });
+        let (frames, points) = (model.frames.len(), model.points.len());
+        let mut drifts = vec![];
+        let mut push = |parameter: usize, kind| {
+            if mask[parameter] {
+                let (twist, points) = (vec![Vector::ZERO; frames], vec![Vector::ZERO; points]);
+                drifts.push(Drift { parameter, kind, twist, points });
             }
         };
         for (r, rod) in model.rods.iter().enumerate() {
@@ -74,15 +77,12 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 push(link.radius_tip, Geometric::LinkRadius(b, true));
             }
         }
-        let (frames, points) = (model.frames.len(), model.points.len());
         Self {
             twist: vec![Vector::ZERO; frames],
             velocity: vec![Vector::ZERO; points],
-            drift_twist: vec![Vector::ZERO; frames],
-            drift: vec![Vector::ZERO; points],
             wrench: vec![Vector::ZERO; frames],
             gradient: vec![0.0; model.parameters.len()],
-            motions,
+            drifts,
             lambda: vec![0.0; model.dof],
             wanted: wanted.to_vec(),
         }
@@ -99,16 +99,31 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         load: &[f64],
         lambda: &[f64],
     ) -> &[f64] {
+        self.update_drifts(model, data);
+        self.virtual_work(model, data, q, load, lambda);
+        &self.gradient
+    }
+
+    fn update_drifts<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        self.drifts.iter_mut().for_each(|drift| drift.update(model, data));
+    }
+
+    /// The same with the drifts at hand, into `self.gradient`.
+    fn virtual_work<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        lambda: &[f64],
+    ) {
         self.gradient.fill(0.0);
         self.move_frames(model, data, lambda);
         self.add_local(model, data, q, load, lambda);
-        for m in 0..self.motions.len() {
-            let parameter = self.motions[m];
-            self.drift_along(model, data, q, parameter.kind);
-            self.gradient[parameter.index] +=
-                self.geometric_work(model, data, q, load, lambda, parameter.kind);
+        for m in 0..self.drifts.len() {
+            let drift = &self.drifts[m];
+            self.gradient[drift.parameter] += self.geometric_work(model, data, load, lambda, drift);
         }
-        &self.gradient
     }
 
     /// Twists of the frames and velocities of the points under the virtual motion λ.
@@ -147,6 +162,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         let (data, q, load) = (solver.data(), solver.state(), solver.load());
         let mut lambda = std::mem::take(&mut self.lambda);
+        self.update_drifts(model, data);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {
@@ -156,11 +172,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 lambda[model.joints[output].dof] = 1.0;
             }
             solver.solve_transposed(&mut lambda);
-            self.virtual_work_gradient(model, data, q, load, &lambda);
+            self.virtual_work(model, data, q, load, &lambda);
             self.gradient.iter_mut().for_each(|g| *g = -*g);
             if explicit {
                 let mut gradient = std::mem::take(&mut self.gradient);
-                self.add_tip_force_parameters(model, data, q, &mut gradient);
+                self.add_tip_force_parameters(model, data, &mut gradient);
                 self.gradient = gradient;
             }
             for (o, i) in row.iter_mut().zip(&self.wanted) {

@@ -77,7 +77,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 let dd = [0, 1].map(|i| tendon.slope[i] + p[actuator.lever + i] * p[slope]);
                 // Normalised strains of the state and of the virtual motion, mode by mode.
                 let (mut strain, mut virtual_strain) = ([0.0; 6], [0.0; 6]);
-                for mode in Mode::ALL {
+                for mode in G::AXES {
                     strain[mode.index()] = length * rod.reference_strain[mode.index()];
                 }
                 for &(dof, mode, phi) in &gauss.columns {
@@ -87,7 +87,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 }
                 let along = |strain: &[f64; 6], offset: [f64; 2], lateral: bool| {
                     let mut t = [0.0; 3];
-                    for mode in Mode::ALL {
+                    for mode in G::AXES {
                         // The linear modes' arms do not depend on the offset.
                         if lateral && !mode.is_angular() {
                             continue;
@@ -124,7 +124,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 }
                 // L scales linear strains and the whole reference strain.
                 let (mut by_length, mut virtual_by_length) = ([0.0; 6], [0.0; 6]);
-                for mode in Mode::ALL {
+                for mode in G::AXES {
                     let m = mode.index();
                     let reference = rod.reference_strain[m];
                     by_length[m] = if mode.is_angular() { reference } else { strain[m] / length };

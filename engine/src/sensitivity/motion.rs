@@ -4,7 +4,7 @@
 //! parameter the forces change because points drift, the velocities because points drift under a
 //! fixed twist, and the twists because the columns S_i that make them up are carried along.
 
-use super::adjoint::{Adjoint, Geometric};
+use super::adjoint::{Adjoint, Drift, Geometric};
 use crate::data::Data;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -21,22 +21,17 @@ pub(super) fn fraction_slope(p: &[f64], link: &Link, place: Place) -> [f64; 2] {
     [slope(2.0 * a + 2.0 * b, 4.0 * (2.0 * a + b)), slope(2.0 * a + 6.0 * b, 4.0 * (a + 2.0 * b))]
 }
 
-impl<const D: usize, const P: usize> Adjoint<D, P> {
+impl<const D: usize, const P: usize> Drift<D, P> {
     /// World twists of the frames and velocities of the points as the parameter changes.
-    pub(super) fn drift_along<G: LieGroup<D, P>>(
-        &mut self,
-        model: &Model<G, D, P>,
-        data: &Data<G, D, P>,
-        q: &[f64],
-        kind: Geometric,
-    ) {
+    pub(super) fn update<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        let kind = self.kind;
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            self.drift_twist[f] = self.drift_twist[frame.parent] + own_drift(model, data, q, f, kind);
+            self.twist[f] = self.twist[frame.parent] + own_drift(model, data, f, kind);
         }
         let p = &data.design.parameters;
         for (i, point) in model.points.iter().enumerate() {
             let world = &data.kinematics.points[i];
-            let mut drift = G::point_jacobian(world) * self.drift_twist[point.frame];
+            let mut drift = G::point_jacobian(world) * self.twist[point.frame];
             let along = match (point.place, kind) {
                 (Place::Fraction(b, f), Geometric::LinkLength(body)) if b == body => f,
                 (Place::Centroid(b), Geometric::LinkLength(body)) if b == body => {
@@ -51,21 +46,22 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             if along != 0.0 {
                 drift += data.kinematics.pose[point.frame].rotate(&Vector::unit(0)) * along;
             }
-            self.drift[i] = drift;
+            self.points[i] = drift;
         }
     }
+}
 
-    /// The change of the virtual work along the drift.
+impl<const D: usize, const P: usize> Adjoint<D, P> {
+    /// The change of the virtual work along a drift.
     pub(super) fn geometric_work<G: LieGroup<D, P>>(
         &self,
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
-        q: &[f64],
         load: &[f64],
         lambda: &[f64],
-        kind: Geometric,
+        drift: &Drift<D, P>,
     ) -> f64 {
-        self.force_work(model, data, load) + column_work(self, model, data, q, lambda, kind)
+        self.force_work(model, data, load, drift) + column_work(model, data, lambda, drift)
     }
 
     /// Change of F·v with the twists of the virtual motion held.
@@ -74,12 +70,13 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
         load: &[f64],
+        drift: &Drift<D, P>,
     ) -> f64 {
         let p = &data.design.parameters;
         // A point's velocity under a fixed twist is affine in the point.
         let turned = |point: usize| {
             let twist = self.twist[model.points[point].frame];
-            (G::point_jacobian(&self.drift[point]) - G::point_jacobian(&Vector::ZERO)) * twist
+            (G::point_jacobian(&drift.points[point]) - G::point_jacobian(&Vector::ZERO)) * twist
         };
         let mut touching = 0.0;
         let mut work = 0.0;
@@ -89,7 +86,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for contact in &model.contacts {
             touch::for_each(model, &data.design, &data.kinematics.points, contact, |t| {
                 let k = p[contact.stiffness] * t.weight;
-                let (drift, velocity) = (t.motion(model, &self.drift), t.motion(model, &self.velocity));
+                let (drift, velocity) = (t.motion(model, &drift.points), t.motion(model, &self.velocity));
                 let change = t.closing(&drift) * t.closing(&velocity);
                 let turned = t.points(model).map(turned);
                 touching += k * (change + t.overlap * (t.curvature(&drift, &velocity) + t.closing(&turned)));
@@ -103,7 +100,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 continue;
             }
             let n = r * (1.0 / length);
-            let dr = self.drift[a] - self.drift[b];
+            let dr = drift.points[a] - drift.points[b];
             let along = n.dot(&dr);
             let change = n * along + (dr - n * along) * ((length - rest) / length);
             pair(a, b, n * (k * (length - rest)), change * k);
@@ -117,9 +114,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             if wrench.follower {
                 // The wrench is carried along with its frame; its point may slide along the body.
                 let w = world_wrench(wrench, &data.design, &data.kinematics);
-                let carried = G::ad(&self.drift_twist[wrench.frame]) * self.twist[wrench.frame];
+                let carried = G::ad(&drift.twist[wrench.frame]) * self.twist[wrench.frame];
                 let (jacobian, p) = (G::point_jacobian, &data.kinematics.points[wrench.point]);
-                let slide = self.drift[wrench.point] - jacobian(p) * self.drift_twist[wrench.frame];
+                let slide = drift.points[wrench.point] - jacobian(p) * drift.twist[wrench.frame];
                 let turned = (jacobian(&slide) - jacobian(&Vector::ZERO)) * self.twist[wrench.frame];
                 let force = data.kinematics.pose[wrench.frame].rotate(&wrench.force);
                 work += size * (w.dot(&carried) - force.dot(&turned));
@@ -135,7 +132,6 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
 fn own_drift<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    q: &[f64],
     f: usize,
     kind: Geometric,
 ) -> Vector<D> {
@@ -144,7 +140,7 @@ fn own_drift<G: LieGroup<D, P>, const D: usize, const P: usize>(
         (Motion::Strain(step), Geometric::RodLength(rod)) if model.steps[*step].rod == rod => {
             let omega = &data.kinematics.omega[f];
             let tangent = G::tangent(omega, &data.kinematics.stumpff[f]);
-            data.kinematics.pose[f].adjoint() * (tangent * length_motion(model, data, q, *step).0)
+            data.kinematics.pose[f].adjoint() * (tangent * length_motion(model, data, *step).0)
         }
         (Motion::Rigid(r), Geometric::LinkLength(b)) => match &model.bodies[b].shape {
             Shape::Link(link) if link.tip == *r => {
@@ -187,7 +183,6 @@ fn translation_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(directio
 fn length_motion<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    _q: &[f64],
     step: usize,
 ) -> (Vector<D>, [Vector<D>; 2]) {
     let magnus = &model.steps[step];
@@ -208,12 +203,10 @@ fn length_motion<G: LieGroup<D, P>, const D: usize, const P: usize>(
 /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length
 /// changes they change themselves.
 fn column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    adjoint: &Adjoint<D, P>,
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    q: &[f64],
     lambda: &[f64],
-    kind: Geometric,
+    drift: &Drift<D, P>,
 ) -> f64 {
     let mut work = 0.0;
     for (f, frame) in model.frames.iter().enumerate().skip(1) {
@@ -226,14 +219,14 @@ fn column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
             own += column * lambda[dof];
         }
         // Half of the frame's own drift: the other half is in the curvature of its exponential.
-        let carrier = (adjoint.drift_twist[f] + adjoint.drift_twist[frame.parent]) * 0.5;
+        let carrier = (drift.twist[f] + drift.twist[frame.parent]) * 0.5;
         work += wrench.dot(&(G::ad(&carrier) * own));
         let Motion::Strain(step) = frame.motion else { continue };
-        let Geometric::RodLength(rod) = kind else { continue };
+        let Geometric::RodLength(rod) = drift.kind else { continue };
         if model.steps[step].rod != rod {
             continue;
         }
-        work += length_column_work(model, data, q, lambda, f, step);
+        work += length_column_work(model, data, lambda, f, step);
     }
     work
 }
@@ -242,7 +235,6 @@ fn column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
 fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    q: &[f64],
     lambda: &[f64],
     f: usize,
     step: usize,
@@ -252,7 +244,7 @@ fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let length = data.design.parameters[model.rods[magnus.rod].length];
     let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
     let (a1, a2, commutator) = data.kinematics.magnus_derivative(model, step);
-    let (by_length, change) = length_motion(model, data, q, step);
+    let (by_length, change) = length_motion(model, data, step);
     // Strains of the virtual motion, and their derivative with respect to L.
     let mut strain = [Vector::<D>::ZERO; 2];
     let mut strain_by_length = [Vector::<D>::ZERO; 2];

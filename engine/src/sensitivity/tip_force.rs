@@ -38,10 +38,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
 
     /// Adds ∂F_t/∂p, the state held, for every wanted parameter.
     pub fn add_tip_force_parameters<G: LieGroup<D, P>>(
-        &mut self,
+        &self,
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
-        q: &[f64],
         out: &mut [f64],
     ) {
         let Some(direction) = direction(model, data) else { return };
@@ -59,13 +58,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 add_radius(model, p, model.spheres[sphere].radius, k * weight, out);
             }
         });
-        for m in 0..self.motions.len() {
-            let parameter = self.motions[m];
-            self.drift_along(model, data, q, parameter.kind);
+        for drift in &self.drifts {
             each_tip_touch(model, data, |touch, k, _| {
-                let drift = touch.motion(model, &self.drift);
+                let along = touch.motion(model, &drift.points);
                 let changes = force_change(&touch, k, &direction);
-                out[parameter.index] += changes.iter().zip(&drift).map(|(c, d)| c.dot(d)).sum::<f64>();
+                out[drift.parameter] += changes.iter().zip(&along).map(|(c, d)| c.dot(d)).sum::<f64>();
             });
         }
     }
