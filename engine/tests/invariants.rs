@@ -1,5 +1,5 @@
-//! What must hold of every system in every state: its mirror image behaves alike, and a descent
-//! never climbs.
+//! What must hold of every system in every state: its mirror image behaves alike, a residual is the
+//! same with its tangent or without, and a descent never climbs.
 
 mod systems;
 #[allow(dead_code)]
@@ -139,17 +139,44 @@ fn check_mirror<G: LieGroup<D, P>, const D: usize, const P: usize>(
     Ok(())
 }
 
-/// Where one step of a path ended.
+/// A residual does not depend on what was evaluated before it and leaves the tangent alone; the
+/// tangent that follows it is that of its state.
+fn check_parts<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    description: &Description,
+    state: &[f64],
+    load: &[f64],
+) -> Result<(), TestCaseError> {
+    let model = Model::<G, D, P>::new(description).unwrap();
+    let load = &load[..model.inputs().len()];
+    let scaled =
+        |size: f64| -> Vec<f64> { (0..model.dof()).map(|i| size * state[i % state.len()]).collect() };
+    let (first, second) = (scaled(0.5), scaled(-0.3));
+    let (mut parts, mut whole) = (Data::new(&model), Data::new(&model));
+    parts.evaluate(&model, &first, load);
+    let before = parts.tangent().to_vec();
+    parts.evaluate_residual(&model, &second, load);
+    whole.evaluate(&model, &second, load);
+    prop_assert_eq!(parts.energy(), whole.energy());
+    prop_assert_eq!(parts.residual(), whole.residual());
+    prop_assert_eq!(parts.tangent(), &before[..]);
+    parts.evaluate_tangent(&model, &second, load);
+    prop_assert_eq!(parts.tangent(), whole.tangent());
+    Ok(())
+}
+
+/// Where one step of a path ended, and the residual that the solver holds then.
 #[derive(Default)]
 struct End {
     status: Option<Status>,
     q: Vec<f64>,
+    residual: Vec<f64>,
 }
 
-impl<G, const D: usize, const P: usize> PathSink<G, D, P> for End {
-    fn step(&mut self, _: usize, report: StepReport, _: &Solver<G, D, P>) {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for End {
+    fn step(&mut self, _: usize, report: StepReport, solver: &Solver<G, D, P>) {
         self.status = Some(report.status);
         self.q = report.q.to_vec();
+        self.residual = solver.data().residual().to_vec();
     }
     fn event(&mut self, _: Event) {}
 }
@@ -164,17 +191,18 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let load = &load[..model.inputs().len()];
     let start: Vec<f64> = (0..model.dof()).map(|i| state[i % state.len()]).collect();
     let mut data = Data::new(&model);
-    let mut energy_at = |q: &[f64]| {
+    let mut at = |q: &[f64]| {
         data.evaluate(&model, q, load);
-        data.energy()
+        (data.energy(), data.residual().to_vec())
     };
-    let first = energy_at(&start);
+    let (first, _) = at(&start);
     let mut energy = first;
     for max_iterations in 1..=40 {
         let mut solver = Solver::new(&model, Options { max_iterations, ..Options::default() });
         let mut end = End::default();
         solver.follow(&model, &[load], &start, &mut end);
-        let now = energy_at(&end.q);
+        let (now, residual) = at(&end.q);
+        prop_assert_eq!(residual, end.residual, "a step turned back leaves nothing behind");
         // Close to the minimum the energy is lost in rounding.
         let noise = 1e-11 * (1.0 + first.abs() + energy.abs());
         prop_assert!(now <= energy + noise, "iteration {max_iterations}: {energy} to {now}");
@@ -221,6 +249,36 @@ proptest! {
         let tree = planar_tree(bases, section, order, follower);
         let tree = if cones { with_round_cones(tree) } else { tree };
         check_mirror::<SE2, 3, 2>(&tree, Mirror([1.0, 1.0, -1.0]), &state, &load)?;
+    }
+
+    #[test]
+    fn residual_and_tangent_in_space(
+        state in prop::collection::vec(-1.0..1.0f64, 97),
+        bases in prop::array::uniform6(basis()),
+        section in prop::sample::select(SECTIONS.to_vec()),
+        order in prop::sample::select(vec![2usize, 4]),
+        follower: bool,
+        cones: bool,
+        load in prop::collection::vec(-1.0..2.0f64, 5),
+    ) {
+        let tree = spatial_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check_parts::<SE3, 6, 3>(&tree, &state, &load)?;
+    }
+
+    #[test]
+    fn residual_and_tangent_in_the_plane(
+        state in prop::collection::vec(-1.0..1.0f64, 53),
+        bases in prop::array::uniform3(basis()),
+        section in prop::sample::select(SECTIONS.to_vec()),
+        order in prop::sample::select(vec![2usize, 4]),
+        follower: bool,
+        cones: bool,
+        load in prop::collection::vec(-1.0..2.0f64, 5),
+    ) {
+        let tree = planar_tree(bases, section, order, follower);
+        let tree = if cones { with_round_cones(tree) } else { tree };
+        check_parts::<SE2, 3, 2>(&tree, &state, &load)?;
     }
 }
 
