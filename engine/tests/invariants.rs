@@ -202,7 +202,7 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let mut end = End::default();
         solver.follow(&model, &[load], &start, &mut end);
         let (now, residual) = at(&end.q);
-        prop_assert_eq!(residual, end.residual, "a step turned back leaves nothing behind");
+        prop_assert_eq!(residual, end.residual, "the solver holds the residual of another state");
         // Close to the minimum the energy is lost in rounding.
         let noise = 1e-11 * (1.0 + first.abs() + energy.abs());
         prop_assert!(now <= energy + noise, "iteration {max_iterations}: {energy} to {now}");
