@@ -137,6 +137,14 @@ def test_an_unreadable_study_is_refused(flexor, tmp_path) -> None:
     assert "damaged" in ran.refusal
 
 
+def test_nothing_that_a_study_has_settled_is_ignored(flexor) -> None:
+    flexor("optimize", "finger", "-p", "L", "--budget", "10", "--out", "study", "--json")
+    ran = flexor("optimize", "--resume", "study", "--method", "cma-es", "--seed", "0")
+    assert ran.code == 2
+    assert '--method and --seed beside --resume: "study" goes on as it was begun.' in ran.err
+    assert flexor("optimize", "--resume", "study", "--budget", "12", "--json").code == 0
+
+
 def test_settings_must_fit_the_study_that_is_resumed(flexor) -> None:
     flexor(*SMALL, "--out", "study", "--json")
     ran = flexor("optimize", "finger", "--parameters", "L", "--resume", "study")

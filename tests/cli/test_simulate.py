@@ -32,6 +32,17 @@ def test_the_table_shows_the_angles_of_the_path(flexor) -> None:
     assert float(rows[0][4]) == pytest.approx(angles.sum(), abs=0.005)
 
 
+def test_no_digit_is_lost_in_a_narrow_terminal(flexor, monkeypatch) -> None:
+    snapping = ["--set", "exosuit.radius.base=1.16 mm", "--set", "skin.stiffness=2000 N/m"]
+    for width in ("40", "80", "200"):
+        monkeypatch.setenv("COLUMNS", width)
+        ran = flexor("simulate", "finger", *snapping)
+        rows = [line.split() for line in ran.out.splitlines() if line.split()[:1] == ["3"]]
+        assert len(rows) == 1, width
+        assert sum(map(float, rows[0][1:4])) == pytest.approx(float(rows[0][4]), abs=0.011), width
+        assert "-0.00" not in ran.out
+
+
 def test_a_model_without_joints_shows_where_its_tip_is(flexor) -> None:
     ran = flexor("simulate", "exosuit-alone", "--force", "0")
     assert ran.code == 0

@@ -180,3 +180,22 @@ def test_study_in_memory_and_in_a_folder_are_the_same(analytic: ModuleType, tmp_
     assert opened.best.vector.tolist() == kept.best.vector.tolist()
     assert opened.finished == "the mesh is below 1e-06"
     assert (tmp_path / "a" / "study" / "model.toml").read_text() == 'name = "analytic"\n'
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("finger.toml", "L", "bending"), "model is 'finger.toml': a Model is needed"),
+        ((None, "L", "bending"), "model is None: a Model is needed"),
+        (("model", None, "bending"), "parameter set is None: a name"),
+        (("model", "L", len), "objective is <built-in function len>: a name or an objective"),
+    ],
+)
+def test_things_of_another_kind_are_refused(
+    analytic: ModuleType, arguments: tuple[Any, Any, Any], sentence: str
+) -> None:
+    model, parameters, objective = arguments
+    given = analytic.AnalyticModel() if model == "model" else model
+    with pytest.raises(InputError) as caught:
+        optimize(given, parameters, objective)
+    assert sentence in str(caught.value)

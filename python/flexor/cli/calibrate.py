@@ -16,7 +16,7 @@ from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Seed, Set, Threads
 from flexor.cli.progress import duration
-from flexor.cli.table import number, table
+from flexor.cli.table import number, show
 from flexor.cli.values import assignments
 from flexor.errors import InputError
 
@@ -135,7 +135,7 @@ def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
     for constant in best.variant.constants:
         if constant.name in best.variant.held:
             cells.append((constant.name, constant.shown(best.constants[constant.name]), "", "held"))
-    out.print(table(("constant", "found", "likely (95 %)", ""), cells))
+    show(("constant", "found", "likely (95 %)", ""), cells)
     lines = []
     for row in rows(best):
         met = abs(row.off) <= row.tolerance
@@ -153,7 +153,7 @@ def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
             )
         )
     headings = ("target", "force / N", "unit", "wanted", "found", "off", "tolerance", "")
-    out.print(table(headings, lines))
+    show(headings, lines)
     out.print("Known, the best known combination first:", soft_wrap=True)
     for direction in known.directions:
         out.print(f"  {known.told(direction)}", markup=False, soft_wrap=True)
@@ -181,7 +181,7 @@ def _tell_others(found: Calibration) -> None:
             for constant in fit.variant.constants
         )
         cells.append((fit.variant.name or "another minimum", values, _met(fit), number(fit.misfit)))
-    out.print(table(("other fits", "constants", "", "misfit"), cells, left=3))
+    show(("other fits", "constants", "", "misfit"), cells, left=3)
 
 
 def _met(fit: Fit) -> str:

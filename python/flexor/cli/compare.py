@@ -17,8 +17,8 @@ from flexor.cli.console import err, out
 from flexor.cli.evaluation import executor_if
 from flexor.cli.options import Cluster, Constants, JudgedForce, ModelUnlessResumed, Set
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted
-from flexor.cli.table import number, table
+from flexor.cli.studies import free_folder, interrupted, refuse_settled
+from flexor.cli.table import number, show
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 
 def compare(
+    context: typer.Context,
     model: ModelUnlessResumed = None,
     parameters: Annotated[
         str | None,
@@ -96,6 +97,8 @@ def compare(
         raise InputError("give a MODEL, or --resume FOLDER to go on with a comparison.")
     if resume is not None and (folder is not None or model is not None):
         raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+    if resume is not None:
+        refuse_settled(context, resume, "workers", "cluster", "plot", "as_json")
     began, place = time.monotonic(), resume
     try:
         with executor_if(cluster) as executor, ComparisonBar() as progress:
@@ -157,7 +160,7 @@ def _tell(found: MethodComparison, seconds: float, files: list[FilePath]) -> Non
             markup=False,
             soft_wrap=True,
         )
-        out.print(table((name, *headings[1:]), rows))
+        show((name, *headings[1:]), rows)
     searches = len(found.runs)
     out.print(
         f"{searches} searches of at most {found.budget} designs each, {len(found.seeds)} for each "

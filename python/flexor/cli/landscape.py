@@ -23,7 +23,7 @@ from flexor.cli.options import (
     Threads,
 )
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted
+from flexor.cli.studies import free_folder, interrupted, refuse_settled
 from flexor.cli.table import number
 from flexor.errors import ClusterError, InputError
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 
 def landscape(
+    context: typer.Context,
     model: ModelUnlessResumed = None,
     parameters: Parameters = "R01",
     objective: Annotated[
@@ -102,6 +103,8 @@ def landscape(
         raise InputError("give a MODEL, or --resume FOLDER to go on with a landscape.")
     if resume is not None and (folder is not None or model is not None):
         raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+    if resume is not None:
+        refuse_settled(context, resume, "searches", "threads", "cluster", "plot", "as_json")
     ways = [(each, studies.Study.open(each)) for each in searches or []]
     began, place = time.monotonic(), resume
     try:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.cli.console import out
-from flexor.cli.table import table
+from flexor.cli.table import show
 
 
 def methods() -> None:
@@ -28,4 +27,4 @@ def methods() -> None:
         if package:
             rows.append(("", f"Not installed: {install_command(package)}"))
         rows.append((", ".join(entry.aliases), options))
-    out.print(table(("method", "what it is, and its options"), rows, left=2))
+    show(("method", "what it is, and its options"), rows, left=2)

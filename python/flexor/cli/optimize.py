@@ -22,7 +22,7 @@ from flexor.cli.options import (
     StudyFolder,
     Threads,
 )
-from flexor.cli.studies import free_folder, interrupted
+from flexor.cli.studies import free_folder, interrupted, refuse_settled
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 
 
 def optimize(
+    context: typer.Context,
     model: ModelUnlessResumed = None,
     parameters: Parameters = "L+R01",
     objective: Annotated[
         str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
     ] = "bending",
     method: Annotated[
-        str, typer.Option(help="How to search (see `flexor sets`).")
+        str, typer.Option(help="How to search (see `flexor methods`).")
     ] = "pattern-search",
     options: Annotated[
         list[str] | None,
@@ -98,6 +99,8 @@ def optimize(
         raise InputError("give a MODEL to optimise, or --resume FOLDER to go on with a study.")
     if resume is not None and folder is not None:
         raise InputError("--out makes a new study and --resume goes on with one: give one of them.")
+    if resume is not None and model is None:
+        refuse_settled(context, resume, "budget", "threads", "cluster", "plot", "show", "as_json")
     began = time.monotonic()
     place = resume
     try:

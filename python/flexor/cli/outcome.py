@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import err, out
 from flexor.cli.progress import duration
-from flexor.cli.table import number, table
+from flexor.cli.table import number, show
 
 if TYPE_CHECKING:
     from flexor.study import Sensitivity, Study
 
 
 _CAVEATS = {
-    "snapped": "The finger snaps on its way to the optimum: the slopes are those of the branch it "
-    "ends on.",
+    "snapped": "The path to the optimum snaps: the slopes are those of the branch it ends on.",
     "contact-threshold": "A sphere just touches at the optimum: the slopes hold on one side only.",
     "nearly-singular": "The optimum is nearly unstable: its slopes hold for tiny changes only.",
     "no-equilibrium": "The optimum has no equilibrium, and no slopes.",
@@ -46,7 +45,7 @@ def tell(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    out.print(table(("", beginning(study), "optimum", "change"), rows))
+    show(("", beginning(study), "optimum", "change"), rows)
     out.print(_gain(study), markup=False, soft_wrap=True)
     if math.isfinite(study.best.value) and study.problem.model.joints:
         _tell_sensitivity(study.best.sensitivity)
@@ -150,7 +149,7 @@ def _tell_sensitivity(found: Sensitivity) -> None:
         force = number(float(found.tip_force[k] * found.step[k]), 2)
         rows.append((f"{label} + {step}", _signed(math.degrees(slope)), force, *off))
     names = ("slope", "bending", "tip force / N", "if less by it", "if more by it")
-    out.print(table(names, rows))
+    show(names, rows)
     if found.regularity != "regular":
         out.print(_CAVEATS[found.regularity], markup=False, soft_wrap=True)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.cli.console import out
-from flexor.cli.table import table
+from flexor.cli.table import show
 
 
 def presets() -> None:
@@ -17,4 +16,4 @@ def presets() -> None:
             f"{chosen} (default)" if chosen == file.use else chosen for chosen in file.constants
         ]
         rows.append((name, file.title, ", ".join(sets)))
-    out.print(table(("model", "what it is", "constants"), rows, left=3))
+    show(("model", "what it is", "constants"), rows, left=3)

@@ -14,7 +14,7 @@ from flexor.cli.console import err, out
 from flexor.cli.evaluation import executor_for
 from flexor.cli.options import Cluster, Threads
 from flexor.cli.progress import SearchProgress, duration
-from flexor.cli.table import table
+from flexor.cli.table import show
 
 if TYPE_CHECKING:
     from flexor.study import Difference, Rerun
@@ -78,7 +78,7 @@ def _tell(found: Rerun, seconds: float) -> None:
         _say(f"{_apart(found)} ({count} recorded, again in {duration(seconds)}).")
     if found.changed:
         rows = [(each.what, each.then or "not recorded", each.now) for each in found.changed]
-        out.print(table(("changed", "then", "now"), rows, left=3))
+        show(("changed", "then", "now"), rows, left=3)
     elif not found.same:
         _say("Versions and system are those of the study: the processor or its files differ.")
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from flexor.cli.console import out
-from flexor.cli.table import number, table
+from flexor.cli.table import number, show
 
 MODEL_HELP = "Show the bounds and the start for this model file or preset."
 
@@ -37,8 +37,8 @@ def sets(
             unit = "" if chosen.units[i] == "1" else chosen.units[i]
             rows.append((name if i == 0 else "", label, unit, low, start, high))
     headings = ("set", "parameter", "unit", "lowest", "start", "highest")
-    out.print(table(headings, rows, left=3))
+    show(headings, rows, left=3)
     shown = [(name, objective.objective(name)) for name in objective.names()]
     cells = [(name, f"{found.quantity} / {found.unit}") for name, found in shown]
-    out.print(table(("objective", "shown as"), cells, left=2))
+    show(("objective", "shown as"), cells, left=2)
     out.print(f"methods: {', '.join(search.names())}", markup=False)

@@ -12,7 +12,7 @@ import typer
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Set
-from flexor.cli.table import number, table
+from flexor.cli.table import fixed, number, show
 from flexor.cli.values import loads
 
 if TYPE_CHECKING:
@@ -107,17 +107,17 @@ def report(path: Path) -> None:
     for step in range(len(path)):
         forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
         cells = [number(float(force)) for force in forces]
-        cells += [f"{angle:.2f}" for angle in angles[step]]
+        cells += [fixed(angle) for angle in angles[step]]
         if len(angular) > 1:
-            cells.append(f"{angles[step].sum():.2f}")
+            cells.append(fixed(angles[step].sum()))
         for rod in tips:
-            x, y, z = 100.0 * path.frames(step)[rod][-1, :3, 3]
-            cells.append(f"{x:.2f}, {y:.2f}, {z:.2f}")
+            tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
+            cells.append(", ".join(fixed(x) for x in tip))
         if touches:
             cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
-    out.print(table(headings, rows, left=0))
+    show(headings, rows, left=0)
     failed = next((word for word in path.status if word != "converged"), None)
     if failed is not None:
         out.print(explained(failed), markup=False, soft_wrap=True)
@@ -141,7 +141,7 @@ def _count(events: list[Event]) -> str:
 
 def _tell(event: Event, joints: tuple[str, ...]) -> str:
     turns = (
-        f"{name.removesuffix('.theta')} {degrees(before):.2f}° to {degrees(after):.2f}°"
+        f"{name.removesuffix('.theta')} {fixed(degrees(before))}° to {fixed(degrees(after))}°"
         for name, before, after in zip(joints, event.angles_before, event.angles_after, strict=True)
         if _angular(name)
     )

@@ -6,8 +6,10 @@ import re
 import shlex
 from pathlib import Path
 
+import typer
+
 from flexor.cli.console import complain, err
-from flexor.errors import ClusterError
+from flexor.errors import ClusterError, InputError
 
 STUDIES = Path("studies")
 INTERRUPTED, LOST = 130, 3  # exit codes
@@ -24,6 +26,34 @@ def free_folder(*words: str) -> Path:
     name = re.sub(r"[^\w.+-]", "-", "-".join(words))
     names = [name, *(f"{name}-{count}" for count in range(2, 10_000))]
     return STUDIES / next(n for n in names if not (STUDIES / n).exists())
+
+
+def refuse_settled(context: typer.Context, resume: Path, *free: str) -> None:
+    """Refuse options whose values the folder that is resumed has already.
+
+    Parameters
+    ----------
+    context : typer.Context
+        Of the command.
+    resume : Path
+        The folder.
+    *free : str
+        Parameters of the command that may be given all the same.
+
+    Raises
+    ------
+    InputError
+        If others stand in the command line.
+    """
+    given = []
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if parameter.name not in (*free, "resume") and source and source.name == "COMMANDLINE":
+            given.append(max(parameter.opts, key=len))
+    if given:
+        raise InputError(
+            f'{" and ".join(given)} beside --resume: "{resume}" goes on as it was begun.'
+        )
 
 
 def interrupted(place: Path | None, command: str, error: BaseException) -> int:

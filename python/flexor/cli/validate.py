@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexor.cli.console import err, out
-from flexor.cli.table import table
+from flexor.cli.table import show
 
 if TYPE_CHECKING:
     from flexor.validate import Result
@@ -45,7 +45,7 @@ def validate(
         rows = [
             (case.name, case.title, case.library.package if case.library else "") for case in wanted
         ]
-        out.print(table(("case", "what it is", "needs"), rows, left=3))
+        show(("case", "what it is", "needs"), rows, left=3)
         return 0
     results = []
     for case in wanted:
@@ -77,4 +77,4 @@ def _tell(result: Result) -> None:
         (escape(found.quantity), *map(escape, cells_of(found, 7)), "" if found.passed else "failed")
         for found in result.outcome.comparisons
     ]
-    out.print(table(("quantity", "reference", "Flexor", "error", "tolerance", ""), rows))
+    show(("quantity", "reference", "Flexor", "error", "tolerance", ""), rows)

@@ -13,7 +13,7 @@ from flexor.design.profile import Clamped
 from flexor.design.sine_cosine import SineCosine
 from flexor.design.space import PAPER, Space
 from flexor.design.union import union
-from flexor.errors import InputError, unknown
+from flexor.errors import InputError, unknown_name
 
 Recipe = Callable[[Space], ParameterSet]
 
@@ -128,12 +128,12 @@ def register(name: str, recipe: Recipe) -> None:
     _RECIPES[name] = recipe
 
 
-def parameter_set(text: str, space: Space = PAPER) -> ParameterSet:
-    """Find a parameter set by its name.
+def parameter_set(text: str | ParameterSet, space: Space = PAPER) -> ParameterSet:
+    """Find a parameter set by its name; one that is ready is returned.
 
     Parameters
     ----------
-    text : str
+    text : str or ParameterSet
         One name or several joined with ``+``, for example ``"L+R01"``; capitals, underscores and
         commas within a name do not matter (``"R_LP"``, ``"R0,1"``).
     space : Space
@@ -147,14 +147,22 @@ def parameter_set(text: str, space: Space = PAPER) -> ParameterSet:
     Raises
     ------
     InputError
-        If a name is not known (the nearest is suggested) or two sets change the same thing.
+        If a name is not known (the nearest is suggested), two sets change the same thing, or
+        neither a name nor a set is given.
     """
+    if isinstance(text, ParameterSet):
+        return text
+    if not isinstance(text, str):
+        raise InputError(f'parameter set is {text!r}: a name such as "L+R01" or a set is needed.')
     found = {_plain(name): recipe for name, recipe in _RECIPES.items()}
     parts = []
     for word in text.split("+"):
         recipe = found.get(_plain(word))
         if recipe is None:
-            raise unknown("parameter set", word.strip(), names())
+            raise InputError(
+                unknown_name("parameter set", word.strip(), names())
+                + ', alone or joined as in "L+R01".'
+            )
         parts.append(recipe(space))
     return parts[0] if len(parts) == 1 else union(*parts)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 
+from flexor.errors import InputError
 from flexor.model.model import Model
 from flexor.model.presets import locate
 from flexor.model.reading import check, read
@@ -43,3 +44,16 @@ def load(
         return Model(check(model.to_document(), use=constants, changes=changes, source=model.name))
     path = locate(model)
     return Model(read(path, use=constants, changes=changes), source=str(path))
+
+
+def needed_model(given: Model) -> Model:
+    """Return what was given where a model is needed, or what behaves like one.
+
+    Raises
+    ------
+    InputError
+        If it is something else, such as the name of a file.
+    """
+    if not hasattr(given, "design"):
+        raise InputError(f"model is {given!r}: a Model is needed; flexor.load makes one.")
+    return given

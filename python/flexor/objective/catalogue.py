@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.errors import unknown
+from flexor.errors import InputError, unknown
 from flexor.objective.base import Objective
 from flexor.objective.bending import Bending
 from flexor.objective.bending_contact import BendingContact, BendingContactPrinted
@@ -20,14 +20,21 @@ def names() -> tuple[str, ...]:
     return tuple(_OBJECTIVES)
 
 
-def objective(name: str) -> Objective:
-    """Find an objective by its name or the paper's symbol for it.
+def objective(name: str | Objective) -> Objective:
+    """Find an objective by its name or the paper's symbol for it; one that is ready is returned.
 
     Raises
     ------
     InputError
-        If it is not known; the nearest name is suggested.
+        If it is not known (the nearest name is suggested) or neither name nor objective.
     """
+    if isinstance(name, Objective):
+        return name
+    if not isinstance(name, str):
+        raise InputError(
+            f"objective is {name!r}: a name or an objective is needed; flexor.objective.custom "
+            "makes one of a function."
+        )
     plain = name.strip().casefold()
     found = _OBJECTIVES.get(_PAPER_SYMBOLS.get(plain, plain.replace("_", "-")))
     if found is None:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
+from flexor.model.loading import needed_model
 from flexor.objective import Objective
 from flexor.objective import objective as named_objective
 from flexor.study.outcomes import FloatArray
@@ -163,8 +164,8 @@ def objective_function(
     >>> function.evaluate([[0.09], [0.10]]).gradient.shape
     (2, 1)
     """
-    chosen = parameter_set(parameters, model.design) if isinstance(parameters, str) else parameters
-    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    chosen = parameter_set(parameters, needed_model(model).design)
+    wanted = named_objective(objective)
     if force is not None:
         wanted = wanted.at(force)
     if not wanted.differentiable:

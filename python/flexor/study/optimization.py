@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
+from flexor.model.loading import needed_model
 from flexor.objective import Objective
 from flexor.objective import objective as named_objective
 from flexor.search import Budget, Search, SearchResult
@@ -103,11 +104,11 @@ def optimize(
     with known designs answered from the record: a process that was killed loses the batch it was
     in. KeyboardInterrupt passes through and leaves a study that can be resumed.
     """
-    chosen = parameter_set(parameters, model.design) if isinstance(parameters, str) else parameters
+    chosen = parameter_set(parameters, needed_model(model).design)
     chosen = chosen.on(model.design)
     if bounds:
         chosen = chosen.with_bounds(bounds)
-    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    wanted = named_objective(objective)
     if force is not None:
         wanted = wanted.at(force)
     if isinstance(method, str):

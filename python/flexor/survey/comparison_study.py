@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
+from flexor.model.loading import needed_model
 from flexor.objective import Objective
 from flexor.objective import objective as named_objective
 from flexor.search import Search, available, canonical
@@ -186,12 +187,12 @@ def _problems(
     force: ArrayLike | None,
     engine_options: Mapping[str, float] | None,
 ) -> dict[str, Problem]:
-    wanted = named_objective(objective) if isinstance(objective, str) else objective
+    wanted = named_objective(objective)
     if force is not None:
         wanted = wanted.at(force)
     problems: dict[str, Problem] = {}
     for each in _listed(parameters, "parameter set"):
-        chosen = parameter_set(each, model.design) if isinstance(each, str) else each
+        chosen = parameter_set(each, needed_model(model).design)
         if chosen.name in problems:
             raise InputError(f'the parameter set "{chosen.name}" is given twice.')
         problems[chosen.name] = Problem(
