@@ -69,7 +69,7 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     value = np.where(landscape.failed, np.nan, landscape.value).T  # rows are the second parameter
     low, high = (np.nanmin(value), np.nanmax(value)) if np.isfinite(value).any() else (0.0, 1.0)
     colours = ScalarMappable(Normalize(low, high if high > low else low + 1.0), "viridis")
-    space: Any = figure.add_axes((0.0, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
+    space: Any = figure.add_axes((0.025, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
     plan = figure.add_axes((0.58, 0.24, 0.33, 0.73))
     _surface(space, x, y, value, colours)
     _plan(plan, x, y, value, colours, landscape)
@@ -117,7 +117,7 @@ def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None
     )
     space.set_xlim(x[0], x[-1])
     space.set_ylim(y[0], y[-1])
-    space.set_box_aspect((1.0, 1.0, 0.7), zoom=0.95)
+    space.set_box_aspect((1.0, 1.0, 0.7), zoom=0.86)
     for axis in (space.xaxis, space.yaxis, space.zaxis):
         axis.pane.set_facecolor("white")
         axis.pane.set_edgecolor("#D5DADE")
