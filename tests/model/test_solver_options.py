@@ -49,3 +49,9 @@ def test_too_few_iterations_are_told_not_raised() -> None:
     assert path.status[-1] == "not-reached"
     assert "iteration-limit" in path.status
     assert not path.converged[-1]
+
+
+@pytest.mark.parametrize("tolerance", [1e-12, 0.2, 1.0])
+def test_every_tolerance_that_is_allowed_works_in_long_steps(tolerance: float) -> None:
+    path = flexor.load("finger").equilibrium([0, 20], tolerance=tolerance)
+    assert path.converged.all()

@@ -187,7 +187,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         if lambda == 1.0 {
             self.options.tolerance
         } else {
-            (LOOSE * h * largest(&self.velocity[0])).clamp(self.options.tolerance, LOOSEST)
+            (LOOSE * h * largest(&self.velocity[0])).min(LOOSEST).max(self.options.tolerance)
         }
     }
 
