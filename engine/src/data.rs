@@ -90,7 +90,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
     pub fn residual(&self) -> &[f64] {
-        &self.assembly.gradient
+        &self.assembly.coordinates.gradient
     }
 
     /// The derivative of the residual, row-major, at the last state whose tangent was evaluated.

@@ -45,7 +45,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                     let columns = &model.joint_columns[columns.clone()];
                     columns.iter().fold(Vector::ZERO, |sum, c| sum + c.twist * q[c.dof])
                 }
-                Motion::Strain(step) => self.magnus(model, design, f, *step, q),
+                Motion::Strain(step) => {
+                    let start = design.rods[model.steps[*step].rod].reference;
+                    self.strain[*step] = strains(model, design, f, q, start);
+                    self.magnus(model, *step)
+                }
             };
             let stumpff = Stumpff::new(G::angle_squared(&omega));
             self.pose[f] = parent.compose(&G::exp(&omega, &stumpff));
@@ -59,27 +63,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
 
     /// Ω of a Magnus step of order 2 or 4.
     #[inline]
-    fn magnus(
-        &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        f: usize,
-        step: usize,
-        q: &[f64],
-    ) -> Vector<D> {
-        let frame = &model.frames[f];
+    fn magnus(&self, model: &Model<G, D, P>, step: usize) -> Vector<D> {
         let magnus = &model.steps[step];
-        let rod = &design.rods[magnus.rod];
-        let mut a = rod.reference;
-        let mut b = rod.reference;
-        let dofs = &model.column_dofs[frame.columns.clone()];
-        for (dofs, [phi1, phi2]) in dofs.chunks(LANES).zip(&design.strain_maps[frame.blocks.clone()]) {
-            let mut x = Vector::<LANES>::ZERO;
-            dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = q[*dof]);
-            a += *phi1 * x;
-            b += *phi2 * x;
-        }
-        self.strain[step] = [a, b];
+        let [a, b] = self.strain[step];
         let h = magnus.h;
         if model.rods[magnus.rod].magnus_order == 4 {
             (a + b) * (0.5 * h) + (G::ad(&a) * b) * (ZANNA_COMMUTATOR * h * h)
@@ -128,4 +114,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         }
         angle
     }
+}
+
+/// Normalised strains at both collocation points of frame `f`'s Magnus step, `start` + Φ x.
+#[inline(always)]
+pub(crate) fn strains<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    f: usize,
+    coordinates: &[f64],
+    start: Vector<D>,
+) -> [Vector<D>; 2] {
+    let frame = &model.frames[f];
+    let [mut a, mut b] = [start; 2];
+    let dofs = &model.column_dofs[frame.columns.clone()];
+    for (dofs, [phi1, phi2]) in dofs.chunks(LANES).zip(&design.strain_maps[frame.blocks.clone()]) {
+        let mut x = Vector::<LANES>::ZERO;
+        dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = coordinates[*dof]);
+        a += *phi1 * x;
+        b += *phi2 * x;
+    }
+    [a, b]
 }

@@ -24,13 +24,12 @@ pub(crate) struct Assembly<const D: usize> {
     pub coordinates: CoordinateTerms,
     pub frames: FrameTerms<D>,
     pub energy: f64,
-    pub gradient: Vec<f64>,
     /// The full tangent, row-major.
     pub tangent: Vec<f64>,
     /// Ad of each frame's pose and T(Ω) of its motion, where it moves and carries something.
     operators: Vec<[Matrix<D, D>; 2]>,
-    /// The wrench that each frame carries, in its body frame, and its dual to dΩ.
-    duals: Vec<[Vector<D>; 2]>,
+    /// The wrench that each loaded frame carries, in its body frame, and its dual to dΩ.
+    pub duals: Vec<[Vector<D>; 2]>,
     /// World columns S of each frame's own coordinates, at `model.frames[f].blocks`.
     columns: Vec<Matrix<D, LANES>>,
     /// The same columns as changes dΩ of the frame's motion.
@@ -57,7 +56,6 @@ impl<const D: usize> Assembly<D> {
             coordinates: CoordinateTerms::new(n),
             frames: FrameTerms::new(frames, pairs + model.springs.len()),
             energy: 0.0,
-            gradient: vec![0.0; n],
             tangent: vec![0.0; n * n],
             operators: vec![[Matrix::ZERO; 2]; frames],
             duals: vec![[Vector::ZERO; 2]; frames],
@@ -72,7 +70,7 @@ impl<const D: usize> Assembly<D> {
         }
     }
 
-    /// Energy and gradient, the residual of (9), at the state held by `kinematics`.
+    /// Energy and gradient (of `coordinates`: the residual of (9)) at the state held by `kinematics`.
     pub fn update_residual<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,

@@ -15,7 +15,6 @@ impl<const D: usize> Assembly<D> {
         design: &Design<G, D, P>,
         kinematics: &Kinematics<G, D, P>,
     ) {
-        self.gradient.copy_from_slice(&self.coordinates.gradient);
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let loaded = self.frames.loaded[f];
             if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
@@ -37,7 +36,7 @@ impl<const D: usize> Assembly<D> {
                 let [phi1, phi2] = &design.strain_maps[block];
                 let pulled = phi1.transpose_times(&one) + phi2.transpose_times(&two);
                 for (lane, dof) in dofs.iter().enumerate() {
-                    self.gradient[*dof] += pulled[lane];
+                    self.coordinates.gradient[*dof] += pulled[lane];
                 }
             }
         }

@@ -6,6 +6,7 @@
 
 use super::adjoint::{Adjoint, Drift, Geometric};
 use crate::data::Data;
+use crate::kinematics::strains;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Link, Model, Motion, Place, Shape};
@@ -239,27 +240,21 @@ fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
     f: usize,
     step: usize,
 ) -> f64 {
-    let magnus = &model.steps[step];
-    let rod = &data.design.rods[magnus.rod];
-    let length = data.design.parameters[model.rods[magnus.rod].length];
+    let length = data.design.parameters[model.rods[model.steps[step].rod].length];
     let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
     let (a1, a2, commutator) = data.kinematics.magnus_derivative(model, step);
     let (by_length, change) = length_motion(model, data, step);
     // Strains of the virtual motion, and their derivative with respect to L.
-    let mut strain = [Vector::<D>::ZERO; 2];
-    let mut strain_by_length = [Vector::<D>::ZERO; 2];
-    for column in &model.strain_columns[magnus.columns.clone()] {
-        for i in 0..2 {
-            let value = column.phi[i] * rod.axis_scale[column.axis] * lambda[column.dof];
-            strain[i][column.axis] += value;
-            if !G::AXES[column.axis].is_angular() {
-                strain_by_length[i][column.axis] += value / length;
-            }
+    let strain = strains(model, &data.design, f, lambda, Vector::ZERO);
+    let strain_by_length = strain.map(|strain| {
+        let mut change = Vector::ZERO;
+        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| !mode.is_angular()) {
+            change[axis] = strain[axis] / length;
         }
-    }
+        change
+    });
     let virtual_omega = a1 * strain[0] + a2 * strain[1];
-    let body_wrench = data.kinematics.pose[f].adjoint().transpose_times(&data.assembly.frames.wrench[f]);
-    let on_omega = G::tangent(omega, stumpff).transpose_times(&body_wrench);
+    let [body_wrench, on_omega] = data.assembly.duals[f];
     let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
     let explicit = a1 * strain_by_length[0] + a2 * strain_by_length[1];
     let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
