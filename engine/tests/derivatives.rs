@@ -10,7 +10,7 @@ use flexor_engine::linalg::Vector;
 use flexor_engine::model::*;
 use flexor_engine::{ContactForce, Data};
 use proptest::prelude::*;
-use trees::{SECTIONS, basis, planar_tree, solids, spatial_tree, with_round_cones};
+use trees::{basis, planar_trees, solids, spatial_tree, spatial_trees, with_round_cones};
 
 /// Step of the differences: small against the distance of overlapping sphere centres.
 const STEP: f64 = 4e-6;
@@ -116,15 +116,9 @@ proptest! {
     #[test]
     fn spatial(
         state in prop::collection::vec(-1.0..1.0f64, 97),
-        bases in prop::array::uniform6(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in spatial_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = spatial_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check::<SE3, 6, 3>(&tree, &state, 0.25, &load)?;
     }
 
@@ -136,15 +130,9 @@ proptest! {
     #[test]
     fn planar(
         state in prop::collection::vec(-1.0..1.0f64, 53),
-        bases in prop::array::uniform3(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in planar_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = planar_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check::<SE2, 3, 2>(&tree, &state, 0.25, &load)?;
     }
 

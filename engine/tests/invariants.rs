@@ -11,7 +11,7 @@ use flexor_engine::equilibrium::{Event, Options, PathSink, Solver, Status, StepR
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use proptest::prelude::*;
-use trees::{SECTIONS, basis, planar_tree, spatial_tree, with_round_cones};
+use trees::{SECTIONS, basis, planar_tree, planar_trees, spatial_tree, spatial_trees, with_round_cones};
 
 /// A mirror through the origin: −1 for the axis that is turned over.
 #[derive(Clone, Copy, Debug)]
@@ -223,61 +223,37 @@ proptest! {
     #[test]
     fn mirror_image_in_space(
         state in prop::collection::vec(-1.0..1.0f64, 97),
-        bases in prop::array::uniform6(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in spatial_trees(),
         mirror in prop::sample::select(vec![Mirror([1.0, -1.0, 1.0]), Mirror([1.0, 1.0, -1.0])]),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = spatial_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check_mirror::<SE3, 6, 3>(&tree, mirror, &state, &load)?;
     }
 
     #[test]
     fn mirror_image_in_the_plane(
         state in prop::collection::vec(-1.0..1.0f64, 53),
-        bases in prop::array::uniform3(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in planar_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = planar_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check_mirror::<SE2, 3, 2>(&tree, Mirror([1.0, 1.0, -1.0]), &state, &load)?;
     }
 
     #[test]
     fn residual_and_tangent_in_space(
         state in prop::collection::vec(-1.0..1.0f64, 97),
-        bases in prop::array::uniform6(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in spatial_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = spatial_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check_parts::<SE3, 6, 3>(&tree, &state, &load)?;
     }
 
     #[test]
     fn residual_and_tangent_in_the_plane(
         state in prop::collection::vec(-1.0..1.0f64, 53),
-        bases in prop::array::uniform3(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in planar_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = planar_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check_parts::<SE2, 3, 2>(&tree, &state, &load)?;
     }
 }

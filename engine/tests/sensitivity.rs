@@ -9,7 +9,7 @@ use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use proptest::prelude::*;
-use trees::{SECTIONS, basis, planar_tree, solids, spatial_tree, with_round_cones};
+use trees::{planar_trees, solids, spatial_trees};
 
 /// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
 fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -68,15 +68,9 @@ proptest! {
     #[test]
     fn spatial(
         state in prop::collection::vec(-1.0..1.0f64, 97),
-        bases in prop::array::uniform6(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in spatial_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = spatial_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check::<SE3, 6, 3>(&tree, &state, &load)?;
     }
 
@@ -88,15 +82,9 @@ proptest! {
     #[test]
     fn planar(
         state in prop::collection::vec(-1.0..1.0f64, 53),
-        bases in prop::array::uniform3(basis()),
-        section in prop::sample::select(SECTIONS.to_vec()),
-        order in prop::sample::select(vec![2usize, 4]),
-        follower: bool,
-        cones: bool,
+        tree in planar_trees(),
         load in prop::collection::vec(-1.0..2.0f64, 5),
     ) {
-        let tree = planar_tree(bases, section, order, follower);
-        let tree = if cones { with_round_cones(tree) } else { tree };
         check::<SE2, 3, 2>(&tree, &state, &load)?;
     }
 }

@@ -10,6 +10,30 @@ pub fn basis() -> impl Strategy<Value = BasisKind> {
     prop::sample::select(BASES.to_vec())
 }
 
+/// Any tree of `spatial_tree`, touched as spheres or as round cones.
+pub fn spatial_trees() -> impl Strategy<Value = Description> {
+    let section = prop::sample::select(SECTIONS.to_vec());
+    let order = prop::sample::select(vec![2usize, 4]);
+    (prop::array::uniform6(basis()), section, order, any::<bool>(), any::<bool>()).prop_map(
+        |(bases, section, order, follower, cones)| {
+            let tree = spatial_tree(bases, section, order, follower);
+            if cones { with_round_cones(tree) } else { tree }
+        },
+    )
+}
+
+/// Any tree of `planar_tree`, touched as spheres or as round cones.
+pub fn planar_trees() -> impl Strategy<Value = Description> {
+    let section = prop::sample::select(SECTIONS.to_vec());
+    let order = prop::sample::select(vec![2usize, 4]);
+    (prop::array::uniform3(basis()), section, order, any::<bool>(), any::<bool>()).prop_map(
+        |(bases, section, order, follower, cones)| {
+            let tree = planar_tree(bases, section, order, follower);
+            if cones { with_round_cones(tree) } else { tree }
+        },
+    )
+}
+
 /// All bases.
 pub const BASES: [BasisKind; 7] = [
     BasisKind::NodalLinear,
