@@ -6,10 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 
-class Missing(Exception):
-    """A peer that is not installed."""
-
-
 @dataclass(frozen=True)
 class Contest:
     """One work, done twice.

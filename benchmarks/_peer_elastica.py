@@ -5,7 +5,8 @@ from __future__ import annotations
 from importlib.metadata import version
 
 import numpy as np
-from _contest import Contest, Missing
+from _contest import Contest
+from _section import Missing
 
 from flexor.validate import discrete_rod
 

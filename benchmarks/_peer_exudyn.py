@@ -6,7 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from _contest import Contest, Missing
+from _contest import Contest
+from _section import Missing
 from numpy.typing import NDArray
 
 from flexor.model import Model

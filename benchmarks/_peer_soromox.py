@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from _contest import Contest, Missing
+from _contest import Contest
 from _rods import (
     DENSITY,
     GRAVITY,
@@ -19,6 +19,7 @@ from _rods import (
     tapered,
     tendon_rod,
 )
+from _section import Missing
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]

@@ -16,8 +16,8 @@ import _peer_elastica
 import _peer_exudyn
 import _peer_scipy
 import _peer_soromox
-from _contest import Contest, Missing
-from _section import Section, table
+from _contest import Contest
+from _section import Missing, Section, table
 from _timing import Times, by_turns
 
 from flexor.installing import install_command

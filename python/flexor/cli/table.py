@@ -48,7 +48,7 @@ def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 
     Where not even the numbers fit, lines go on beyond the terminal's width: no digit is lost.
     """
     made = table(headings, rows, left=left)
-    least = made.__rich_measure__(out, out.options).minimum
+    least = out.measure(made, options=out.options.update(width=10_000)).minimum
     if least > out.width:
         made.width = least
     out.print(made, crop=False)
