@@ -1,9 +1,9 @@
 """How fast designs are evaluated: designs a second, iterations, time of one iteration.
 
-Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps, on one thread and on two, with
-the calibrated constants and with a softer exosuit that presses harder (E = 1 MPa, chamber on the
-surface, k = 1000 N/m); and a spatial rod with all six strain modes. Threads take turns, and each
-number is a median; an iteration's time is processor time of one thread.
+Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and at once, on one thread and
+on two, with the calibrated constants and with a stiffer exosuit that presses harder (E = 1 MPa,
+chamber on the surface, k = 1000 N/m); and a spatial rod with all six strain modes. Cases take
+turns, and each number is a median; an iteration's time is processor time of one thread.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import argparse
 import statistics
 from collections.abc import Iterator
 
+import numpy as np
 from _random_designs import random_designs
 from _section import Section, table
 from _timing import Times, progress
@@ -57,12 +58,18 @@ PRESSING = {
 }
 
 
-def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[int, ...]]]:
-    """Yield name, model, designs and numbers of threads."""
-    yield "finger, calibrated", flexor.load("finger", "calibrated"), designs, (1, 2)
+STEPWISE, AT_ONCE = "0:5:1", "0:5:5"
+Case = tuple[str, int]
+
+
+def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[Case, ...]]]:
+    """Yield name, model, designs, and the forces with numbers of threads."""
+    finger = ((STEPWISE, 1), (STEPWISE, 2), (AT_ONCE, 1), (AT_ONCE, 2))
+    yield "finger, calibrated", flexor.load("finger", "calibrated"), designs, finger
     pressing = flexor.load("finger", "calibrated", PRESSING)
-    yield "finger, E = 1 MPa, k = 1000 N/m", pressing, max(1, designs // 10), (1, 2)
-    yield "spatial rod, six modes", Model(parse(SPATIAL)), max(1, designs // 10), (1,)
+    yield "finger, E = 1 MPa, k = 1000 N/m", pressing, designs, finger
+    spatial = ((STEPWISE, 1), (AT_ONCE, 1))
+    yield "spatial rod, six modes", Model(parse(SPATIAL)), max(1, designs // 10), spatial
 
 
 def main() -> None:
@@ -77,43 +84,67 @@ def main() -> None:
 
 def measure(designs: int, runs: int) -> Section:
     """Measure everything, and write it up."""
-    made = table("model", "DOF", "threads", "designs/s", "iterations/design", "µs/iteration")
+    speeds = table("model", "DOF", "steps / N", "threads", "designs/s", "µs/iteration")
+    counts = table(
+        "model", "steps / N", "mean", "median", "designs that snap", "mean if not", "mean if so"
+    )
     ratios = []
     with progress() as bar:
-        for name, model, count, threads in cases(designs):
+        for name, model, count, chosen in cases(designs):
             geometry = random_designs(model, count)
-            times = {number: Times() for number in threads}
-            model.evaluate(geometry, threads=threads[-1])  # warm caches and threads
+            times = {case: Times() for case in chosen}
+            found: dict[str, Batch] = {}
+            model.evaluate(geometry, threads=2)  # warm caches and threads
             for _ in bar.track(range(runs), description=name):
-                for number in threads:
-                    iterations = timed(model, geometry, number, times[number])
-            for number in threads:
-                made.add_row(
-                    name if number == 1 else "",
+                for case in chosen:
+                    found[case[0]] = timed(model, geometry, case, times[case])
+            for case in chosen:
+                force, threads = case
+                alone = times[force, 1]
+                speeds.add_row(
+                    name if case == chosen[0] else "",
                     str(model.dof),
-                    str(number),
-                    f"{count / statistics.median(times[number].wall):,.0f}",
-                    f"{iterations / count:.1f}",
-                    f"{1e6 * times[1].median / iterations:.1f}" if number == 1 else "",
+                    force.rpartition(":")[2],
+                    str(threads),
+                    f"{count / statistics.median(times[case].wall):,.0f}",
+                    f"{1e6 * alone.median / found[force].iterations.sum():.1f}"
+                    if threads == 1
+                    else "",
                 )
-            if len(threads) > 1:
-                pairs = zip(times[1].wall, times[2].wall, strict=True)
+            for force, batch in found.items():
+                counts.add_row(name, force.rpartition(":")[2], *iterations(batch))
+            if (STEPWISE, 2) in times:
+                pairs = zip(times[STEPWISE, 1].wall, times[STEPWISE, 2].wall, strict=True)
                 ratios.append(f"{name}: {statistics.median(a / b for a, b in pairs):.2f}")
     section = Section("Speed", "./dev bench speed")
     section.parts += [
-        f"Random designs, 0 to 5 N in 1 N steps; medians of {runs} runs. Designs a second are of "
+        f"{designs:,} random designs (a tenth of them in space), 0 to 5 N in steps of 1 N and of "
+        f"5 N; medians of {runs} runs. Designs a second are of "
         "wall time, an iteration is processor time of one thread.",
-        made,
-        f"Two threads against one: {'; '.join(ratios)}.",
+        speeds,
+        f"Two threads against one, steps of 1 N: {'; '.join(ratios)}.",
+        "Iterations (evaluations of the tangent) for each design:",
+        counts,
     ]
     return section
 
 
-def timed(model: Model, geometry: Geometry, threads: int, times: Times) -> int:
-    """Evaluate once, and return the Newton iterations."""
-    batch = times.run(lambda: model.evaluate(geometry, threads=threads))
+def iterations(batch: Batch) -> tuple[str, ...]:
+    """Return mean and median, the share that snaps, and the means without and with."""
+    each = batch.iterations.sum(axis=1)
+    snaps = np.zeros(len(each), dtype=bool)
+    snaps[batch.events["design"]] = True
+    means = [each, each[~snaps], each[snaps]]
+    mean, calm, snapping = (f"{part.mean():.1f}" if part.size else "" for part in means)
+    return mean, f"{np.median(each):.0f}", f"{100 * snaps.mean():.1f}%", calm, snapping
+
+
+def timed(model: Model, geometry: Geometry, case: Case, times: Times) -> Batch:
+    """Evaluate once."""
+    force, threads = case
+    batch = times.run(lambda: model.evaluate(geometry, force, threads=threads))
     assert isinstance(batch, Batch)
-    return int(batch.iterations.sum())
+    return batch
 
 
 if __name__ == "__main__":

@@ -171,6 +171,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         potential::actuator::lengths(model, &self.design, q)
     }
 
+    /// Makes the columns of all frames available, at the state whose tangent was evaluated last.
+    pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
+        self.assembly.complete_columns(model, &self.design, &self.kinematics);
+    }
+
+    /// World twists of the frames and velocities of the points as the coordinates change at `rates`;
+    /// of what carries nothing, only after [`Data::complete_columns`].
+    pub(crate) fn velocities(
+        &self,
+        model: &Model<G, D, P>,
+        rates: &[f64],
+        twists: &mut [Vector<D>],
+        points: &mut [Vector<P>],
+    ) {
+        self.assembly.twists(model, rates, twists);
+        for ((velocity, world), point) in points.iter_mut().zip(&self.kinematics.points).zip(&model.points) {
+            *velocity = G::point_jacobian(world) * twists[point.frame];
+        }
+    }
+
     /// Adds the derivative of the residual along a change of load, at the state evaluated last.
     pub(crate) fn add_load_gradient(
         &self,

@@ -34,13 +34,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
 
     /// Moves everything to the state `q`.
     pub fn update(&mut self, model: &Model<G, D, P>, design: &Design<G, D, P>, q: &[f64]) {
+        // Every motion by itself, then their products: the first loop has nothing to wait for.
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            let parent = self.pose[frame.parent];
             let omega = match &frame.motion {
-                Motion::Rigid(i) => {
-                    self.pose[f] = parent.compose(&design.rigid[*i]);
-                    continue;
-                }
+                Motion::Rigid(_) => continue,
                 Motion::Joint(columns) => {
                     let columns = &model.joint_columns[columns.clone()];
                     columns.iter().fold(Vector::ZERO, |sum, c| sum + c.twist * q[c.dof])
@@ -51,10 +48,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                     self.magnus(model, *step)
                 }
             };
-            let stumpff = Stumpff::new(G::angle_squared(&omega));
-            self.pose[f] = parent.compose(&G::exp(&omega, &stumpff));
             self.omega[f] = omega;
-            self.stumpff[f] = stumpff;
+            self.stumpff[f] = Stumpff::new(G::angle_squared(&omega));
+        }
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let parent = &self.pose[frame.parent];
+            self.pose[f] = match &frame.motion {
+                Motion::Rigid(i) => parent.compose(&design.rigid[*i]),
+                _ => parent.compose(&G::exp(&self.omega[f], &self.stumpff[f])),
+            };
         }
         for ((world, local), point) in self.points.iter_mut().zip(&design.points).zip(&model.points) {
             *world = self.pose[point.frame].act(local);

@@ -21,3 +21,10 @@ pub mod strain;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
 pub use data::{ContactForce, ContactSummary, Data};
+
+// The systems of the integration tests, for tests of what is not public.
+#[cfg(test)]
+extern crate self as flexor_engine;
+#[cfg(test)]
+#[path = "../tests/systems/mod.rs"]
+mod systems;

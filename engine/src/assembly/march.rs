@@ -136,11 +136,11 @@ impl<const D: usize> Assembly<D> {
         for (m, dof) in dofs.iter().enumerate() {
             let (block, lane) = (m / LANES, m % LANES);
             let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
-            for d in 0..D {
-                let y = run.rows[block].0[d][lane];
-                let before = &prefix[d * n + path.start..d * n + path.end];
-                for (r, p) in row[path.clone()].iter_mut().zip(before) {
-                    *r += y * p;
+            let y: [f64; D] = std::array::from_fn(|d| run.rows[block].0[d][lane]);
+            let before: [&[f64]; D] = std::array::from_fn(|d| &prefix[d * n..][path.clone()]);
+            for (i, r) in row[path.clone()].iter_mut().enumerate() {
+                for d in 0..D {
+                    *r += y[d] * before[d][i];
                 }
             }
             for (l, other) in dofs.iter().enumerate() {

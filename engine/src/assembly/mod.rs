@@ -9,6 +9,7 @@
 
 mod march;
 mod motions;
+mod transmission;
 
 use crate::design::Design;
 use crate::kinematics::Kinematics;
@@ -30,6 +31,8 @@ pub(crate) struct Assembly<const D: usize> {
     operators: Vec<[Matrix<D, D>; 2]>,
     /// The wrench that each loaded frame carries, in its body frame, and its dual to dΩ.
     pub duals: Vec<[Vector<D>; 2]>,
+    /// Frames whose columns were expanded.
+    expanded: Vec<bool>,
     /// World columns S of each frame's own coordinates, at `model.frames[f].blocks`.
     columns: Vec<Matrix<D, LANES>>,
     /// The same columns as changes dΩ of the frame's motion.
@@ -59,6 +62,7 @@ impl<const D: usize> Assembly<D> {
             tangent: vec![0.0; n * n],
             operators: vec![[Matrix::ZERO; 2]; frames],
             duals: vec![[Vector::ZERO; 2]; frames],
+            expanded: vec![false; frames],
             columns: vec![Matrix::ZERO; blocks],
             motions: vec![Matrix::ZERO; blocks],
             curvature: vec![Matrix::ZERO; frames],

@@ -51,7 +51,8 @@ impl<const D: usize> Assembly<D> {
     ) {
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let loaded = self.frames.loaded[f];
-            if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
+            self.expanded[f] = loaded || model.leads_to_kept[f];
+            if frame.blocks.is_empty() || !self.expanded[f] {
                 continue;
             }
             let [adjoint, tangent] = self.operators[f];

@@ -5,20 +5,29 @@ use super::solver::{Solver, largest, norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
-/// Corrector iterations of one sub-step.
-const CORRECTIONS: usize = 16;
+/// Corrector iterations of one sub-step: more are rarely needed unless another branch attracts.
+const CORRECTIONS: usize = 7;
 /// How far the corrector may go, as a multiple of the predictor.
-const WANDER: f64 = 2.0;
+const WANDER: f64 = 0.7;
 /// Chord steps are taken while each leaves less than this of the residual
 const CONTRACTION: f64 = 0.1;
 /// and this many more of them, at the same rate, would do.
-const CHORDS: i32 = 2;
-/// Largest change of the predictor over one sub-step: what it leaves open could hide a jump.
+const CHORDS: i32 = 3;
+/// Shares of the displacement and of the velocity by which the prediction may be missed
+const NEAR: f64 = 0.3;
+const ALIKE: f64 = 0.7;
+/// where the velocity turns, over one sub-step, by more than this: it could hide a jump.
 const LARGEST_BEND: f64 = 2.5;
-/// Longest predictor (dimensionless norm over all coordinates): several full turns of a rod.
-const LONGEST_PREDICTION: f64 = 30.0;
-/// The same where there is contact: further on, what is met on the way makes it worthless.
-const LONGEST_WITH_CONTACT: f64 = 4.0;
+
+/// When a corrector is done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Goal {
+    /// Dimensionless residual that suffices.
+    pub tolerance: f64,
+    /// Where the last step left less than this of the residual, its tangent does for the state it led
+    /// to: H⁻¹ times their difference is of this size along the step.
+    pub keep: f64,
+}
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless, into `velocity[which]`.
@@ -36,27 +45,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         self.velocity[which] = velocity;
     }
 
-    /// Tries to move from the equilibrium in `start`, with velocity `velocity[0]`, by `h` along the
-    /// load rate. On success the state, factor and `velocity[1]` are those of the new equilibrium.
-    pub(super) fn follow_branch(
-        &mut self,
-        model: &Model<G, D, P>,
-        rate: &[f64],
-        h: f64,
-        tolerance: f64,
-    ) -> bool {
-        let predicted = h * norm(&self.velocity[0]);
-        let longest = if model.contacts.is_empty() { LONGEST_PREDICTION } else { LONGEST_WITH_CONTACT };
-        if !(predicted <= longest) {
-            return false;
-        }
-        for ((q, s), (v, u)) in
-            self.q.iter_mut().zip(&self.start).zip(self.velocity[0].iter().zip(&self.unit))
-        {
-            *q = s + h * v * u;
-        }
-        let reach = h * largest(&self.velocity[0]);
-        if !self.correct(model, reach, tolerance) {
+    /// Tries to move from the equilibrium in `start` by `h` along the load rate, as far as predicted. On
+    /// success the state, factor and `velocity[1]` are those of the new equilibrium.
+    pub(super) fn follow_branch(&mut self, model: &Model<G, D, P>, rate: &[f64], h: f64, goal: Goal) -> bool {
+        self.prediction.displacement(h, &mut self.step);
+        self.q.copy_from_slice(&self.start);
+        Self::advance(&mut self.q, &self.step, &self.unit);
+        if !self.correct(model, largest(&self.step), goal) {
             return false;
         }
         self.set_velocity(model, rate, 1);
@@ -66,7 +61,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// Newton's method with full steps; fails as soon as the tangent is not positive definite.
     ///
     /// Where a step has nearly solved the residual, chord steps with the tangent at hand do the rest.
-    fn correct(&mut self, model: &Model<G, D, P>, reach: f64, tolerance: f64) -> bool {
+    fn correct(&mut self, model: &Model<G, D, P>, reach: f64, goal: Goal) -> bool {
+        let Goal { tolerance, keep } = goal;
         let mut size = self.evaluate(model);
         let mut chord = false;
         let mut previous = f64::INFINITY;
@@ -102,27 +98,40 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             Self::advance(&mut self.q, &self.step, &self.unit);
             let before = std::mem::replace(&mut size, self.evaluate(model));
             let contraction = size / before;
+            if size <= tolerance && contraction < keep {
+                return true;
+            }
             chord =
                 size > tolerance && contraction < CONTRACTION && size * contraction.powi(CHORDS) <= tolerance;
         }
         false
     }
 
-    /// Whether the displacement agrees with the velocities at both ends.
+    /// Whether the displacement agrees with what was predicted, or with the velocities at both ends.
     ///
     /// On one branch with a change of contact the path is nearly two straight pieces, so the
     /// displacement lies between the two tangents; a jump to another branch does not.
     fn is_consistent(&mut self, h: f64) -> bool {
-        let (mut error, mut bend, mut reach) = (0.0, 0.0, 0.0);
+        self.prediction.displacement(h, &mut self.work);
+        let (mut missed, mut turned, mut moved) = (0.0, 0.0, 0.0);
+        let (mut error, mut bend, mut reach, mut speed) = (0.0, 0.0, 0.0, 0.0);
         let [v0, v1] = &self.velocity;
-        for (((q, s), u), (a, b)) in self.q.iter().zip(&self.start).zip(&self.unit).zip(v0.iter().zip(v1)) {
-            let moved = (q - s) / u;
-            error += (moved - 0.5 * h * (a + b)).powi(2);
+        let expected = self.prediction.velocity(h).iter().zip(&self.work);
+        let states = self.q.iter().zip(&self.start).zip(&self.unit);
+        for (((q, s), u), ((a, b), (v, d))) in states.zip(v0.iter().zip(v1).zip(expected)) {
+            let move_ = (q - s) / u;
+            missed += (move_ - d).powi(2);
+            moved += move_.powi(2);
+            turned += (b - v).powi(2);
+            speed += v.powi(2);
+            error += (move_ - 0.5 * h * (a + b)).powi(2);
             bend += (h * (b - a)).powi(2);
             reach += (0.5 * h * (a.abs() + b.abs())).powi(2);
         }
-        bend.sqrt() <= LARGEST_BEND
+        let as_predicted = missed.sqrt() <= NEAR * moved.sqrt() && turned.sqrt() <= ALIKE * speed.sqrt();
+        let between_tangents = bend.sqrt() <= LARGEST_BEND
             && error.sqrt() <= 0.6 * bend.sqrt() + 0.05 * reach.sqrt() + 1e-9
-            && norm(v1).is_finite()
+            && norm(v1).is_finite();
+        as_predicted || between_tangents
     }
 }

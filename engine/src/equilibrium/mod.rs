@@ -9,6 +9,7 @@ mod branch;
 mod descent;
 mod general;
 mod path;
+mod prediction;
 mod relaxation;
 mod solver;
 mod status;

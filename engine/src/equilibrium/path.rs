@@ -1,5 +1,6 @@
 //! Following an equilibrium along a list of loads.
 
+use super::branch::Goal;
 use super::solver::{Solver, largest};
 use super::status::Status;
 use crate::lie::LieGroup;
@@ -65,8 +66,25 @@ pub trait PathSink<G, const D: usize, const P: usize> {
 const LOOSE: f64 = 0.03;
 /// and at most this.
 const LOOSEST: f64 = 0.1;
+/// [`Goal::keep`] between the listed loads and at those that are followed by others.
+const KEEP_BETWEEN: f64 = 0.3;
+const KEEP_AT_LISTED: f64 = 0.01;
+/// Longest sub-step (dimensionless norm over all coordinates): several full turns of a rod.
+const LONGEST: f64 = 30.0;
+/// The same where there is contact.
+const LONGEST_WITH_CONTACT: f64 = 4.0;
+/// Where the branch is seen to end, the next sub-step goes so far towards it.
+const AIM: f64 = 0.75;
 /// A displacement below this (dimensionless) across the smallest sub-step is no jump.
 const SMALLEST_JUMP: f64 = 1e-3;
+
+/// One of the listed loads.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    index: usize,
+    /// Whether the path ends here, so that the tangent must be that of the very state.
+    exact: bool,
+}
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// Solves at `loads[0]` from the state `q0` and follows the equilibrium to each further load.
@@ -92,7 +110,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     self.load.copy_from_slice(target);
                     self.settle(model, 1.0)
                 } else {
-                    self.follow_segment(model, target, index, reach, sink)
+                    let exact = loads[index..].iter().all(|later| later == target);
+                    self.follow_segment(model, target, Listed { index, exact }, reach, sink)
                 };
             } else {
                 status = Status::NotReached;
@@ -108,11 +127,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         &mut self,
         model: &Model<G, D, P>,
         target: &[f64],
-        index: usize,
+        listed: Listed,
         reach: f64,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
-        let first = self.iterations;
         self.start_load.copy_from_slice(&self.load);
         let mut rate = std::mem::take(&mut self.rate);
         for ((r, t), s) in rate.iter_mut().zip(target).zip(&self.start_load) {
@@ -123,7 +141,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             Status::Converged
         } else {
             let smallest = (self.options.min_step * reach / span).min(1.0);
-            self.advance_along(model, &rate, smallest, index, first, sink)
+            self.advance_along(model, &rate, smallest, listed, sink)
         };
         self.rate = rate;
         status
@@ -134,60 +152,94 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         model: &Model<G, D, P>,
         rate: &[f64],
         smallest: f64,
-        index: usize,
-        first: usize,
+        listed: Listed,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
+        let first = self.iterations;
+        let longest = if model.contacts.is_empty() { LONGEST } else { LONGEST_WITH_CONTACT };
         // The factor at hand belongs to the equilibrium just found.
         self.set_velocity(model, rate, 0);
-        self.start.copy_from_slice(&self.q);
-        let (mut lambda, mut next) = (0.0, 1.0f64);
+        let mut lambda = 0.0;
         let mut last = Status::Converged;
         // The nearest load that could not be reached in one sub-step.
         let mut barrier = f64::INFINITY;
+        let mut end_seen = None;
         while lambda < 1.0 {
-            self.set_load(rate, next);
-            let tolerance = self.tolerance_at(next, next - lambda);
-            let followed = self.follow_branch(model, rate, next - lambda, tolerance);
-            if self.iterations - first > self.options.max_iterations {
-                return Status::IterationLimit;
+            self.start.copy_from_slice(&self.q);
+            let target = barrier.min(1.0);
+            let reach = self.predict(model, target - lambda, longest);
+            let end = self.estimate_end(lambda, &mut end_seen);
+            let mut h = (target - lambda).min(AIM * end);
+            while h > reach && h > smallest {
+                h *= 0.5;
+                barrier = lambda + 2.0 * h;
             }
-            if followed {
-                last = Status::Converged;
-                lambda = next;
-                next = if barrier > lambda { barrier.min(1.0) } else { 1.0 };
-            } else if next - lambda > 1.5 * smallest {
+            let h = h.max(smallest);
+            let mut next = if lambda + h < target { lambda + h } else { target };
+            let followed = loop {
+                self.set_load(rate, next);
+                let goal = self.goal_at(next, next - lambda, listed.exact);
+                if self.follow_branch(model, rate, next - lambda, goal) {
+                    break true;
+                }
+                if self.iterations - first > self.options.max_iterations {
+                    return Status::IterationLimit;
+                }
+                if next - lambda <= 1.5 * smallest {
+                    break false;
+                }
                 barrier = next;
                 next = lambda + (0.5 * (next - lambda)).max(smallest);
-                continue;
+            };
+            if followed {
+                last = Status::Converged;
+                if next >= barrier {
+                    barrier = f64::INFINITY;
+                }
             } else {
                 self.q.copy_from_slice(&self.start);
-                let status = self.settle(model, 0.1);
+                let status = self.settle(model, 0.3);
                 if !status.is_equilibrium() {
                     return status;
                 }
                 self.set_velocity(model, rate, 1);
                 if self.displacement() > SMALLEST_JUMP + 1.5 * (next - lambda) * self.ordinary_speed() {
                     let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
-                    sink.event(Event { step: index, kind: EventKind::Snap, load, before, after });
+                    sink.event(Event { step: listed.index, kind: EventKind::Snap, load, before, after });
                 }
-                lambda = next;
-                next = 1.0;
                 barrier = f64::INFINITY;
+                end_seen = None;
                 last = status;
             }
+            if self.iterations - first > self.options.max_iterations {
+                return Status::IterationLimit;
+            }
+            lambda = next;
             self.velocity.swap(0, 1);
-            self.start.copy_from_slice(&self.q);
         }
         last
     }
 
-    /// The tolerance for a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
-    fn tolerance_at(&self, lambda: f64, h: f64) -> f64 {
+    /// How far ahead of `lambda` the branch ends; infinite when no end is in sight.
+    ///
+    /// Towards a fold the first-order estimate lags behind: two of them are extrapolated.
+    fn estimate_end(&self, lambda: f64, seen: &mut Option<(f64, f64)>) -> f64 {
+        let distance = self.prediction.branch_end;
+        let before = std::mem::replace(seen, distance.is_finite().then_some((lambda, distance)));
+        match before {
+            Some((at, far)) if distance < far => distance.min(distance * (lambda - at) / (far - distance)),
+            _ => distance,
+        }
+    }
+
+    /// What is asked of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
+    fn goal_at(&self, lambda: f64, h: f64, exact: bool) -> Goal {
+        let tolerance = self.options.tolerance;
         if lambda == 1.0 {
-            self.options.tolerance
+            Goal { tolerance, keep: if exact { 0.0 } else { KEEP_AT_LISTED } }
         } else {
-            (LOOSE * h * largest(&self.velocity[0])).min(LOOSEST).max(self.options.tolerance)
+            let loose = (LOOSE * h * largest(&self.velocity[0])).min(LOOSEST).max(tolerance);
+            Goal { tolerance: loose, keep: KEEP_BETWEEN }
         }
     }
 

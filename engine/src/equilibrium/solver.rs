@@ -1,6 +1,7 @@
 //! The solver of one thread: workspace, scaling and the evaluation of a state.
 
 use super::general::GeneralFactor;
+use super::prediction::Prediction;
 use super::status::Status;
 use crate::Data;
 use crate::lie::LieGroup;
@@ -47,6 +48,7 @@ pub struct Solver<G, const D: usize, const P: usize> {
     pub(super) work: Vec<f64>,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
+    pub(super) prediction: Prediction<D, P>,
     pub(super) start: Vec<f64>,
     pub(super) start_load: Vec<f64>,
     /// Change of the load over the current segment.
@@ -73,6 +75,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             trial_residual: zeros(),
             work: zeros(),
             velocity: [zeros(), zeros()],
+            prediction: Prediction::new(model),
             start: zeros(),
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],

@@ -1,61 +1,74 @@
 //! Cholesky factorisation of a shifted, symmetrically scaled matrix into a reused buffer.
+//!
+//! The factor is kept in panels of [`LANES`] columns, each panel's rows one after another, so that
+//! products of tiles and solutions stream through memory and fill the vector registers.
 
 use super::LANES;
+
+/// `LANES` numbers of one row.
+type Row = [f64; LANES];
+type Tile = [Row; LANES];
 
 /// `S A S + λ I = Uᵀ U`, with `A` given by its upper triangle and `S` diagonal.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
     n: usize,
-    /// Row-major upper factor; what lies below the diagonal is never read.
-    factor: Vec<f64>,
-    inverse_diagonal: Vec<f64>,
+    /// Panel after panel, filled up with the identity; what lies below the diagonal is never read.
+    panels: Vec<Row>,
+    inverse_diagonal: Vec<Row>,
 }
 
 impl Cholesky {
     /// A buffer for matrices of order `n`.
     pub fn new(n: usize) -> Self {
-        Self { n, factor: vec![0.0; n * n], inverse_diagonal: vec![0.0; n] }
+        let blocks = n.div_ceil(LANES);
+        let zeros = |rows| vec![[0.0; LANES]; rows];
+        Self { n, panels: zeros(blocks * blocks * LANES), inverse_diagonal: zeros(blocks) }
     }
 
     /// Factorises; `false` when the matrix is not (numerically) positive definite.
     pub fn factorise(&mut self, a: &[f64], scale: &[f64], shift: f64) -> bool {
-        let n = self.n;
-        for i in 0..n {
-            let (done, rest) = self.factor.split_at_mut(i * n);
-            let row = &mut rest[i..n];
-            let source = &a[i * n + i..i * n + n];
-            for ((r, x), s) in row.iter_mut().zip(source).zip(&scale[i..n]) {
-                *r = x * s * scale[i];
+        let blocks = self.inverse_diagonal.len();
+        let rows = blocks * LANES;
+        for i in 0..blocks {
+            // U_ij = U_ii⁻ᵀ (A_ij − Σ_k U_kiᵀ U_kj), the diagonal tile first.
+            let mut diagonal = scaled_tile(self.n, a, scale, [i, i]);
+            let mut largest = [0.0; LANES];
+            for r in 0..LANES {
+                largest[r] = diagonal[r][r].abs() + shift;
+                diagonal[r][r] += shift;
             }
-            let largest = row[0].abs() + shift;
-            row[0] += shift;
-            let mut k = 0;
-            // Four rows at a time: one load and store of the target row serves four updates.
-            while k + 4 <= i {
-                let [a0, a1, a2, a3] = [0, 1, 2, 3].map(|j| &done[(k + j) * n + i..(k + j) * n + n]);
-                let (m0, m1, m2, m3) = (a0[0], a1[0], a2[0], a3[0]);
-                for ((((r, x0), x1), x2), x3) in row.iter_mut().zip(a0).zip(a1).zip(a2).zip(a3) {
-                    *r -= (m0 * x0 + m1 * x1) + (m2 * x2 + m3 * x3);
+            let (done, rest) = self.panels.split_at_mut((i + 1) * rows);
+            let own = &mut done[i * rows..];
+            subtract_products(&mut diagonal, &own[..i * LANES], &own[..i * LANES]);
+            let inverse = &mut self.inverse_diagonal[i];
+            for r in 0..LANES {
+                let (above, below) = diagonal.split_at_mut(r);
+                let row = &mut below[0];
+                for other in above {
+                    subtract_row(row, other[r], other);
                 }
-                k += 4;
-            }
-            while k < i {
-                let other = &done[k * n + i..k * n + n];
-                let m = other[0];
-                for (r, x) in row.iter_mut().zip(other) {
-                    *r -= m * x;
+                // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
+                if !(row[r] > 1e-14 * largest[r]) {
+                    return false;
                 }
-                k += 1;
+                inverse[r] = 1.0 / row[r].sqrt();
+                row.iter_mut().for_each(|x| *x *= inverse[r]);
             }
-            // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
-            if !(row[0] > 1e-14 * largest) {
-                return false;
-            }
-            let pivot = row[0].sqrt();
-            let inverse = 1.0 / pivot;
-            self.inverse_diagonal[i] = inverse;
-            for r in row.iter_mut() {
-                *r *= inverse;
+            own[i * LANES..][..LANES].copy_from_slice(&diagonal);
+            let (own, inverse) = (&*own, *inverse);
+            for (j, panel) in (i + 1..blocks).zip(rest.chunks_exact_mut(rows)) {
+                let mut tile = scaled_tile(self.n, a, scale, [i, j]);
+                subtract_products(&mut tile, &own[..i * LANES], &panel[..i * LANES]);
+                for r in 0..LANES {
+                    let (above, below) = tile.split_at_mut(r);
+                    let row = &mut below[0];
+                    for (d, other) in diagonal.iter().zip(above) {
+                        subtract_row(row, d[r], other);
+                    }
+                    row.iter_mut().for_each(|x| *x *= inverse[r]);
+                }
+                panel[i * LANES..][..LANES].copy_from_slice(&tile);
             }
         }
         true
@@ -63,29 +76,64 @@ impl Cholesky {
 
     /// Ratio of the smallest to the largest pivot of the last factorisation.
     pub fn pivot_ratio(&self) -> f64 {
-        let largest = self.inverse_diagonal.iter().fold(0.0f64, |m, d| m.max(*d));
-        let smallest = self.inverse_diagonal.iter().fold(f64::INFINITY, |m, d| m.min(*d));
+        let diagonal = &self.inverse_diagonal.as_flattened()[..self.n];
+        let largest = diagonal.iter().fold(0.0f64, |m, d| m.max(*d));
+        let smallest = diagonal.iter().fold(f64::INFINITY, |m, d| m.min(*d));
         (smallest / largest).powi(2)
     }
 
     /// Solves `Uᵀ y = b` in place.
     pub fn solve_lower(&self, b: &mut [f64]) {
-        let n = self.n;
-        for i in 0..n {
-            let y = b[i] * self.inverse_diagonal[i];
-            b[i] = y;
-            for (x, u) in b[i + 1..].iter_mut().zip(&self.factor[i * n + i + 1..i * n + n]) {
-                *x -= y * u;
+        let rows = self.inverse_diagonal.len() * LANES;
+        for (i, inverse) in self.inverse_diagonal.iter().enumerate() {
+            let panel = &self.panels[i * rows..][..(i + 1) * LANES];
+            let (before, rest) = b.split_at_mut(i * LANES);
+            let (above, diagonal) = panel.split_at(i * LANES);
+            let mut y = load(rest);
+            let mut even = [0.0; LANES];
+            for (us, ys) in above.chunks_exact(2).zip(before.chunks_exact(2)) {
+                subtract_row(&mut y, ys[0], &us[0]);
+                subtract_row(&mut even, ys[1], &us[1]);
             }
+            for r in 0..LANES {
+                y[r] += even[r];
+            }
+            for r in 0..LANES {
+                y[r] *= inverse[r];
+                for c in r + 1..LANES {
+                    y[c] -= y[r] * diagonal[r][c];
+                }
+            }
+            store(&y, rest);
         }
     }
 
     /// Solves `U x = y` in place.
     pub fn solve_upper(&self, y: &mut [f64]) {
-        let n = self.n;
-        for i in (0..n).rev() {
-            let row = &self.factor[i * n + i + 1..i * n + n];
-            y[i] = (y[i] - inner(row, &y[i + 1..])) * self.inverse_diagonal[i];
+        let rows = self.inverse_diagonal.len() * LANES;
+        for (i, inverse) in self.inverse_diagonal.iter().enumerate().rev() {
+            let (head, after) = y.split_at_mut(((i + 1) * LANES).min(self.n));
+            let rest = &mut head[i * LANES..];
+            let mut sums = [[0.0; LANES]; LANES];
+            for (j, x) in (i + 1..).zip(after.chunks(LANES)) {
+                let x = load(x);
+                let tile = &self.panels[j * rows + i * LANES..][..LANES];
+                for r in 0..LANES {
+                    for lane in 0..LANES {
+                        sums[r][lane] += tile[r][lane] * x[lane];
+                    }
+                }
+            }
+            let diagonal = &self.panels[i * rows + i * LANES..][..LANES];
+            let mut x = load(rest);
+            for r in (0..LANES).rev() {
+                x[r] -= sums[r].iter().sum::<f64>();
+                for c in r + 1..LANES {
+                    x[r] -= diagonal[r][c] * x[c];
+                }
+                x[r] *= inverse[r];
+            }
+            store(&x, rest);
         }
     }
 
@@ -96,18 +144,70 @@ impl Cholesky {
     }
 }
 
-/// Inner product, with as many partial sums as a vector register holds.
+/// A tile of `S A S`, filled up with the identity beyond order `n`.
 #[inline]
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+fn scaled_tile(n: usize, a: &[f64], scale: &[f64], [i, j]: [usize; 2]) -> Tile {
+    let mut tile = [[0.0; LANES]; LANES];
+    let (top, left) = (i * LANES, j * LANES);
+    if left + LANES <= n {
+        let across = &scale[left..left + LANES];
+        for r in 0..LANES {
+            let source = &a[(top + r) * n + left..][..LANES];
+            for c in 0..LANES {
+                tile[r][c] = source[c] * across[c] * scale[top + r];
+            }
+        }
+        return tile;
+    }
+    for r in 0..LANES {
+        for c in 0..LANES {
+            let (row, column) = (top + r, left + c);
+            let inside = row < n && column < n;
+            tile[r][c] = if inside {
+                a[row * n + column] * scale[column] * scale[row]
+            } else {
+                f64::from(row == column)
+            };
         }
     }
-    sums.iter().sum::<f64>() + rest
+    tile
+}
+
+/// `tile −= Σ mᵀ u`; on its own, for the tile to stay in registers.
+#[inline(never)]
+fn subtract_products(tile: &mut Tile, ms: &[Row], us: &[Row]) {
+    let [mut a, mut b, mut c, mut d] = *tile;
+    for (m, u) in ms.iter().zip(us) {
+        subtract_row(&mut a, m[0], u);
+        subtract_row(&mut b, m[1], u);
+        subtract_row(&mut c, m[2], u);
+        subtract_row(&mut d, m[3], u);
+    }
+    *tile = [a, b, c, d];
+}
+
+#[inline(always)]
+fn subtract_row(row: &mut Row, m: f64, u: &Row) {
+    for (x, u) in row.iter_mut().zip(u) {
+        *x -= m * u;
+    }
+}
+
+/// The first numbers of `from`, with zeros for those it lacks.
+#[inline(always)]
+fn load(from: &[f64]) -> Row {
+    match from.first_chunk() {
+        Some(row) => *row,
+        None => std::array::from_fn(|c| from.get(c).copied().unwrap_or(0.0)),
+    }
+}
+
+#[inline(always)]
+fn store(row: &Row, to: &mut [f64]) {
+    match to.first_chunk_mut() {
+        Some(to) => *to = *row,
+        None => to.iter_mut().zip(row).for_each(|(t, x)| *t = *x),
+    }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     for contact in model.contacts.iter().filter(|c| c.cones.is_empty()) {
         let k = design.parameters[contact.stiffness];
-        for_each_touch(model, design, points, contact, |touch| {
+        for_each_near(model, design, points, contact, 0.0, |touch| {
             let [a, b] = [touch.first, touch.second[0]].map(|s| model.spheres[s].point);
             out.energy += 0.5 * k * touch.overlap * touch.overlap;
             let frames = [model.points[a].frame, model.points[b].frame];
@@ -26,13 +26,15 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// Visits the touching pairs of spheres of a contact, in the order of the first group.
+/// Visits the pairs of spheres of a contact that touch or lack less than `margin` of it, in the order
+/// of the first group.
 #[inline]
-pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     points: &[Vector<P>],
     contact: &Contact,
+    margin: f64,
     mut visit: impl FnMut(Touch<P>),
 ) {
     for first in contact.first.clone() {
@@ -46,8 +48,8 @@ pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
         for second in second {
             let r = p - points[model.spheres[second].point];
             let reach = radius + design.radii[second];
-            let squared = r.dot(&r);
-            if squared < reach * reach {
+            let (squared, near) = (r.dot(&r), reach + margin);
+            if squared < near * near {
                 let distance = squared.sqrt();
                 // Coincident centres push nowhere in particular; any fixed direction will do.
                 let normal =

@@ -59,7 +59,7 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     out: &mut FrameTerms<D>,
 ) {
     for contact in model.contacts.iter().filter(|c| !c.cones.is_empty()) {
-        for_each_touch(model, design, points, contact, |touch| {
+        for_each_near(model, design, points, contact, 0.0, |touch| {
             let k = design.parameters[contact.stiffness] * touch.weight;
             out.energy += 0.5 * k * touch.overlap * touch.overlap;
             let force = touch.normal * (-k * touch.overlap);
@@ -142,14 +142,15 @@ fn add_sliding<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// Visits what the first group's spheres touch: round cones, and, with negative weight, the spheres
-/// that two of them share.
+/// Visits what the first group's spheres touch, or lack less than `margin` of touching: round cones,
+/// and, with negative weight, the spheres that two of them share.
 #[inline]
-pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     points: &[Vector<P>],
     contact: &Contact,
+    margin: f64,
     mut visit: impl FnMut(Touch<P>),
 ) {
     let centre = |sphere: usize| &points[model.spheres[sphere].point];
@@ -165,12 +166,12 @@ pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
             }
             let ends = cone.ends.map(centre);
             let radii = cone.ends.map(|s| design.radii[s]);
-            if is_far(p, ends, own + radii[0].max(radii[1])) {
+            if is_far(p, ends, own + radii[0].max(radii[1]) + margin) {
                 continue;
             }
             let found = closest(p, ends, radii);
             let reach = own + found.radius;
-            if found.distance >= reach {
+            if found.distance >= reach + margin {
                 continue;
             }
             let second = match found.t {
@@ -186,7 +187,8 @@ pub(crate) fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
             }
             let r = *p - *ends[0];
             let (squared, reach) = (r.dot(&r), own + radii[0]);
-            if squared < reach * reach {
+            let near = reach + margin;
+            if squared < near * near {
                 let smallest = 1e-12 * radii[0];
                 let distance = squared.sqrt();
                 let inside = distance <= smallest;

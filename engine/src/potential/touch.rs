@@ -129,10 +129,23 @@ pub(crate) fn for_each<G: LieGroup<D, P>, const D: usize, const P: usize>(
     contact: &Contact,
     visit: impl FnMut(Touch<P>),
 ) {
+    for_each_near(model, design, points, contact, 0.0, visit);
+}
+
+/// The same with all that lacks less than `margin` of touching; its overlap is negative.
+#[inline]
+pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    points: &[Vector<P>],
+    contact: &Contact,
+    margin: f64,
+    visit: impl FnMut(Touch<P>),
+) {
     if contact.cones.is_empty() {
-        contact::for_each_touch(model, design, points, contact, visit);
+        contact::for_each_near(model, design, points, contact, margin, visit);
     } else {
-        round_cone::for_each_touch(model, design, points, contact, visit);
+        round_cone::for_each_near(model, design, points, contact, margin, visit);
     }
 }
 

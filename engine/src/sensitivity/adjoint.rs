@@ -133,16 +133,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         data: &Data<G, D, P>,
         lambda: &[f64],
     ) {
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            let mut twist = self.twist[frame.parent];
-            for (dof, column) in data.assembly.columns(model, f) {
-                twist += column * lambda[dof];
-            }
-            self.twist[f] = twist;
-        }
-        for ((v, p), point) in self.velocity.iter_mut().zip(&data.kinematics.points).zip(&model.points) {
-            *v = G::point_jacobian(p) * self.twist[point.frame];
-        }
+        data.velocities(model, lambda, &mut self.twist, &mut self.velocity);
     }
 
     /// Number of outputs of [`Adjoint::outputs`]: the joint coordinates, then the tip force.

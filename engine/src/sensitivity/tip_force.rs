@@ -26,13 +26,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 self.wrench[model.points[point].frame] += G::point_jacobian(p).transpose_times(&change);
             }
         });
-        for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
-            let wrench = self.wrench[f];
-            self.wrench[frame.parent] += wrench;
-            for (dof, column) in data.assembly.columns(model, f) {
-                out[dof] += wrench.dot(&column);
-            }
-        }
+        data.assembly.add_forces(model, &mut self.wrench, out);
         true
     }
 

@@ -1,0 +1,69 @@
+//! What the columns transmit: coordinates' rates to twists outward, wrenches to coordinates inward.
+
+use super::Assembly;
+use crate::design::Design;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::linalg::{LANES, Vector};
+use crate::model::Model;
+
+impl<const D: usize> Assembly<D> {
+    /// Expands the columns of the frames that carry nothing, which the tangent has no use for.
+    pub fn complete_columns<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+    ) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            if self.expanded[f] {
+                continue;
+            }
+            let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
+            let operator = kinematics.pose[f].adjoint() * tangent;
+            let (a1, a2, _) = kinematics.motion_derivative(model, f);
+            for block in frame.blocks.clone() {
+                let [phi1, phi2] = &design.strain_maps[block];
+                self.columns[block] = operator * (a1 * *phi1 + a2 * *phi2);
+            }
+        }
+    }
+
+    /// World twist of every frame while the coordinates change at the rates `rates`.
+    pub fn twists<G: LieGroup<D, P>, const P: usize>(
+        &self,
+        model: &Model<G, D, P>,
+        rates: &[f64],
+        twist: &mut [Vector<D>],
+    ) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            let mut sum = twist[frame.parent];
+            let dofs = &model.column_dofs[frame.columns.clone()];
+            for (dofs, block) in dofs.chunks(LANES).zip(&self.columns[frame.blocks.clone()]) {
+                let mut x = Vector::<LANES>::ZERO;
+                dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = rates[*dof]);
+                sum += *block * x;
+            }
+            twist[f] = sum;
+        }
+    }
+
+    /// Adds the generalised force of world wrenches on all frames; each of them is left with the sum
+    /// of all that it carries.
+    pub fn add_forces<G: LieGroup<D, P>, const P: usize>(
+        &self,
+        model: &Model<G, D, P>,
+        wrench: &mut [Vector<D>],
+        out: &mut [f64],
+    ) {
+        for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
+            let carried = wrench[f];
+            wrench[frame.parent] += carried;
+            let dofs = &model.column_dofs[frame.columns.clone()];
+            for (dofs, block) in dofs.chunks(LANES).zip(&self.columns[frame.blocks.clone()]) {
+                let pulled = block.transpose_times(&carried);
+                dofs.iter().enumerate().for_each(|(lane, dof)| out[*dof] += pulled[lane]);
+            }
+        }
+    }
+}
