@@ -171,7 +171,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         potential::actuator::lengths(model, &self.design, q)
     }
 
-    /// Makes the columns of all frames available, at the state whose tangent was evaluated last.
+    /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
         self.assembly.complete_columns(model, &self.design, &self.kinematics);
     }

@@ -119,12 +119,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let expected = self.prediction.velocity(h).iter().zip(&self.work);
         let states = self.q.iter().zip(&self.start).zip(&self.unit);
         for (((q, s), u), ((a, b), (v, d))) in states.zip(v0.iter().zip(v1).zip(expected)) {
-            let move_ = (q - s) / u;
-            missed += (move_ - d).powi(2);
-            moved += move_.powi(2);
+            let went = (q - s) / u;
+            missed += (went - d).powi(2);
+            moved += went.powi(2);
             turned += (b - v).powi(2);
             speed += v.powi(2);
-            error += (move_ - 0.5 * h * (a + b)).powi(2);
+            error += (went - 0.5 * h * (a + b)).powi(2);
             bend += (h * (b - a)).powi(2);
             reach += (0.5 * h * (a.abs() + b.abs())).powi(2);
         }

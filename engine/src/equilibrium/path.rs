@@ -75,6 +75,8 @@ const LONGEST: f64 = 30.0;
 const LONGEST_WITH_CONTACT: f64 = 4.0;
 /// Where the branch is seen to end, the next sub-step goes so far towards it.
 const AIM: f64 = 0.75;
+/// Trust radius of the first step down from the end of a branch.
+const FIRST_RADIUS: f64 = 0.3;
 /// A displacement below this (dimensionless) across the smallest sub-step is no jump.
 const SMALLEST_JUMP: f64 = 1e-3;
 
@@ -197,19 +199,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     barrier = f64::INFINITY;
                 }
             } else {
-                self.q.copy_from_slice(&self.start);
-                let status = self.settle(model, 0.3);
-                if !status.is_equilibrium() {
-                    return status;
-                }
-                self.set_velocity(model, rate, 1);
-                if self.displacement() > SMALLEST_JUMP + 1.5 * (next - lambda) * self.ordinary_speed() {
-                    let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
-                    sink.event(Event { step: listed.index, kind: EventKind::Snap, load, before, after });
+                last = self.fall(model, rate, next - lambda, listed.index, sink);
+                if !last.is_equilibrium() {
+                    return last;
                 }
                 barrier = f64::INFINITY;
                 end_seen = None;
-                last = status;
             }
             if self.iterations - first > self.options.max_iterations {
                 return Status::IterationLimit;
@@ -218,6 +213,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             self.velocity.swap(0, 1);
         }
         last
+    }
+
+    /// Descends from the end of the branch, which the load has passed by `h` at most.
+    fn fall(
+        &mut self,
+        model: &Model<G, D, P>,
+        rate: &[f64],
+        h: f64,
+        step: usize,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        self.q.copy_from_slice(&self.start);
+        let status = self.settle(model, FIRST_RADIUS);
+        if status.is_equilibrium() {
+            self.set_velocity(model, rate, 1);
+            if self.displacement() > SMALLEST_JUMP + 1.5 * h * self.ordinary_speed() {
+                let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
+                sink.event(Event { step, kind: EventKind::Snap, load, before, after });
+            }
+        }
+        status
     }
 
     /// How far ahead of `lambda` the branch ends; infinite when no end is in sight.

@@ -1,5 +1,6 @@
 //! λᵀ ∂g/∂p for all wanted parameters at once.
 
+use super::local::Thread;
 use crate::data::Data;
 use crate::equilibrium::Solver;
 use crate::lie::LieGroup;
@@ -19,6 +20,7 @@ pub struct Adjoint<const D: usize, const P: usize> {
     pub(super) gradient: Vec<f64>,
     /// What every geometric parameter moves, whatever the output.
     pub(super) drifts: Vec<Drift<D, P>>,
+    pub(super) threads: Vec<Thread>,
     /// ∂y/∂q of an output, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
@@ -83,6 +85,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             wrench: vec![Vector::ZERO; frames],
             gradient: vec![0.0; model.parameters.len()],
             drifts,
+            threads: vec![],
             lambda: vec![0.0; model.dof],
             wanted: wanted.to_vec(),
         }
@@ -99,16 +102,24 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         load: &[f64],
         lambda: &[f64],
     ) -> &[f64] {
-        self.update_drifts(model, data);
+        self.prepare(model, data, q, load);
         self.virtual_work(model, data, q, load, lambda);
         &self.gradient
     }
 
-    fn update_drifts<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+    /// Finds what all outputs share.
+    fn prepare<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+    ) {
         self.drifts.iter_mut().for_each(|drift| drift.update(model, data));
+        self.update_threads(model, data, q, load);
     }
 
-    /// The same with the drifts at hand, into `self.gradient`.
+    /// λᵀ ∂g/∂p with the drifts and threads at hand, into `self.gradient`.
     fn virtual_work<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -119,7 +130,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         self.gradient.fill(0.0);
         self.move_frames(model, data, lambda);
-        self.add_local(model, data, q, load, lambda);
+        self.add_local(model, data, q, lambda);
         for m in 0..self.drifts.len() {
             let drift = &self.drifts[m];
             self.gradient[drift.parameter] += self.geometric_work(model, data, load, lambda, drift);
@@ -153,7 +164,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         let (data, q, load) = (solver.data(), solver.state(), solver.load());
         let mut lambda = std::mem::take(&mut self.lambda);
-        self.update_drifts(model, data);
+        self.prepare(model, data, q, load);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {

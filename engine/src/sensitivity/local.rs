@@ -2,12 +2,48 @@
 
 use super::adjoint::Adjoint;
 use crate::data::Data;
-use crate::design::{link_fraction, thread_arm};
+use crate::design::{dot, link_fraction, thread_arm};
 use crate::lie::LieGroup;
 use crate::model::{Mass, Model, Shape, SphereRadius};
 use crate::potential::touch;
 use crate::section;
 use crate::strain::Mode;
+
+/// A Gauss point of a chamber or cable in the state at hand.
+#[derive(Clone, Debug)]
+pub(super) struct Thread {
+    /// (y, z) of the path in the cross-section.
+    offset: [f64; 2],
+    /// τ̂ and |τ|.
+    unit: [f64; 3],
+    norm: f64,
+    /// −u w.
+    tension: f64,
+    /// Derivatives of τ with respect to the offset and to L.
+    by_offset: [[f64; 3]; 2],
+    by_length: [f64; 3],
+}
+
+const SIDES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+/// What strains make of a path's tangent at `offset`; if `lateral`, only what the offset has to do with.
+fn along<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    strain: &[f64; 6],
+    offset: [f64; 2],
+    lateral: bool,
+) -> [f64; 3] {
+    let mut t = [0.0; 3];
+    for mode in G::AXES {
+        if lateral && !mode.is_angular() {
+            continue;
+        }
+        let arm = thread_arm(mode, offset);
+        for i in 0..3 {
+            t[i] += strain[mode.index()] * arm[i];
+        }
+    }
+    t
+}
 
 impl<const D: usize, const P: usize> Adjoint<D, P> {
     pub(super) fn add_local<G: LieGroup<D, P>>(
@@ -15,11 +51,10 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
         q: &[f64],
-        load: &[f64],
         lambda: &[f64],
     ) {
         self.add_elastic(model, data, q, lambda);
-        self.add_actuators(model, data, q, load, lambda);
+        self.add_actuators(model, data, lambda);
         self.add_contacts(model, data);
         self.add_springs(model, data);
         self.add_masses(model, data);
@@ -38,18 +73,23 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         let p = &data.design.parameters;
         for rod in &model.rods {
-            let length = p[rod.length];
-            let factors = section::factors(rod.section);
+            let (length, factors) = (p[rod.length], section::factors(rod.section));
+            let moduli =
+                Mode::ALL.map(|mode| section::modulus(mode, p[rod.young_modulus], p[rod.shear_modulus]));
+            let mut works = [0.0; 6];
             for entry in &rod.entries {
-                let mode = Mode::ALL[entry.mode];
                 let (i, j) = model.stiffness_pattern[entry.entry];
                 let pair = if i == j { q[i] * lambda[i] } else { q[i] * lambda[j] + q[j] * lambda[i] };
                 let at = rod.radius.start + rod.gauss[entry.gauss].point;
-                let modulus = section::modulus(mode, p[rod.young_modulus], p[rod.shear_modulus]);
+                let mode = Mode::ALL[entry.mode];
                 let power = section::power(mode);
                 let scale = if mode.is_angular() { 1.0 / length } else { length };
-                let work = modulus * factors[entry.mode] * p[at].powi(power) * scale * entry.value * pair;
-                self.gradient[at] += f64::from(power) * work / p[at];
+                let by_power = moduli[entry.mode] * factors[entry.mode] * scale * entry.value * pair;
+                let lower = p[at].powi(power - 1);
+                self.gradient[at] += f64::from(power) * lower * by_power;
+                works[entry.mode] += lower * p[at] * by_power;
+            }
+            for ((mode, work), modulus) in Mode::ALL.into_iter().zip(works).zip(moduli) {
                 self.gradient[rod.length] += if mode.is_angular() { -work } else { work } / length;
                 let young = matches!(mode, Mode::BendY | Mode::BendZ | Mode::ExtendX);
                 self.gradient[if young { rod.young_modulus } else { rod.shear_modulus }] += work / modulus;
@@ -62,76 +102,87 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         &mut self,
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
-        q: &[f64],
-        load: &[f64],
         lambda: &[f64],
     ) {
         let p = &data.design.parameters;
-        let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        for (a, actuator) in model.actuators.iter().enumerate() {
+        let mut threads = self.threads.iter();
+        for actuator in &model.actuators {
             let rod = &model.rods[actuator.rod];
             let length = p[rod.length];
-            for (tendon, gauss) in actuator.tendon.iter().zip(&rod.gauss) {
+            for (gauss, thread) in rod.gauss.iter().zip(threads.by_ref().take(actuator.tendon.len())) {
+                let Thread { offset, unit, norm, tension, by_offset, by_length } = thread;
                 let (at, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
-                let d = [0, 1].map(|i| tendon.offset[i] + p[actuator.lever + i] * p[at]);
-                let dd = [0, 1].map(|i| tendon.slope[i] + p[actuator.lever + i] * p[slope]);
-                // Normalised strains of the state and of the virtual motion, mode by mode.
-                let (mut strain, mut virtual_strain) = ([0.0; 6], [0.0; 6]);
-                for mode in G::AXES {
-                    strain[mode.index()] = length * rod.reference_strain[mode.index()];
-                }
+                let mut strain = [0.0; 6];
                 for &(dof, mode, phi) in &gauss.columns {
-                    let scale = if mode < 3 { phi } else { phi * length };
-                    strain[mode] += q[dof] * scale;
-                    virtual_strain[mode] += lambda[dof] * scale;
+                    strain[mode] += lambda[dof] * if mode < 3 { phi } else { phi * length };
                 }
-                let along = |strain: &[f64; 6], offset: [f64; 2], lateral: bool| {
-                    let mut t = [0.0; 3];
-                    for mode in G::AXES {
-                        // The linear modes' arms do not depend on the offset.
-                        if lateral && !mode.is_angular() {
-                            continue;
-                        }
-                        let arm = thread_arm(mode, offset);
-                        for i in 0..3 {
-                            t[i] += strain[mode.index()] * arm[i];
-                        }
-                    }
-                    t
-                };
-                let mut tau = along(&strain, d, false);
-                tau[1] += dd[0];
-                tau[2] += dd[1];
-                let norm = dot(&tau, &tau).sqrt();
-                let unit = tau.map(|t| t / norm);
-                let v = along(&virtual_strain, d, false);
-                let tension = -actuator.sign * load[a] * gauss.weight;
+                let v = along::<G, D, P>(&strain, *offset, false);
                 // d(τ̂·v) for a change (dτ, dv).
                 let work = |dtau: [f64; 3], dv: [f64; 3]| {
-                    tension * ((dot(&dtau, &v) - dot(&dtau, &unit) * dot(&unit, &v)) / norm + dot(&unit, &dv))
+                    tension * ((dot(&dtau, &v) - dot(&dtau, unit) * dot(unit, &v)) / norm + dot(unit, &dv))
                 };
                 for i in 0..2 {
-                    let mut e = [0.0; 2];
-                    e[i] = 1.0;
                     let mut slide = [0.0; 3];
                     slide[i + 1] = 1.0;
-                    let by_offset = work(along(&strain, e, true), along(&virtual_strain, e, true));
+                    let by_offset = work(by_offset[i], along::<G, D, P>(&strain, SIDES[i], true));
                     let by_slope = work(slide, [0.0; 3]);
                     let lever = p[actuator.lever + i];
                     self.gradient[at] += lever * by_offset;
                     self.gradient[slope] += lever * by_slope;
                     self.gradient[actuator.lever + i] += p[at] * by_offset + p[slope] * by_slope;
                 }
-                // L scales linear strains and the whole reference strain.
-                let (mut by_length, mut virtual_by_length) = ([0.0; 6], [0.0; 6]);
                 for mode in G::AXES {
                     let m = mode.index();
-                    let reference = rod.reference_strain[m];
-                    by_length[m] = if mode.is_angular() { reference } else { strain[m] / length };
-                    virtual_by_length[m] = if mode.is_angular() { 0.0 } else { virtual_strain[m] / length };
+                    strain[m] = if mode.is_angular() { 0.0 } else { strain[m] / length };
                 }
-                self.gradient[rod.length] +=
-                    work(along(&by_length, d, false), along(&virtual_by_length, d, false));
+                self.gradient[rod.length] += work(*by_length, along::<G, D, P>(&strain, *offset, false));
+            }
+        }
+    }
+
+    /// What the actuators' Gauss points contribute to every output.
+    pub(super) fn update_threads<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+    ) {
+        let p = &data.design.parameters;
+        self.threads.clear();
+        for (a, actuator) in model.actuators.iter().enumerate() {
+            let rod = &model.rods[actuator.rod];
+            let length = p[rod.length];
+            for (tendon, gauss) in actuator.tendon.iter().zip(&rod.gauss) {
+                let (at, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
+                let offset = [0, 1].map(|i| tendon.offset[i] + p[actuator.lever + i] * p[at]);
+                // Normalised strains of the state, mode by mode.
+                let mut strain = [0.0; 6];
+                for mode in G::AXES {
+                    strain[mode.index()] = length * rod.reference_strain[mode.index()];
+                }
+                for &(dof, mode, phi) in &gauss.columns {
+                    strain[mode] += q[dof] * if mode < 3 { phi } else { phi * length };
+                }
+                let mut tau = along::<G, D, P>(&strain, offset, false);
+                for i in 0..2 {
+                    tau[i + 1] += tendon.slope[i] + p[actuator.lever + i] * p[slope];
+                }
+                let norm = dot(&tau, &tau).sqrt();
+                let by_offset = SIDES.map(|side| along::<G, D, P>(&strain, side, true));
+                // L scales linear strains and the whole reference strain.
+                for mode in G::AXES {
+                    let m = mode.index();
+                    strain[m] = if mode.is_angular() { rod.reference_strain[m] } else { strain[m] / length };
+                }
+                self.threads.push(Thread {
+                    offset,
+                    unit: tau.map(|t| t / norm),
+                    norm,
+                    tension: -actuator.sign * load[a] * gauss.weight,
+                    by_offset,
+                    by_length: along::<G, D, P>(&strain, offset, false),
+                });
             }
         }
     }
