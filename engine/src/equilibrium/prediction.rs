@@ -13,6 +13,10 @@ use crate::potential::touch;
 
 /// Changes of contact that are followed.
 const CHANGES: usize = 5;
+/// Pairs are watched that would meet if they came this many times faster than they do,
+const SURPRISE: f64 = 2.0;
+/// and at this share of the fastest point's speed more.
+const DRIFT: f64 = 0.1;
 
 /// A sphere that touches another body or may come to.
 #[derive(Clone, Debug)]
@@ -171,12 +175,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     return;
                 }
                 let depth = touch.overlap;
+                let rate = touch.closing(&touch.motion(model, &ahead.points));
+                // Far off, and not even slowly on its way.
+                if -depth > (SURPRISE * rate.max(0.0) + DRIFT * fastest) * h {
+                    return;
+                }
                 ahead.pairs.push(Pair {
                     points,
                     t: touch.t,
                     normal: touch.normal,
                     depth,
-                    rate: touch.closing(&touch.motion(model, &ahead.points)),
+                    rate,
                     stiffness: k * touch.weight,
                     touching: depth > 0.0,
                     changed: false,
