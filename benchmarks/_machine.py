@@ -34,7 +34,7 @@ def warning(load: float) -> str:
     if not load > BUSY:
         return ""
     return (
-        f"The machine was not quiet: about {load:.0f} other processes wanted its {os.cpu_count()} "
-        "cores when this began. Processor times and ratios are disturbed, wall times and speeds "
-        "are worth nothing."
+        f"In the minute before this began {load:.1f} processes wanted the machine's "
+        f"{os.cpu_count()} cores. If they went on, processor times and ratios are disturbed, and "
+        "wall times and speeds are worth nothing."
     )
