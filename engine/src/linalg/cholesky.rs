@@ -215,21 +215,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn solves_a_shifted_scaled_system() {
-        let n = 7;
+    fn solves_shifted_scaled_systems_of_any_order() {
         let entry = |i: usize, j: usize| 1.0 / (1.0 + i.abs_diff(j) as f64) + if i == j { 0.5 } else { 0.0 };
-        let a: Vec<f64> = (0..n * n).map(|m| entry(m / n, m % n)).collect();
-        let scale: Vec<f64> = (0..n).map(|i| 0.5 + i as f64).collect();
-        let x: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let mut b: Vec<f64> = (0..n)
-            .map(|i| (0..n).map(|j| scale[i] * entry(i, j) * scale[j] * x[j]).sum::<f64>() + 0.3 * x[i])
-            .collect();
-        let mut factor = Cholesky::new(n);
-        assert!(factor.factorise(&a, &scale, 0.3));
-        factor.solve(&mut b);
-        for (found, expected) in b.iter().zip(&x) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        for n in [1, 2, 3, 4, 5, 7, 8, 9, 25, 30] {
+            let a: Vec<f64> = (0..n * n).map(|m| entry(m / n, m % n)).collect();
+            let scale: Vec<f64> = (0..n).map(|i| 0.5 + i as f64).collect();
+            let x: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sin()).collect();
+            let product = |i: usize| (0..n).map(|j| scale[i] * entry(i, j) * scale[j] * x[j]).sum::<f64>();
+            let mut b: Vec<f64> = (0..n).map(|i| product(i) + 0.3 * x[i]).collect();
+            let mut factor = Cholesky::new(n);
+            assert!(factor.factorise(&a, &scale, 0.3));
+            factor.solve(&mut b);
+            for (found, expected) in b.iter().zip(&x) {
+                assert!((found - expected).abs() < 1e-12, "{found} {expected} of {n}");
+            }
+            assert!(!factor.factorise(&a, &scale, -1e3 * (n * n) as f64));
         }
-        assert!(!factor.factorise(&a, &scale, -10.0));
     }
 }
