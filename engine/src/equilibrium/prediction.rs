@@ -5,7 +5,7 @@
 //! opens takes it away; by Sherman and Morrison's formula the velocity turns by a multiple of H⁻¹ g.
 //! Where what is left is no longer positive definite, the branch ends.
 
-use super::solver::{Solver, norm};
+use super::solver::{Solver, dot, norm};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
@@ -255,10 +255,6 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
             pair.rate = -pair.normal.dot(&(p - a * (1.0 - pair.t) - b * pair.t));
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

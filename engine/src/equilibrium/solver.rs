@@ -197,6 +197,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     }
 }
 
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

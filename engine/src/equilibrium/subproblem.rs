@@ -1,6 +1,6 @@
 //! The trust-region subproblem: minimise gᵀp + ½ pᵀHp over ‖p‖ ≤ Δ (Moré and Sorensen, 1983).
 
-use super::solver::{Solver, norm};
+use super::solver::{Solver, dot, norm};
 use crate::lie::LieGroup;
 
 /// Factorisations allowed for one step.
@@ -81,10 +81,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         }
         let mut quadratic = 0.0;
         for i in 0..n {
-            let row: f64 = tangent[i * n..(i + 1) * n].iter().zip(&self.work).map(|(h, w)| h * w).sum();
-            quadratic += row * self.work[i];
+            quadratic += dot(&tangent[i * n..(i + 1) * n], &self.work) * self.work[i];
         }
-        let linear: f64 = self.residual.iter().zip(&self.step).map(|(r, s)| r * s).sum();
+        let linear = dot(&self.residual, &self.step);
         -(linear + 0.5 * quadratic / unit_energy)
     }
 
@@ -115,7 +114,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         }
         let length = norm(&self.work);
         self.work.iter_mut().for_each(|w| *w /= length);
-        let along: f64 = self.step.iter().zip(&self.work).map(|(s, w)| s * w).sum();
+        let along = dot(&self.step, &self.work);
         let short = norm(&self.step);
         let reach = ((along * along + radius * radius - short * short).max(0.0)).sqrt();
         let tau = if along >= 0.0 { reach - along } else { -reach - along };

@@ -26,6 +26,13 @@ pub(super) struct Thread {
 
 const SIDES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
+/// Adds what coordinates make of the normalised strains at a Gauss point, mode by mode.
+fn add_strain(strain: &mut [f64; 6], columns: &[(usize, usize, f64)], length: f64, coordinates: &[f64]) {
+    for &(dof, mode, phi) in columns {
+        strain[mode] += coordinates[dof] * if mode < 3 { phi } else { phi * length };
+    }
+}
+
 /// What strains make of a path's tangent at `offset`; if `lateral`, only what the offset has to do with.
 fn along<G: LieGroup<D, P>, const D: usize, const P: usize>(
     strain: &[f64; 6],
@@ -113,9 +120,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 let Thread { offset, unit, norm, tension, by_offset, by_length } = thread;
                 let (at, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
                 let mut strain = [0.0; 6];
-                for &(dof, mode, phi) in &gauss.columns {
-                    strain[mode] += lambda[dof] * if mode < 3 { phi } else { phi * length };
-                }
+                add_strain(&mut strain, &gauss.columns, length, lambda);
                 let v = along::<G, D, P>(&strain, *offset, false);
                 // d(τ̂·v) for a change (dτ, dv).
                 let work = |dtau: [f64; 3], dv: [f64; 3]| {
@@ -161,9 +166,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 for mode in G::AXES {
                     strain[mode.index()] = length * rod.reference_strain[mode.index()];
                 }
-                for &(dof, mode, phi) in &gauss.columns {
-                    strain[mode] += q[dof] * if mode < 3 { phi } else { phi * length };
-                }
+                add_strain(&mut strain, &gauss.columns, length, q);
                 let mut tau = along::<G, D, P>(&strain, offset, false);
                 for i in 0..2 {
                     tau[i + 1] += tendon.slope[i] + p[actuator.lever + i] * p[slope];
