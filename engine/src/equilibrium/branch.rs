@@ -5,10 +5,19 @@ use super::solver::{Solver, largest, norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
+/// Chord steps with the tangent foreseen, each of which must leave less than this of the residual
+const FORESEEN: usize = 2;
+const USEFUL: f64 = 0.3;
+/// and all of which go no further than this, as a multiple of the predictor;
+const CLOSE: f64 = 0.3;
+/// where one of them would go this far, the prediction is given up.
+const ASTRAY: f64 = 1.4;
 /// Corrector iterations of one sub-step: more are rarely needed unless another branch attracts.
 const CORRECTIONS: usize = 7;
 /// How far the corrector may go, as a multiple of the predictor.
 const WANDER: f64 = 0.7;
+/// and this (dimensionless) in any case.
+const SLIGHT: f64 = 1e-3;
 /// Chord steps are taken while each leaves less than this of the residual
 const CONTRACTION: f64 = 0.1;
 /// and this many more of them, at the same rate, would do.
@@ -40,9 +49,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         for (v, (w, unit)) in self.velocity[which].iter_mut().zip(self.work.iter().zip(&self.unit)) {
             *v = -w * unit / unit_energy;
         }
-        let mut velocity = std::mem::take(&mut self.velocity[which]);
-        self.solve_tangent(&mut velocity);
-        self.velocity[which] = velocity;
+        self.factor.solve(&mut self.velocity[which]);
     }
 
     /// Tries to move from the equilibrium in `start` by `h` along the load rate, as far as predicted. On
@@ -51,60 +58,101 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         self.prediction.displacement(h, &mut self.step);
         self.q.copy_from_slice(&self.start);
         Self::advance(&mut self.q, &self.step, &self.unit);
-        if !self.correct(model, largest(&self.step), goal) {
+        let reach = largest(&self.step);
+        let Some((size, went)) = self.approach(model, h, reach, goal.tolerance) else { return false };
+        if !self.correct(model, size, WANDER * reach - went, goal) {
             return false;
         }
         self.set_velocity(model, rate, 1);
         self.is_consistent(h)
     }
 
-    /// Newton's method with full steps; fails as soon as the tangent is not positive definite.
-    ///
-    /// Where a step has nearly solved the residual, chord steps with the tangent at hand do the rest.
-    fn correct(&mut self, model: &Model<G, D, P>, reach: f64, goal: Goal) -> bool {
-        let Goal { tolerance, keep } = goal;
+    /// Chord steps from the predicted state, with the tangent foreseen there; the residual that they
+    /// leave and how far they went, or `None` where the prediction is far off.
+    fn approach(&mut self, model: &Model<G, D, P>, h: f64, reach: f64, tolerance: f64) -> Option<(f64, f64)> {
         let mut size = self.evaluate(model);
-        let mut chord = false;
+        let mut went = 0.0;
+        for _ in 0..FORESEEN {
+            if size <= tolerance {
+                break;
+            }
+            for (s, r) in self.step.iter_mut().zip(&self.residual) {
+                *s = -r;
+            }
+            self.prediction.solve(h, &mut self.step);
+            let length = largest(&self.step);
+            if !(length <= ASTRAY * reach + SLIGHT) {
+                return None;
+            }
+            if went + length > CLOSE * reach + SLIGHT {
+                break;
+            }
+            went += length;
+            Self::advance(&mut self.q, &self.step, &self.unit);
+            let before = std::mem::replace(&mut size, self.evaluate(model));
+            if !(size < USEFUL * before) {
+                break;
+            }
+        }
+        Some((size, went))
+    }
+
+    /// Newton's method with full steps from a state whose residual has this size; fails as soon as the
+    /// tangent is not positive definite, and when it goes further than `reach`.
+    fn correct(&mut self, model: &Model<G, D, P>, mut size: f64, reach: f64, goal: Goal) -> bool {
         let mut previous = f64::INFINITY;
         let mut wandered = 0.0;
         for _ in 0..CORRECTIONS {
             if !size.is_finite() {
                 return false;
             }
-            if !chord {
-                self.evaluate_tangent(model);
-                if !self.factorise(0.0) {
-                    return false;
-                }
-                if size <= tolerance {
-                    return true;
-                }
+            self.evaluate_tangent(model);
+            if !self.factorise(0.0) {
+                return false;
+            }
+            if size <= goal.tolerance {
+                return true;
             }
             self.newton_step();
             let length = largest(&self.step);
             if length <= NEGLIGIBLE_STEP {
-                if !chord {
-                    return true;
-                }
-                chord = false;
-                continue;
+                return true;
             }
             // A corrector that wanders off does not belong to the predictor's branch.
             wandered += length;
-            if wandered > WANDER * reach + 1e-3 || length > 2.0 * previous {
+            if wandered > reach + SLIGHT || length > 2.0 * previous {
                 return false;
             }
             previous = length;
             Self::advance(&mut self.q, &self.step, &self.unit);
             let before = std::mem::replace(&mut size, self.evaluate(model));
-            let contraction = size / before;
-            if size <= tolerance && contraction < keep {
+            let contraction = self.chord_steps(model, &mut size, before, goal.tolerance);
+            if size <= goal.tolerance && contraction < goal.keep {
                 return true;
             }
-            chord =
-                size > tolerance && contraction < CONTRACTION && size * contraction.powi(CHORDS) <= tolerance;
         }
         false
+    }
+
+    /// Chord steps with the tangent at hand, while each leaves little of the residual and a few more
+    /// will do. The residual was `before` ahead of the last step and is left at `size`; returns what
+    /// share of it the last step left.
+    pub(super) fn chord_steps(
+        &mut self,
+        model: &Model<G, D, P>,
+        size: &mut f64,
+        before: f64,
+        tolerance: f64,
+    ) -> f64 {
+        let mut contraction = *size / before;
+        while *size > tolerance && contraction < CONTRACTION && *size * contraction.powi(CHORDS) <= tolerance
+        {
+            self.newton_step();
+            Self::advance(&mut self.q, &self.step, &self.unit);
+            let before = std::mem::replace(size, self.evaluate(model));
+            contraction = *size / before;
+        }
+        contraction
     }
 
     /// Whether the displacement agrees with what was predicted, or with the velocities at both ends.

@@ -2,6 +2,7 @@
 
 use super::solver::{Solver, largest, norm};
 use super::status::Status;
+use super::subproblem::TrustStep;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -11,9 +12,12 @@ const LARGEST_RADIUS: f64 = 4.0;
 pub(super) const NEGLIGIBLE_STEP: f64 = 1e-11;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
-    /// Minimises Π from `self.q` under `self.load`; the energy never rises along accepted steps.
-    pub(super) fn descend(&mut self, model: &Model<G, D, P>, mut radius: f64) -> Status {
+    /// Minimises Π from `self.q` under `self.load`; the energy never rises along accepted steps. The
+    /// tangent may be that of the last state but one where the last step left less than `keep` of the
+    /// residual.
+    pub(super) fn descend(&mut self, model: &Model<G, D, P>, mut radius: f64, keep: f64) -> Status {
         let first = self.iterations;
+        let tolerance = self.options.tolerance;
         let mut size = self.evaluate(model);
         if !size.is_finite() {
             return Status::Diverged;
@@ -25,10 +29,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if self.iterations - first > self.options.max_iterations {
                 break Status::IterationLimit;
             }
-            if size <= self.options.tolerance && self.factorise(0.0) {
+            if size <= tolerance && self.factorise(0.0) {
                 break Status::Converged;
             }
-            let Some((decrease, definite)) = self.trust_region_step(radius) else { break Status::Diverged };
+            let Some(step) = self.trust_region_step(radius) else { break Status::Diverged };
+            let TrustStep { decrease, definite, inside } = step;
             let length = norm(&self.step);
             if definite && largest(&self.step) <= NEGLIGIBLE_STEP {
                 break Status::Converged;
@@ -58,8 +63,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 } else if ratio < 0.25 {
                     radius = 0.25 * length;
                 }
-                size = trial_size;
-                energy = trial_energy;
+                let before = std::mem::replace(&mut size, trial_size);
+                if definite && inside {
+                    let contraction = self.chord_steps(model, &mut size, before, tolerance);
+                    if size <= tolerance && contraction < keep {
+                        break Status::Converged;
+                    }
+                    if !size.is_finite() {
+                        break Status::Diverged;
+                    }
+                }
+                energy = self.data.energy();
                 self.evaluate_tangent(model);
             } else {
                 // The tangent at hand is still that of the state gone back to.

@@ -7,6 +7,7 @@
 
 mod branch;
 mod descent;
+mod factor;
 mod general;
 mod path;
 mod prediction;

@@ -66,8 +66,10 @@ pub trait PathSink<G, const D: usize, const P: usize> {
 const LOOSE: f64 = 0.03;
 /// and at most this.
 const LOOSEST: f64 = 0.1;
-/// [`Goal::keep`] between the listed loads and at those that are followed by others.
+/// [`Goal::keep`] between the listed loads, after a fall between them and at those that are followed by
+/// others.
 const KEEP_BETWEEN: f64 = 0.3;
+const KEEP_AFTER_FALL: f64 = 0.1;
 const KEEP_AT_LISTED: f64 = 0.01;
 /// Longest sub-step (dimensionless norm over all coordinates): several full turns of a rod.
 const LONGEST: f64 = 30.0;
@@ -84,8 +86,9 @@ const SMALLEST_JUMP: f64 = 1e-3;
 #[derive(Clone, Copy, Debug)]
 struct Listed {
     index: usize,
-    /// Whether the path ends here, so that the tangent must be that of the very state.
-    exact: bool,
+    /// [`Goal::keep`] here: zero where the path ends, as there the tangent must be that of the very
+    /// state.
+    keep: f64,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
@@ -108,12 +111,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         for (index, target) in loads.iter().enumerate() {
             let before = self.iterations;
             if status.is_equilibrium() {
+                let last = loads[index..].iter().all(|later| later == target);
+                let listed = Listed { index, keep: if last { 0.0 } else { KEEP_AT_LISTED } };
                 status = if index == 0 {
                     self.load.copy_from_slice(target);
-                    self.settle(model, 1.0)
+                    self.settle(model, 1.0, listed.keep)
                 } else {
-                    let exact = loads[index..].iter().all(|later| later == target);
-                    self.follow_segment(model, target, Listed { index, exact }, reach, sink)
+                    self.follow_segment(model, target, listed, reach, sink)
                 };
             } else {
                 status = Status::NotReached;
@@ -180,7 +184,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             let mut next = if lambda + h < target { lambda + h } else { target };
             let followed = loop {
                 self.set_load(rate, next);
-                let goal = self.goal_at(next, next - lambda, listed.exact);
+                let goal = self.goal_at(next, next - lambda, listed);
                 if self.follow_branch(model, rate, next - lambda, goal) {
                     break true;
                 }
@@ -199,7 +203,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     barrier = f64::INFINITY;
                 }
             } else {
-                last = self.fall(model, rate, next - lambda, listed.index, sink);
+                last = self.fall(model, rate, [lambda, next], listed, sink);
                 if !last.is_equilibrium() {
                     return last;
                 }
@@ -215,22 +219,23 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         last
     }
 
-    /// Descends from the end of the branch, which the load has passed by `h` at most.
+    /// Descends from the end of the branch between two loads, the later of which is set.
     fn fall(
         &mut self,
         model: &Model<G, D, P>,
         rate: &[f64],
-        h: f64,
-        step: usize,
+        [before, after]: [f64; 2],
+        listed: Listed,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         self.q.copy_from_slice(&self.start);
-        let status = self.settle(model, FIRST_RADIUS);
+        let keep = if after == 1.0 { listed.keep } else { KEEP_AFTER_FALL };
+        let status = self.settle(model, FIRST_RADIUS, keep);
         if status.is_equilibrium() {
             self.set_velocity(model, rate, 1);
-            if self.displacement() > SMALLEST_JUMP + 1.5 * h * self.ordinary_speed() {
+            if self.displacement() > SMALLEST_JUMP + 1.5 * (after - before) * self.ordinary_speed() {
                 let (load, before, after) = (&self.load[..], &self.start[..], &self.q[..]);
-                sink.event(Event { step, kind: EventKind::Snap, load, before, after });
+                sink.event(Event { step: listed.index, kind: EventKind::Snap, load, before, after });
             }
         }
         status
@@ -249,10 +254,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     }
 
     /// What is asked of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
-    fn goal_at(&self, lambda: f64, h: f64, exact: bool) -> Goal {
+    fn goal_at(&self, lambda: f64, h: f64, listed: Listed) -> Goal {
         let tolerance = self.options.tolerance;
         if lambda == 1.0 {
-            Goal { tolerance, keep: if exact { 0.0 } else { KEEP_AT_LISTED } }
+            Goal { tolerance, keep: listed.keep }
         } else {
             let loose = (LOOSE * h * largest(&self.velocity[0])).min(LOOSEST).max(tolerance);
             Goal { tolerance: loose, keep: KEEP_BETWEEN }

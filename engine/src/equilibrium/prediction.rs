@@ -5,6 +5,7 @@
 //! opens takes it away; by Sherman and Morrison's formula the velocity turns by a multiple of H⁻¹ g.
 //! Where what is left is no longer positive definite, the branch ends.
 
+use super::factor::Factor;
 use super::solver::{Solver, dot, norm};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -54,6 +55,8 @@ struct Piece {
 /// The pieces ahead and the memory to find them, which grows to what the model needs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Prediction<const D: usize, const P: usize> {
+    /// The tangent where they begin.
+    factor: Factor,
     pieces: Vec<Piece>,
     count: usize,
     /// Where the branch ends; infinite when no end is in sight.
@@ -75,6 +78,7 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
         let piece = Piece { end: 0.0, velocity: vec![0.0; n] };
         let update = Update { gradient: vec![0.0; n], solved: vec![0.0; n], factor: 0.0 };
         Self {
+            factor: Factor::new(model),
             pieces: vec![piece; changes + 1],
             count: 0,
             branch_end: f64::INFINITY,
@@ -103,17 +107,35 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
 
     /// The velocity (dimensionless) after `h`.
     pub fn velocity(&self, h: f64) -> &[f64] {
-        let i = self.pieces[..self.count - 1].partition_point(|piece| piece.end < h);
-        &self.pieces[i].velocity
+        &self.pieces[self.changes(h)].velocity
+    }
+
+    /// Solves H x = b in place, with the tangent as it will be after `h`.
+    pub fn solve(&self, h: f64, b: &mut [f64]) {
+        solve_updated(&self.factor, &self.updates[..self.changes(h)], b);
+    }
+
+    /// How many changes of contact come before `h`.
+    fn changes(&self, h: f64) -> usize {
+        self.pieces[..self.count - 1].partition_point(|piece| piece.end < h)
+    }
+}
+
+fn solve_updated(start: &Factor, updates: &[Update], b: &mut [f64]) {
+    start.solve(b);
+    for update in updates {
+        let along = update.factor * dot(&update.gradient, b);
+        b.iter_mut().zip(&update.solved).for_each(|(x, w)| *x -= along * w);
     }
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
-    /// Predicts the branch from the equilibrium evaluated last, whose factor is at hand and whose
-    /// velocity is `velocity[0]`, over at most `h` and at most a displacement of norm `longest`.
-    /// Returns how far that is.
+    /// Predicts the branch from the equilibrium evaluated last, whose factor is at hand and is taken
+    /// over, and whose velocity is `velocity[0]`, over at most `h` and at most a displacement of norm
+    /// `longest`. Returns how far that is.
     pub(super) fn predict(&mut self, model: &Model<G, D, P>, h: f64, longest: f64) -> f64 {
         let mut ahead = std::mem::take(&mut self.prediction);
+        std::mem::swap(&mut ahead.factor, &mut self.factor);
         ahead.branch_end = f64::INFINITY;
         ahead.count = 1;
         ahead.pieces[0].velocity.copy_from_slice(&self.velocity[0]);
@@ -196,7 +218,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     /// Starts the piece that follows the change of pair `i`; `false` when the branch ends there.
     fn change_contact(&self, model: &Model<G, D, P>, ahead: &mut Prediction<D, P>, i: usize) -> bool {
-        let Prediction { pieces, count, updates, pairs, wrench, .. } = ahead;
+        let Prediction { factor: start, pieces, count, updates, pairs, wrench, .. } = ahead;
         let pair = &mut pairs[i];
         let stiffness = if pair.touching { -pair.stiffness } else { pair.stiffness };
         pair.touching = !pair.touching;
@@ -212,11 +234,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         self.data.assembly.add_forces(model, wrench, gradient);
         gradient.iter_mut().zip(&self.data.design.scale).for_each(|(g, s)| *g *= s);
         solved.copy_from_slice(gradient);
-        self.solve_tangent(solved);
-        for update in before {
-            let along = update.factor * dot(&update.gradient, solved);
-            solved.iter_mut().zip(&update.solved).for_each(|(x, w)| *x -= along * w);
-        }
+        solve_updated(start, before, solved);
         let left = 1.0 + stiffness * dot(gradient, solved);
         if !(left > 0.0) {
             return false;
@@ -269,7 +287,7 @@ mod tests {
     /// Goes to the equilibrium at `load` nearest to the state at hand; returns what touches.
     fn go_to(solver: &mut Planar, model: &Model<SE2, 3, 2>, load: f64) -> Vec<[usize; 3]> {
         solver.load[0] = load;
-        assert_eq!(solver.settle(model, 0.1), Status::Converged);
+        assert_eq!(solver.settle(model, 0.1, 0.0), Status::Converged);
         solver.set_velocity(model, &[1.0], 0);
         let of = |force: crate::data::ContactForce<2>| [force.first, force.second[0], force.second[1]];
         solver.data().touches(model).into_iter().map(of).collect()

@@ -1,11 +1,10 @@
 //! The solver of one thread: workspace, scaling and the evaluation of a state.
 
-use super::general::GeneralFactor;
+use super::factor::Factor;
 use super::prediction::Prediction;
 use super::status::Status;
 use crate::Data;
 use crate::lie::LieGroup;
-use crate::linalg::Cholesky;
 use crate::model::Model;
 
 /// Tolerances and limits.
@@ -30,9 +29,8 @@ impl Default for Options {
 pub struct Solver<G, const D: usize, const P: usize> {
     pub(super) data: Data<G, D, P>,
     pub(super) options: Options,
-    pub(super) factor: Cholesky,
-    /// For loads without a potential, whose tangent is not symmetric.
-    general: Option<GeneralFactor>,
+    /// The tangent factorised last.
+    pub(super) factor: Factor,
     /// The current state and load.
     pub(super) q: Vec<f64>,
     pub(super) load: Vec<f64>,
@@ -64,8 +62,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let mut solver = Self {
             data: Data::new(model),
             options,
-            factor: Cholesky::new(n),
-            general: (!model.is_conservative()).then(|| GeneralFactor::new(n)),
+            factor: Factor::new(model),
             q: zeros(),
             load: vec![0.0; inputs],
             unit: zeros(),
@@ -116,19 +113,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
         let scale = &self.data.design.scale;
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
-        match &self.general {
-            None => self.factor.solve(b),
-            Some(general) => general.solve_transposed(b),
-        }
+        self.factor.solve_transposed(b);
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
     }
 
     /// Ratio of the smallest to the largest pivot of the factor at hand.
     pub(crate) fn pivot_ratio(&self) -> f64 {
-        match &self.general {
-            None => self.factor.pivot_ratio(),
-            Some(general) => general.pivot_ratio(),
-        }
+        self.factor.pivot_ratio()
     }
 
     /// The current state.
@@ -159,34 +150,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,
     /// without a potential, when its determinant is not positive.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
-        let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
-        match &mut self.general {
-            None => self.factor.factorise(tangent, scale, shift),
-            Some(general) => general.factorise(tangent, scale),
-        }
-    }
-
-    /// Solves H x = b in place, with the factor at hand.
-    pub(super) fn solve_tangent(&self, b: &mut [f64]) {
-        match &self.general {
-            None => self.factor.solve(b),
-            Some(general) => general.solve(b),
-        }
+        self.factor.factorise(self.data.tangent(), &self.data.design.scale, shift)
     }
 
     /// p = −H⁻¹ r, with the factor at hand.
     pub(super) fn newton_step(&mut self) {
-        let mut step = std::mem::take(&mut self.step);
-        for (s, r) in step.iter_mut().zip(&self.residual) {
+        for (s, r) in self.step.iter_mut().zip(&self.residual) {
             *s = -r;
         }
-        self.solve_tangent(&mut step);
-        self.step = step;
+        self.factor.solve(&mut self.step);
     }
 
-    /// The nearest equilibrium below the current state.
-    pub(super) fn settle(&mut self, model: &Model<G, D, P>, radius: f64) -> Status {
-        if self.general.is_none() { self.descend(model, radius) } else { self.relax(model) }
+    /// The nearest equilibrium below the current state; `keep` is that of
+    /// [`Goal`](super::branch::Goal).
+    pub(super) fn settle(&mut self, model: &Model<G, D, P>, radius: f64, keep: f64) -> Status {
+        if self.factor.is_symmetric() { self.descend(model, radius, keep) } else { self.relax(model) }
     }
 
     /// Adds the dimensionless `step` to `q`.

@@ -6,15 +6,25 @@ use crate::lie::LieGroup;
 /// Factorisations allowed for one step.
 const ATTEMPTS: usize = 30;
 
+/// A step of the trust region.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrustStep {
+    /// Decrease of the quadratic model, in units of the reference energy.
+    pub decrease: f64,
+    /// Whether the tangent was positive definite.
+    pub definite: bool,
+    /// Whether this is Newton's step, with the factor at hand.
+    pub inside: bool,
+}
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
-    /// Leaves the step in `self.step`; returns the decrease of the quadratic model, in units of the
-    /// reference energy, and whether the tangent was positive definite.
-    pub(super) fn trust_region_step(&mut self, radius: f64) -> Option<(f64, bool)> {
+    /// Leaves the step in `self.step`; `None` where none is found.
+    pub(super) fn trust_region_step(&mut self, radius: f64) -> Option<TrustStep> {
         let definite = self.factorise(0.0);
         if definite {
             self.newton_step();
             if norm(&self.step) <= radius {
-                return Some((self.model_decrease(), true));
+                return Some(TrustStep { decrease: self.model_decrease(), definite, inside: true });
             }
         }
         // The multiplier λ lies between these bounds, with H + λ positive definite and ‖p(λ)‖ = Δ.
@@ -60,13 +70,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         if length > radius {
             self.step.iter_mut().for_each(|s| *s *= radius / length);
         }
-        Some((self.model_decrease(), definite))
+        Some(TrustStep { decrease: self.model_decrease(), definite, inside: false })
     }
 
     /// Newton's step for 1/‖p(λ)‖ = 1/Δ.
     fn secular_update(&mut self, shift: f64, radius: f64) -> f64 {
         self.work.copy_from_slice(&self.step);
-        self.factor.solve_lower(&mut self.work);
+        self.factor.cholesky.solve_lower(&mut self.work);
         let (p, w) = (norm(&self.step), norm(&self.work));
         shift + (p / w).powi(2) * (p - radius) / radius
     }

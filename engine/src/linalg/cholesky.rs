@@ -10,7 +10,7 @@ type Row = [f64; LANES];
 type Tile = [Row; LANES];
 
 /// `S A S + λ I = Uᵀ U`, with `A` given by its upper triangle and `S` diagonal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Cholesky {
     n: usize,
     /// Panel after panel, filled up with the identity; what lies below the diagonal is never read.
