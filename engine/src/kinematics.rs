@@ -34,7 +34,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
 
     /// Moves everything to the state `q`.
     pub fn update(&mut self, model: &Model<G, D, P>, design: &Design<G, D, P>, q: &[f64]) {
-        // Every motion by itself, then their products: the first loop has nothing to wait for.
+        // Every motion by itself, then their products: only the last loop has anything to wait for.
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let omega = match &frame.motion {
                 Motion::Rigid(_) => continue,
@@ -49,7 +49,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                 }
             };
             self.omega[f] = omega;
-            self.stumpff[f] = Stumpff::new(G::angle_squared(&omega));
+        }
+        for (block, omegas) in self.stumpff.chunks_mut(LANES).zip(self.omega.chunks(LANES)) {
+            let mut x = [0.0; LANES];
+            x.iter_mut().zip(omegas).for_each(|(x, omega)| *x = G::angle_squared(omega));
+            block.clone_from_slice(&Stumpff::block(x)[..block.len()]);
         }
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let parent = &self.pose[frame.parent];

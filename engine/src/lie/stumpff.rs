@@ -1,5 +1,7 @@
 //! Stumpff functions, the scalar coefficients of every closed form on SE(2) and SE(3).
 
+use crate::linalg::LANES;
+
 /// `c_k(x) = Σ_j (−x)^j / (2j + k)!` for `k = 0…7`, with `x` the squared rotation angle:
 /// `c₀ = cos θ`, `c₁ = sin θ/θ`, `c₂ = (1 − cos θ)/θ²`, `c₃ = (θ − sin θ)/θ³`, …
 #[derive(Clone, Copy, Debug)]
@@ -14,10 +16,10 @@ const INVERSE_FACTORIAL: [f64; 8] =
     [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
 
 /// Ratios of successive terms of the series of c₆ and c₇.
-const SERIES: [[f64; 2]; 12] = {
-    let mut ratios = [[0.0; 2]; 12];
+const SERIES: [[f64; 2]; 10] = {
+    let mut ratios = [[0.0; 2]; 10];
     let mut j = 1;
-    while j < 12 {
+    while j < 10 {
         let m = 2.0 * j as f64;
         ratios[j] = [1.0 / ((m + 5.0) * (m + 6.0)), 1.0 / ((m + 6.0) * (m + 7.0))];
         j += 1;
@@ -25,32 +27,54 @@ const SERIES: [[f64; 2]; 12] = {
     ratios
 };
 
+/// Up to here the series serve, with few terms or with all of them.
+const SMALL: f64 = 0.1;
+const LARGEST: f64 = 4.0;
+const FEW: usize = 5;
+
 impl Stumpff {
     /// Evaluates all eight functions at `x ≥ 0` to machine precision.
     #[inline]
     pub fn new(x: f64) -> Self {
+        if x < LARGEST { Self::by_series([x])[0] } else { Self::by_angle(x) }
+    }
+
+    /// The same at several arguments, side by side.
+    #[inline]
+    pub fn block(x: [f64; LANES]) -> [Self; LANES] {
+        if x.iter().all(|x| *x < LARGEST) { Self::by_series(x) } else { x.map(Self::new) }
+    }
+
+    /// Series for the two highest, then c_k = 1/k! − x c_{k+2}, which loses nothing for small x.
+    #[inline(always)]
+    fn by_series<const N: usize>(x: [f64; N]) -> [Self; N] {
+        let terms = if x.iter().all(|x| *x < SMALL) { FEW } else { SERIES.len() };
+        let [mut even, mut odd] = [[1.0; N]; 2];
+        for [e, o] in SERIES[1..terms].iter().rev() {
+            for i in 0..N {
+                even[i] = 1.0 - x[i] * e * even[i];
+                odd[i] = 1.0 - x[i] * o * odd[i];
+            }
+        }
+        let mut c = [[0.0; N]; 8];
+        c[6] = even.map(|s| s * INVERSE_FACTORIAL[6]);
+        c[7] = odd.map(|s| s * INVERSE_FACTORIAL[7]);
+        for k in (0..6).rev() {
+            for i in 0..N {
+                c[k][i] = INVERSE_FACTORIAL[k] - x[i] * c[k + 2][i];
+            }
+        }
+        std::array::from_fn(|i| Self { x: x[i], c: std::array::from_fn(|k| c[k][i]) })
+    }
+
+    fn by_angle(x: f64) -> Self {
+        let theta = x.sqrt();
+        let (sin, cos) = theta.sin_cos();
         let mut c = [0.0; 8];
-        if x < 4.0 {
-            // Series for the two highest, then c_k = 1/k! − x c_{k+2}, which loses nothing here.
-            let terms = if x < 0.1 { 5 } else { 12 };
-            let (mut even, mut odd) = (1.0, 1.0);
-            for [e, o] in SERIES[1..terms].iter().rev() {
-                even = 1.0 - x * even * e;
-                odd = 1.0 - x * odd * o;
-            }
-            c[6] = even * INVERSE_FACTORIAL[6];
-            c[7] = odd * INVERSE_FACTORIAL[7];
-            for k in (0..6).rev() {
-                c[k] = INVERSE_FACTORIAL[k] - x * c[k + 2];
-            }
-        } else {
-            let theta = x.sqrt();
-            let (sin, cos) = theta.sin_cos();
-            c[0] = cos;
-            c[1] = sin / theta;
-            for k in 0..6 {
-                c[k + 2] = (INVERSE_FACTORIAL[k] - c[k]) / x;
-            }
+        c[0] = cos;
+        c[1] = sin / theta;
+        for k in 0..6 {
+            c[k + 2] = (INVERSE_FACTORIAL[k] - c[k]) / x;
         }
         Self { x, c }
     }
