@@ -3,7 +3,7 @@
 //! The factor is kept in panels of [`LANES`] columns, each panel's rows one after another, so that
 //! products of tiles and solutions stream through memory and fill the vector registers.
 
-use super::LANES;
+use super::{LANES, fma};
 
 /// `LANES` numbers of one row.
 type Row = [f64; LANES];
@@ -120,7 +120,7 @@ impl Cholesky {
                 let tile = &self.panels[j * rows + i * LANES..][..LANES];
                 for r in 0..LANES {
                     for lane in 0..LANES {
-                        sums[r][lane] += tile[r][lane] * x[lane];
+                        sums[r][lane] = fma(tile[r][lane], x[lane], sums[r][lane]);
                     }
                 }
             }
@@ -189,7 +189,7 @@ fn subtract_products(tile: &mut Tile, ms: &[Row], us: &[Row]) {
 #[inline(always)]
 fn subtract_row(row: &mut Row, m: f64, u: &Row) {
     for (x, u) in row.iter_mut().zip(u) {
-        *x -= m * u;
+        *x = fma(-m, *u, *x);
     }
 }
 

@@ -5,6 +5,12 @@ use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 /// Columns in a block: the numbers that a vector register holds.
 pub const LANES: usize = 4;
 
+/// `a b + c`, rounded once where the machine can.
+#[inline(always)]
+pub(crate) fn fma(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
+}
+
 /// A column of `N` numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<const N: usize>(pub [f64; N]);
@@ -27,11 +33,18 @@ impl<const N: usize> Vector<N> {
     /// Inner product.
     #[inline]
     pub fn dot(&self, other: &Self) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..N {
-            sum += self[i] * other[i];
+        let mut sum = self[0] * other[0];
+        for i in 1..N {
+            sum = fma(self[i], other[i], sum);
         }
         sum
+    }
+
+    #[inline]
+    fn add_multiple(&mut self, s: f64, other: &[f64; N]) {
+        for i in 0..N {
+            self[i] = fma(s, other[i], self[i]);
+        }
     }
 
     /// Euclidean norm.
@@ -78,11 +91,9 @@ impl<const R: usize, const C: usize> Matrix<R, C> {
     /// `selfᵀ v`.
     #[inline]
     pub fn transpose_times(&self, v: &Vector<R>) -> Vector<C> {
-        let mut out = Vector::ZERO;
-        for r in 0..R {
-            for c in 0..C {
-                out[c] += self.0[r][c] * v[r];
-            }
+        let mut out = Vector(self.0[0]) * v[0];
+        for r in 1..R {
+            out.add_multiple(v[r], &self.0[r]);
         }
         out
     }
@@ -92,15 +103,13 @@ impl<const R: usize, const C: usize> Matrix<R, C> {
     /// `selfᵀ other`.
     #[inline]
     pub fn transpose_times_matrix<const K: usize>(&self, other: &Matrix<R, K>) -> Matrix<C, K> {
-        let mut out = Matrix::ZERO;
-        for r in 0..R {
-            for c in 0..C {
-                for k in 0..K {
-                    out.0[c][k] += self.0[r][c] * other.0[r][k];
-                }
+        Matrix(std::array::from_fn(|c| {
+            let mut row = Vector(other.0[0]) * self.0[0][c];
+            for r in 1..R {
+                row.add_multiple(self.0[r][c], &other.0[r]);
             }
-        }
-        out
+            row.0
+        }))
     }
 }
 
@@ -228,15 +237,7 @@ impl<const R: usize, const C: usize> Mul<Vector<C>> for Matrix<R, C> {
     type Output = Vector<R>;
     #[inline]
     fn mul(self, v: Vector<C>) -> Vector<R> {
-        let mut out = Vector::ZERO;
-        for r in 0..R {
-            let mut sum = 0.0;
-            for c in 0..C {
-                sum += self.0[r][c] * v[c];
-            }
-            out[r] = sum;
-        }
-        out
+        Vector(self.0.map(|row| Vector(row).dot(&v)))
     }
 }
 
@@ -244,15 +245,12 @@ impl<const R: usize, const K: usize, const C: usize> Mul<Matrix<K, C>> for Matri
     type Output = Matrix<R, C>;
     #[inline]
     fn mul(self, other: Matrix<K, C>) -> Matrix<R, C> {
-        let mut out = Matrix::ZERO;
-        for r in 0..R {
-            for k in 0..K {
-                let s = self.0[r][k];
-                for c in 0..C {
-                    out.0[r][c] += s * other.0[k][c];
-                }
+        Matrix(self.0.map(|factors| {
+            let mut row = Vector(other.0[0]) * factors[0];
+            for k in 1..K {
+                row.add_multiple(factors[k], &other.0[k]);
             }
-        }
-        out
+            row.0
+        }))
     }
 }

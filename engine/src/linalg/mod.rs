@@ -4,4 +4,5 @@ mod cholesky;
 mod fixed;
 
 pub use cholesky::Cholesky;
+pub(crate) use fixed::fma;
 pub use fixed::{LANES, Matrix, Vector};
