@@ -81,43 +81,99 @@ impl<const D: usize> Assembly<D> {
     ) {
         let width = model.coupled.len();
         let count = model.frames[frames.start].blocks.len();
-        let run = &mut self.run;
-        run.clear(count, width);
+        let unloaded = frames.clone().find(|f| !self.frames.loaded[*f]);
+        let frames = frames.start..unloaded.unwrap_or(frames.end);
+        self.run.clear(count, width);
+        if count == 1 {
+            self.sum_block(model, design, frames.clone());
+        } else {
+            self.sum_blocks(model, design, frames.clone());
+        }
+        if coupled {
+            self.couple_run(model, frames);
+        }
+    }
+
+    /// Of a run with one block of columns, as most have: its sums stay in registers.
+    #[inline]
+    fn sum_block<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        frames: std::ops::Range<usize>,
+    ) {
+        let (mut columns, mut rows, mut own) = (Matrix::ZERO, Matrix::ZERO, Matrix::ZERO);
         for f in frames {
-            if !self.frames.loaded[f] {
-                break;
-            }
-            let wrench = self.frames.wrench[f];
-            let form = self.frames.stiffness[f] + G::bracket_form(&wrench) * 0.5;
+            let block = model.frames[f].blocks.start;
+            let (column, motion) = (&self.columns[block], &self.motions[block]);
+            let [phi1, phi2] = &design.strain_maps[block];
+            let [row, curved, bracketed] = self.forms::<G, P>(f, column, motion, phi1);
+            own += pair([&row, &curved, &bracketed], [&(columns + *column * 0.5), motion, phi2]);
+            rows += row;
+            columns += *column;
+        }
+        let run = &mut self.run;
+        (run.columns[0], run.rows[0], run.own[0]) = (columns, rows, own);
+    }
+
+    #[inline]
+    fn sum_blocks<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        frames: std::ops::Range<usize>,
+    ) {
+        for f in frames {
             let own = model.frames[f].blocks.clone();
             let columns = &self.columns[own.clone()];
             let motions = &self.motions[own.clone()];
             let maps = &design.strain_maps[own];
-            for i in 0..count {
-                let row = form * columns[i];
-                run.rows[i] += row;
-                let curved = self.curvature[f] * motions[i];
-                // dξ₁ᵀ F dξ₂, the half that U keeps.
-                let bracketed = self.bracket[f].transpose() * maps[i][0];
-                for j in 0..count {
-                    let before = run.columns[j] + columns[j] * 0.5;
-                    let paired = row.transpose_times_matrix(&before)
-                        + curved.transpose_times_matrix(&motions[j])
-                        + bracketed.transpose_times_matrix(&maps[j][1]);
-                    run.own[i * count + j] += paired;
-                }
-                if coupled {
-                    let carried = &self.coupled[f * D * width..(f + 1) * D * width];
-                    for (d, carried) in carried.chunks_exact(width).enumerate() {
-                        let lanes = Vector(columns[i].0[d]);
-                        for (out, z) in run.coupled[i * width..(i + 1) * width].iter_mut().zip(carried) {
-                            *out += lanes * *z;
-                        }
-                    }
+            for (i, [phi1, _]) in maps.iter().enumerate() {
+                let [row, curved, bracketed] = self.forms::<G, P>(f, &columns[i], &motions[i], phi1);
+                self.run.rows[i] += row;
+                for (j, [_, phi2]) in maps.iter().enumerate() {
+                    let before = self.run.columns[j] + columns[j] * 0.5;
+                    self.run.own[i * maps.len() + j] +=
+                        pair([&row, &curved, &bracketed], [&before, &motions[j], phi2]);
                 }
             }
-            for (sum, column) in run.columns.iter_mut().zip(columns) {
+            for (sum, column) in self.run.columns.iter_mut().zip(columns) {
                 *sum += *column;
+            }
+        }
+    }
+
+    /// What a frame's forms make of a block: (H̄ + ½ M(w̄)) S, Q dΩ/dq, and Fᵀ dξ₁/dq, the half of the
+    /// bracket's form dξ₁ᵀ F dξ₂ that U keeps.
+    #[inline(always)]
+    fn forms<G: LieGroup<D, P>, const P: usize>(
+        &self,
+        f: usize,
+        column: &Matrix<D, LANES>,
+        motion: &Matrix<D, LANES>,
+        phi1: &Matrix<D, LANES>,
+    ) -> [Matrix<D, LANES>; 3] {
+        let form = self.frames.stiffness[f] + G::bracket_form(&self.frames.wrench[f]) * 0.5;
+        [form * *column, self.curvature[f] * *motion, self.bracket[f].transpose() * *phi1]
+    }
+
+    /// Adds what the coupling forms carried by the frames of a run make of its columns.
+    #[inline]
+    fn couple_run<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        frames: std::ops::Range<usize>,
+    ) {
+        let width = model.coupled.len();
+        for f in frames {
+            let carried = &self.coupled[f * D * width..(f + 1) * D * width];
+            let columns = &self.columns[model.frames[f].blocks.clone()];
+            for (column, sums) in columns.iter().zip(self.run.coupled.chunks_exact_mut(width)) {
+                for (column, carried) in column.0.iter().zip(carried.chunks_exact(width)) {
+                    for (sum, z) in sums.iter_mut().zip(carried) {
+                        *sum += Vector(*column) * *z;
+                    }
+                }
             }
         }
     }
@@ -156,4 +212,15 @@ impl<const D: usize> Assembly<D> {
             }
         }
     }
+}
+
+/// Σ rowsᵀ columns.
+#[inline(always)]
+fn pair<const D: usize>(
+    rows: [&Matrix<D, LANES>; 3],
+    columns: [&Matrix<D, LANES>; 3],
+) -> Matrix<LANES, LANES> {
+    rows[0].transpose_times_matrix(columns[0])
+        + rows[1].transpose_times_matrix(columns[1])
+        + rows[2].transpose_times_matrix(columns[2])
 }

@@ -15,20 +15,21 @@ pub struct Cholesky {
     n: usize,
     /// Panel after panel, filled up with the identity; what lies below the diagonal is never read.
     panels: Vec<Row>,
-    inverse_diagonal: Vec<Row>,
+    /// Inverses of the tiles on the diagonal, and their transposes.
+    inverses: Vec<[Tile; 2]>,
 }
 
 impl Cholesky {
     /// A buffer for matrices of order `n`.
     pub fn new(n: usize) -> Self {
         let blocks = n.div_ceil(LANES);
-        let zeros = |rows| vec![[0.0; LANES]; rows];
-        Self { n, panels: zeros(blocks * blocks * LANES), inverse_diagonal: zeros(blocks) }
+        let row = [0.0; LANES];
+        Self { n, panels: vec![row; blocks * blocks * LANES], inverses: vec![[[row; LANES]; 2]; blocks] }
     }
 
     /// Factorises; `false` when the matrix is not (numerically) positive definite.
     pub fn factorise(&mut self, a: &[f64], scale: &[f64], shift: f64) -> bool {
-        let blocks = self.inverse_diagonal.len();
+        let blocks = self.inverses.len();
         let rows = blocks * LANES;
         for i in 0..blocks {
             // U_ij = U_ii⁻ᵀ (A_ij − Σ_k U_kiᵀ U_kj), the diagonal tile first.
@@ -41,7 +42,7 @@ impl Cholesky {
             let (done, rest) = self.panels.split_at_mut((i + 1) * rows);
             let own = &mut done[i * rows..];
             subtract_products(&mut diagonal, &own[..i * LANES], &own[..i * LANES]);
-            let inverse = &mut self.inverse_diagonal[i];
+            let mut inverse = [0.0; LANES];
             for r in 0..LANES {
                 let (above, below) = diagonal.split_at_mut(r);
                 let row = &mut below[0];
@@ -55,20 +56,15 @@ impl Cholesky {
                 inverse[r] = 1.0 / row[r].sqrt();
                 row.iter_mut().for_each(|x| *x *= inverse[r]);
             }
-            own[i * LANES..][..LANES].copy_from_slice(&diagonal);
-            let (own, inverse) = (&*own, *inverse);
+            let own = &*own;
+            let transposed = invert(&diagonal, &inverse);
+            self.inverses[i] = [transpose(&transposed), transposed];
             for (j, panel) in (i + 1..blocks).zip(rest.chunks_exact_mut(rows)) {
                 let mut tile = scaled_tile(self.n, a, scale, [i, j]);
                 subtract_products(&mut tile, &own[..i * LANES], &panel[..i * LANES]);
-                for r in 0..LANES {
-                    let (above, below) = tile.split_at_mut(r);
-                    let row = &mut below[0];
-                    for (d, other) in diagonal.iter().zip(above) {
-                        subtract_row(row, d[r], other);
-                    }
-                    row.iter_mut().for_each(|x| *x *= inverse[r]);
+                for (row, factors) in panel[i * LANES..][..LANES].iter_mut().zip(&transposed) {
+                    *row = combine(factors, &tile);
                 }
-                panel[i * LANES..][..LANES].copy_from_slice(&tile);
             }
         }
         true
@@ -76,19 +72,18 @@ impl Cholesky {
 
     /// Ratio of the smallest to the largest pivot of the last factorisation.
     pub fn pivot_ratio(&self) -> f64 {
-        let diagonal = &self.inverse_diagonal.as_flattened()[..self.n];
-        let largest = diagonal.iter().fold(0.0f64, |m, d| m.max(*d));
-        let smallest = diagonal.iter().fold(f64::INFINITY, |m, d| m.min(*d));
+        let diagonal = (0..self.n).map(|k| self.inverses[k / LANES][0][k % LANES][k % LANES]);
+        let largest = diagonal.clone().fold(0.0f64, f64::max);
+        let smallest = diagonal.fold(f64::INFINITY, f64::min);
         (smallest / largest).powi(2)
     }
 
     /// Solves `Uᵀ y = b` in place.
     pub fn solve_lower(&self, b: &mut [f64]) {
-        let rows = self.inverse_diagonal.len() * LANES;
-        for (i, inverse) in self.inverse_diagonal.iter().enumerate() {
-            let panel = &self.panels[i * rows..][..(i + 1) * LANES];
+        let rows = self.inverses.len() * LANES;
+        for (i, [inverse, _]) in self.inverses.iter().enumerate() {
+            let above = &self.panels[i * rows..][..i * LANES];
             let (before, rest) = b.split_at_mut(i * LANES);
-            let (above, diagonal) = panel.split_at(i * LANES);
             let mut y = load(rest);
             let mut even = [0.0; LANES];
             for (us, ys) in above.chunks_exact(2).zip(before.chunks_exact(2)) {
@@ -98,20 +93,14 @@ impl Cholesky {
             for r in 0..LANES {
                 y[r] += even[r];
             }
-            for r in 0..LANES {
-                y[r] *= inverse[r];
-                for c in r + 1..LANES {
-                    y[c] -= y[r] * diagonal[r][c];
-                }
-            }
-            store(&y, rest);
+            store(&combine(&y, inverse), rest);
         }
     }
 
     /// Solves `U x = y` in place.
     pub fn solve_upper(&self, y: &mut [f64]) {
-        let rows = self.inverse_diagonal.len() * LANES;
-        for (i, inverse) in self.inverse_diagonal.iter().enumerate().rev() {
+        let rows = self.inverses.len() * LANES;
+        for (i, [_, transposed]) in self.inverses.iter().enumerate().rev() {
             let (head, after) = y.split_at_mut(((i + 1) * LANES).min(self.n));
             let rest = &mut head[i * LANES..];
             let mut sums = [[0.0; LANES]; LANES];
@@ -124,16 +113,11 @@ impl Cholesky {
                     }
                 }
             }
-            let diagonal = &self.panels[i * rows + i * LANES..][..LANES];
             let mut x = load(rest);
-            for r in (0..LANES).rev() {
+            for r in 0..LANES {
                 x[r] -= sums[r].iter().sum::<f64>();
-                for c in r + 1..LANES {
-                    x[r] -= diagonal[r][c] * x[c];
-                }
-                x[r] *= inverse[r];
             }
-            store(&x, rest);
+            store(&combine(&x, transposed), rest);
         }
     }
 
@@ -184,6 +168,39 @@ fn subtract_products(tile: &mut Tile, ms: &[Row], us: &[Row]) {
         subtract_row(&mut d, m[3], u);
     }
     *tile = [a, b, c, d];
+}
+
+/// The inverse of an upper triangular tile, transposed, given the inverses of its diagonal.
+#[inline(always)]
+fn invert(tile: &Tile, inverse: &Row) -> Tile {
+    let mut v = [[0.0; LANES]; LANES];
+    for c in 0..LANES {
+        for r in 0..c {
+            let mut sum = 0.0;
+            for k in r..c {
+                sum += v[k][r] * tile[k][c];
+            }
+            v[c][r] = -sum * inverse[c];
+        }
+        v[c][c] = inverse[c];
+    }
+    v
+}
+
+fn transpose(tile: &Tile) -> Tile {
+    std::array::from_fn(|r| std::array::from_fn(|c| tile[c][r]))
+}
+
+/// `Σ_k factors_k rows_k`.
+#[inline(always)]
+fn combine(factors: &Row, rows: &Tile) -> Row {
+    let mut sum = rows[0].map(|x| x * factors[0]);
+    for k in 1..LANES {
+        for (s, x) in sum.iter_mut().zip(&rows[k]) {
+            *s = fma(factors[k], *x, *s);
+        }
+    }
+    sum
 }
 
 #[inline(always)]
