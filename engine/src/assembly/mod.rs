@@ -27,8 +27,6 @@ pub(crate) struct Assembly<const D: usize> {
     pub energy: f64,
     /// The full tangent, row-major.
     pub tangent: Vec<f64>,
-    /// Ad of each frame's pose and T(Ω) of its motion, where it moves and carries something.
-    operators: Vec<[Matrix<D, D>; 2]>,
     /// The wrench that each loaded frame carries, in its body frame, and its dual to dΩ.
     pub duals: Vec<[Vector<D>; 2]>,
     /// Frames whose columns were expanded.
@@ -60,7 +58,6 @@ impl<const D: usize> Assembly<D> {
             frames: FrameTerms::new(frames, pairs + model.springs.len()),
             energy: 0.0,
             tangent: vec![0.0; n * n],
-            operators: vec![[Matrix::ZERO; 2]; frames],
             duals: vec![[Vector::ZERO; 2]; frames],
             expanded: vec![false; frames],
             columns: vec![Matrix::ZERO; blocks],

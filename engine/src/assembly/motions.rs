@@ -16,17 +16,11 @@ impl<const D: usize> Assembly<D> {
         kinematics: &Kinematics<G, D, P>,
     ) {
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            let loaded = self.frames.loaded[f];
-            if frame.blocks.is_empty() || !(loaded || model.leads_to_kept[f]) {
+            if frame.blocks.is_empty() || !self.frames.loaded[f] {
                 continue;
             }
-            let (adjoint, tangent) =
-                (kinematics.pose[f].adjoint(), G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]));
-            self.operators[f] = [adjoint, tangent];
-            if !loaded {
-                continue;
-            }
-            let body_wrench = adjoint.transpose_times(&self.frames.wrench[f]);
+            let body_wrench = kinematics.pose[f].adjoint().transpose_times(&self.frames.wrench[f]);
+            let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
             let dual = tangent.transpose_times(&body_wrench);
             self.duals[f] = [body_wrench, dual];
             let (a1, a2, _) = kinematics.motion_derivative(model, f);
@@ -55,16 +49,7 @@ impl<const D: usize> Assembly<D> {
             if frame.blocks.is_empty() || !self.expanded[f] {
                 continue;
             }
-            let [adjoint, tangent] = self.operators[f];
-            let (a1, a2, commutator) = kinematics.motion_derivative(model, f);
-            // dΩ = A₁ dξ₁ + A₂ dξ₂ + κ [dξ₁, dξ₂], dξ = Φ dq, and S = Ad T dΩ.
-            let operator = adjoint * tangent;
-            for block in frame.blocks.clone() {
-                let [phi1, phi2] = &design.strain_maps[block];
-                let motion = a1 * *phi1 + a2 * *phi2;
-                self.motions[block] = motion;
-                self.columns[block] = operator * motion;
-            }
+            let commutator = self.expand_motion(model, design, kinematics, f);
             if loaded {
                 let [body_wrench, dual] = &self.duals[f];
                 let (omega, stumpff) = (&kinematics.omega[f], &kinematics.stumpff[f]);
@@ -73,5 +58,28 @@ impl<const D: usize> Assembly<D> {
                     if commutator == 0.0 { Matrix::ZERO } else { G::bracket_form(dual) * commutator };
             }
         }
+    }
+
+    /// A frame's columns, as changes dΩ of its motion and as world columns S; returns κ.
+    ///
+    /// dΩ = A₁ dξ₁ + A₂ dξ₂ + κ [dξ₁, dξ₂], dξ = Φ dq, and S = Ad T dΩ.
+    #[inline(always)]
+    pub(super) fn expand_motion<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        design: &Design<G, D, P>,
+        kinematics: &Kinematics<G, D, P>,
+        f: usize,
+    ) -> f64 {
+        let (a1, a2, commutator) = kinematics.motion_derivative(model, f);
+        let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
+        let operator = kinematics.pose[f].adjoint() * tangent;
+        for block in model.frames[f].blocks.clone() {
+            let [phi1, phi2] = &design.strain_maps[block];
+            let motion = a1 * *phi1 + a2 * *phi2;
+            self.motions[block] = motion;
+            self.columns[block] = operator * motion;
+        }
+        commutator
     }
 }

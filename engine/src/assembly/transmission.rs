@@ -15,16 +15,9 @@ impl<const D: usize> Assembly<D> {
         design: &Design<G, D, P>,
         kinematics: &Kinematics<G, D, P>,
     ) {
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            if self.expanded[f] {
-                continue;
-            }
-            let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
-            let operator = kinematics.pose[f].adjoint() * tangent;
-            let (a1, a2, _) = kinematics.motion_derivative(model, f);
-            for block in frame.blocks.clone() {
-                let [phi1, phi2] = &design.strain_maps[block];
-                self.columns[block] = operator * (a1 * *phi1 + a2 * *phi2);
+        for f in 1..model.frames.len() {
+            if !self.expanded[f] && !model.frames[f].blocks.is_empty() {
+                self.expand_motion(model, design, kinematics, f);
             }
         }
     }
