@@ -53,7 +53,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         for (block, omegas) in self.stumpff.chunks_mut(LANES).zip(self.omega.chunks(LANES)) {
             let mut x = [0.0; LANES];
             x.iter_mut().zip(omegas).for_each(|(x, omega)| *x = G::angle_squared(omega));
-            block.iter_mut().zip(Stumpff::block(x)).for_each(|(stumpff, value)| *stumpff = value);
+            Stumpff::fill(block, x);
         }
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let parent = &self.pose[frame.parent];

@@ -36,18 +36,27 @@ impl Stumpff {
     /// Evaluates all eight functions at `x ≥ 0` to machine precision.
     #[inline]
     pub fn new(x: f64) -> Self {
-        if x < LARGEST { Self::by_series([x])[0] } else { Self::by_angle(x) }
+        if x >= LARGEST {
+            return Self::by_angle(x);
+        }
+        let mut one = [Self { x, c: [0.0; 8] }];
+        Self::by_series(&mut one, [x]);
+        one[0]
     }
 
-    /// The same at several arguments, side by side.
+    /// The same at up to [`LANES`] arguments, side by side.
     #[inline]
-    pub fn block(x: [f64; LANES]) -> [Self; LANES] {
-        if x.iter().all(|x| *x < LARGEST) { Self::by_series(x) } else { x.map(Self::new) }
+    pub fn fill(out: &mut [Self], x: [f64; LANES]) {
+        if x.iter().all(|x| *x < LARGEST) {
+            Self::by_series(out, x);
+        } else {
+            out.iter_mut().zip(x).for_each(|(out, x)| *out = Self::new(x));
+        }
     }
 
     /// Series for the two highest, then c_k = 1/k! − x c_{k+2}, which loses nothing for small x.
     #[inline(always)]
-    fn by_series<const N: usize>(x: [f64; N]) -> [Self; N] {
+    fn by_series<const N: usize>(out: &mut [Self], x: [f64; N]) {
         let terms = if x.iter().all(|x| *x < SMALL) { FEW } else { SERIES.len() };
         let [mut even, mut odd] = [[1.0; N]; 2];
         for [e, o] in SERIES[1..terms].iter().rev() {
@@ -64,7 +73,9 @@ impl Stumpff {
                 c[k][i] = INVERSE_FACTORIAL[k] - x[i] * c[k + 2][i];
             }
         }
-        std::array::from_fn(|i| Self { x: x[i], c: std::array::from_fn(|k| c[k][i]) })
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = Self { x: x[i], c: std::array::from_fn(|k| c[k][i]) };
+        }
     }
 
     fn by_angle(x: f64) -> Self {
