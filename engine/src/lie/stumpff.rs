@@ -1,6 +1,6 @@
 //! Stumpff functions, the scalar coefficients of every closed form on SE(2) and SE(3).
 
-use crate::linalg::LANES;
+use crate::linalg::{LANES, fma};
 
 /// `c_k(x) = Σ_j (−x)^j / (2j + k)!` for `k = 0…7`, with `x` the squared rotation angle:
 /// `c₀ = cos θ`, `c₁ = sin θ/θ`, `c₂ = (1 − cos θ)/θ²`, `c₃ = (θ − sin θ)/θ³`, …
@@ -61,8 +61,8 @@ impl Stumpff {
         let [mut even, mut odd] = [[1.0; N]; 2];
         for [e, o] in SERIES[1..terms].iter().rev() {
             for i in 0..N {
-                even[i] = 1.0 - x[i] * e * even[i];
-                odd[i] = 1.0 - x[i] * o * odd[i];
+                even[i] = fma(-x[i] * e, even[i], 1.0);
+                odd[i] = fma(-x[i] * o, odd[i], 1.0);
             }
         }
         let mut c = [[0.0; N]; 8];
@@ -70,7 +70,7 @@ impl Stumpff {
         c[7] = odd.map(|s| s * INVERSE_FACTORIAL[7]);
         for k in (0..6).rev() {
             for i in 0..N {
-                c[k][i] = INVERSE_FACTORIAL[k] - x[i] * c[k + 2][i];
+                c[k][i] = fma(-x[i], c[k + 2][i], INVERSE_FACTORIAL[k]);
             }
         }
         for (i, out) in out.iter_mut().enumerate() {
