@@ -1,7 +1,7 @@
 //! Planar rigid motions in the x–z plane, positive rotation about +y.
 
 use super::{LieGroup, Stumpff};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, fma};
 use crate::strain::Mode;
 
 /// A planar pose: rotation `(cos, sin)` and position `(x, z)`.
@@ -35,7 +35,7 @@ impl LieGroup<3, 2> for SE2 {
         Self {
             cos: c.c[0],
             sin: w * c.c[1],
-            position: Vector([along * v[0] + across * jv[0], along * v[1] + across * jv[1]]),
+            position: Vector([fma(along, v[0], across * jv[0]), fma(along, v[1], across * jv[1])]),
         }
     }
 
@@ -70,8 +70,8 @@ impl LieGroup<3, 2> for SE2 {
     #[inline]
     fn compose(&self, right: &Self) -> Self {
         Self {
-            cos: self.cos * right.cos - self.sin * right.sin,
-            sin: self.sin * right.cos + self.cos * right.sin,
+            cos: fma(self.cos, right.cos, -(self.sin * right.sin)),
+            sin: fma(self.sin, right.cos, self.cos * right.sin),
             position: self.act(&right.position),
         }
     }
@@ -111,7 +111,7 @@ impl LieGroup<3, 2> for SE2 {
 
     #[inline]
     fn rotate(&self, d: &Vector<2>) -> Vector<2> {
-        Vector([self.cos * d[0] + self.sin * d[1], self.cos * d[1] - self.sin * d[0]])
+        Vector([fma(self.cos, d[0], self.sin * d[1]), fma(self.cos, d[1], -(self.sin * d[0]))])
     }
 
     #[inline]
