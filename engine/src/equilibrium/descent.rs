@@ -64,7 +64,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                     radius = 0.25 * length;
                 }
                 let before = std::mem::replace(&mut size, trial_size);
-                if definite && inside {
+                if inside {
                     let contraction = self.chord_steps(model, &mut size, before, tolerance);
                     if size <= tolerance && contraction < keep {
                         break Status::Converged;

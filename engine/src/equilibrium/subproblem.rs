@@ -13,7 +13,7 @@ pub(super) struct TrustStep {
     pub decrease: f64,
     /// Whether the tangent was positive definite.
     pub definite: bool,
-    /// Whether this is Newton's step, with the factor at hand.
+    /// Whether this is Newton's step, with a positive definite tangent, whose factor is at hand.
     pub inside: bool,
 }
 

@@ -13,7 +13,8 @@ type Tile = [Row; LANES];
 #[derive(Clone, Debug, Default)]
 pub struct Cholesky {
     n: usize,
-    /// Panel after panel, filled up with the identity; what lies below the diagonal is never read.
+    /// Panel after panel, filled up with the identity; only what lies above the tiles on the diagonal
+    /// is kept.
     panels: Vec<Row>,
     /// Inverses of the tiles on the diagonal, and their transposes.
     inverses: Vec<[Tile; 2]>,
