@@ -17,7 +17,7 @@ const STEP: f64 = 4e-6;
 
 /// Sixth-order central differences of energy and residual along coordinate `j`.
 ///
-/// `None` where a contact opens, closes or turns over within the stencil: the tangent jumps there.
+/// `None` where a contact opens, closes or turns within the stencil: the tangent jumps there.
 fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &mut Data<G, D, P>,
@@ -46,10 +46,12 @@ fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>(
     Some((energy, column))
 }
 
-/// The same pairs, pushed the same way: a sphere's centre may pass a round cone's axis.
+/// The same pairs, pushed the same way: a sphere's centre may pass by a round cone's axis, too close
+/// for differences.
 fn alike<const P: usize>(one: &[ContactForce<P>], other: &[ContactForce<P>]) -> bool {
     let same = |(a, b): (&ContactForce<P>, &ContactForce<P>)| {
-        (a.first, a.second) == (b.first, b.second) && a.force.dot(&b.force) > 0.0
+        (a.first, a.second) == (b.first, b.second)
+            && a.force.dot(&b.force) >= 0.995 * a.force.norm() * b.force.norm()
     };
     one.len() == other.len() && one.iter().zip(other).all(same)
 }
@@ -73,6 +75,8 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
     data.evaluate(&model, &q, load);
     let (residual, tangent) = (data.residual().to_vec(), data.tangent().to_vec());
     let size = |v: &[f64]| v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    // A sphere's centre close to an axis turns the rounding of its position into force.
+    let stiffest: Vec<f64> = tangent.chunks(n).map(size).collect();
     if model.is_conservative() {
         for i in 0..n {
             for j in 0..i {
@@ -97,7 +101,7 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let column: Vec<f64> = (0..n).map(|i| tangent[i * n + j]).collect();
         for i in 0..n {
             let error = (difference[i] - column[i]).abs();
-            let rounding = 1e-14 * size(&residual) / STEP;
+            let rounding = (1e-14 * size(&residual) + 4e-15 * stiffest[i]) / STEP;
             prop_assert!(
                 error <= 1e-6 * size(&column) + rounding,
                 "tangent {i}, {j}: {} {}",
@@ -106,12 +110,13 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
             );
         }
     }
-    prop_assert!(2 * checked > n, "only {checked} of {n} coordinates are away from a change of contact");
+    // So close to a change of contact that most stencils cross it: rare, or the test fails for want of states.
+    prop_assume!(2 * checked > n);
     Ok(())
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig { cases: 96, max_global_rejects: 4, ..ProptestConfig::default() })]
 
     #[test]
     fn spatial(
