@@ -5,8 +5,9 @@ use crate::design::Design;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-use crate::model::Model;
+use crate::model::{Contact, Model};
 use crate::potential;
+use crate::potential::touch::Touch;
 
 /// The contacts of a state, in brief.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +45,7 @@ pub struct ContactForce<const P: usize> {
 pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
     pub(crate) kinematics: Kinematics<G, D, P>,
-    pub(crate) assembly: Assembly<D>,
+    pub(crate) assembly: Assembly<D, P>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
@@ -118,49 +119,53 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// Where two joined round cones are both touched at the sphere that they share, that counts once.
     pub fn touches(&self, model: &Model<G, D, P>) -> Vec<ContactForce<P>> {
         let mut forces: Vec<ContactForce<P>> = vec![];
-        let points = &self.kinematics.points;
-        for contact in &model.contacts {
-            let k = self.design.parameters[contact.stiffness];
-            potential::touch::for_each(model, &self.design, points, contact, |t| {
-                let force = t.normal * (k * t.weight * t.overlap);
-                let same = |f: &ContactForce<P>| {
-                    f.first == t.first && (f.force + force).norm() <= 1e-9 * force.norm()
-                };
-                let shared = forces.iter().rposition(same).filter(|_| t.weight < 0.0);
-                if let Some(i) = shared {
-                    forces.remove(i);
-                    return;
-                }
-                let inward = self.design.radii[t.first] - 0.5 * t.overlap;
-                forces.push(ContactForce {
-                    first: t.first,
-                    second: t.second,
-                    cone: !contact.cones.is_empty(),
-                    nearest: t.second[usize::from(t.t >= 0.5)],
-                    force,
-                    depth: t.overlap,
-                    point: points[model.spheres[t.first].point] - t.normal * inward,
-                });
+        for (contact, k, t) in self.touching(model) {
+            let force = t.normal * (k * t.overlap);
+            let same =
+                |f: &ContactForce<P>| f.first == t.first && (f.force + force).norm() <= 1e-9 * force.norm();
+            let shared = forces.iter().rposition(same).filter(|_| t.weight < 0.0);
+            if let Some(i) = shared {
+                forces.remove(i);
+                continue;
+            }
+            let inward = self.design.radii[t.first] - 0.5 * t.overlap;
+            forces.push(ContactForce {
+                first: t.first,
+                second: t.second,
+                cone: !contact.cones.is_empty(),
+                nearest: t.second[usize::from(t.t >= 0.5)],
+                force,
+                depth: t.overlap,
+                point: self.kinematics.points[model.spheres[t.first].point] - t.normal * inward,
             });
         }
         forces
+    }
+
+    /// What touches at the last state evaluated, with its contact and its stiffness k w.
+    pub(crate) fn touching<'a>(
+        &'a self,
+        model: &'a Model<G, D, P>,
+    ) -> impl Iterator<Item = (&'a Contact, f64, &'a Touch<P>)> {
+        self.assembly.frames.touches.iter().map(|(contact, touch)| {
+            let contact = &model.contacts[*contact];
+            (contact, self.design.parameters[contact.stiffness] * touch.weight, touch)
+        })
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
     pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
         let mut summary = ContactSummary::default();
         let mut tip = Vector::<P>::ZERO;
-        for contact in &model.contacts {
-            let k = self.design.parameters[contact.stiffness];
-            let mut last = usize::MAX;
-            potential::touch::for_each(model, &self.design, &self.kinematics.points, contact, |t| {
-                summary.pairs += u32::from(t.weight > 0.0);
-                summary.touching += u32::from(t.first != last);
-                last = t.first;
-                if contact.tip[t.first - contact.first.start] {
-                    tip += t.normal * (k * t.weight * t.overlap);
-                }
-            });
+        let mut last = None;
+        for (contact, k, t) in self.touching(model) {
+            let this = Some((contact.first.start, contact.second.start, t.first));
+            summary.pairs += u32::from(t.weight > 0.0);
+            summary.touching += u32::from(this != last);
+            last = this;
+            if contact.tip[t.first - contact.first.start] {
+                tip += t.normal * (k * t.overlap);
+            }
         }
         summary.tip_force = tip.norm();
         summary

@@ -38,10 +38,10 @@ impl<const D: usize> Run<D> {
     }
 }
 
-impl<const D: usize> Assembly<D> {
+impl<const D: usize, const P: usize> Assembly<D, P> {
     /// The frames of one rod element move with the same coordinates; such a run meets the columns
     /// before it once, with its rows summed, and pairs its own columns among themselves.
-    pub(super) fn march<G: LieGroup<D, P>, const P: usize>(
+    pub(super) fn march<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -72,7 +72,7 @@ impl<const D: usize> Assembly<D> {
 
     /// Sums over the frames of a run and pairs their columns with one another.
     #[inline]
-    fn sum_run<G: LieGroup<D, P>, const P: usize>(
+    fn sum_run<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -96,7 +96,7 @@ impl<const D: usize> Assembly<D> {
 
     /// Of a run with one block of columns, as most have: its sums stay in registers.
     #[inline]
-    fn sum_block<G: LieGroup<D, P>, const P: usize>(
+    fn sum_block<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -107,7 +107,7 @@ impl<const D: usize> Assembly<D> {
             let block = model.frames[f].blocks.start;
             let (column, motion) = (&self.columns[block], &self.motions[block]);
             let [phi1, phi2] = &design.strain_maps[block];
-            let [row, curved, bracketed] = self.forms::<G, P>(f, column, motion, phi1);
+            let [row, curved, bracketed] = self.forms::<G>(f, column, motion, phi1);
             own += pair([&row, &curved, &bracketed], [&(columns + *column * 0.5), motion, phi2]);
             rows += row;
             columns += *column;
@@ -117,7 +117,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     #[inline]
-    fn sum_blocks<G: LieGroup<D, P>, const P: usize>(
+    fn sum_blocks<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -129,7 +129,7 @@ impl<const D: usize> Assembly<D> {
             let motions = &self.motions[own.clone()];
             let maps = &design.strain_maps[own];
             for (i, [phi1, _]) in maps.iter().enumerate() {
-                let [row, curved, bracketed] = self.forms::<G, P>(f, &columns[i], &motions[i], phi1);
+                let [row, curved, bracketed] = self.forms::<G>(f, &columns[i], &motions[i], phi1);
                 self.run.rows[i] += row;
                 for (j, [_, phi2]) in maps.iter().enumerate() {
                     let before = self.run.columns[j] + columns[j] * 0.5;
@@ -146,7 +146,7 @@ impl<const D: usize> Assembly<D> {
     /// What a frame's forms make of a block: (H̄ + ½ M(w̄)) S, Q dΩ/dq, and Fᵀ dξ₁/dq, the half of the
     /// bracket's form dξ₁ᵀ F dξ₂ that U keeps.
     #[inline(always)]
-    fn forms<G: LieGroup<D, P>, const P: usize>(
+    fn forms<G: LieGroup<D, P>>(
         &self,
         f: usize,
         column: &Matrix<D, LANES>,
@@ -159,11 +159,7 @@ impl<const D: usize> Assembly<D> {
 
     /// Adds what the coupling forms carried by the frames of a run make of its columns.
     #[inline]
-    fn couple_run<G: LieGroup<D, P>, const P: usize>(
-        &mut self,
-        model: &Model<G, D, P>,
-        frames: std::ops::Range<usize>,
-    ) {
+    fn couple_run<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, frames: std::ops::Range<usize>) {
         let width = model.coupled.len();
         for f in frames {
             let carried = &self.coupled[f * D * width..(f + 1) * D * width];
@@ -180,7 +176,7 @@ impl<const D: usize> Assembly<D> {
 
     /// Pairs the run that starts at frame `f` with the columns before it.
     #[inline]
-    fn pair_run<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>, f: usize) {
+    fn pair_run<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, f: usize) {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
         let first = &model.frames[f];

@@ -21,9 +21,9 @@ use march::Run;
 
 /// Workspace of the assembly.
 #[derive(Clone, Debug)]
-pub(crate) struct Assembly<const D: usize> {
+pub(crate) struct Assembly<const D: usize, const P: usize> {
     pub coordinates: CoordinateTerms,
-    pub frames: FrameTerms<D>,
+    pub frames: FrameTerms<D, P>,
     pub energy: f64,
     /// The full tangent, row-major.
     pub tangent: Vec<f64>,
@@ -48,8 +48,8 @@ pub(crate) struct Assembly<const D: usize> {
     coupled: Vec<f64>,
 }
 
-impl<const D: usize> Assembly<D> {
-    pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
+impl<const D: usize, const P: usize> Assembly<D, P> {
+    pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
         let (n, frames) = (model.dof, model.frames.len());
         let pairs: usize = model.contacts.iter().map(potential::touch::most_couplings).sum();
         let blocks = model.frames.last().map_or(0, |f| f.blocks.end);
@@ -72,7 +72,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Energy and gradient (of `coordinates`: the residual of (9)) at the state held by `kinematics`.
-    pub fn update_residual<G: LieGroup<D, P>, const P: usize>(
+    pub fn update_residual<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -89,17 +89,14 @@ impl<const D: usize> Assembly<D> {
         frames.clear();
         potential::gravity::add(model, design, &kinematics.points, frames);
         potential::spring::add(model, design, &kinematics.points, frames);
-        potential::contact::add(model, design, &kinematics.points, frames);
-        potential::round_cone::add(model, design, &kinematics.points, frames);
+        potential::touch::add(model, design, &kinematics.points, frames);
         potential::wrench::add(model, design, kinematics, load, frames);
         self.energy = coordinates.energy + frames.energy;
-
-        self.carry_back(model);
         self.pull_back(model, design, kinematics);
     }
 
     /// The tangent at the state that [`Assembly::update_residual`] saw last.
-    pub fn update_tangent<G: LieGroup<D, P>, const P: usize>(
+    pub fn update_tangent<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -112,7 +109,14 @@ impl<const D: usize> Assembly<D> {
         potential::elastic::add_tangent(model, design, coordinates);
         potential::joint::add_tangent(model, design, q, coordinates);
         potential::actuator::add_tangent(design, coordinates);
+        let frames = &mut self.frames;
+        frames.clear_tangent();
+        potential::gravity::add_tangent(model, design, &kinematics.points, frames);
+        potential::spring::add_tangent(model, design, &kinematics.points, frames);
+        potential::touch::add_tangent(model, design, &kinematics.points, frames);
+        potential::wrench::add_tangent(model, &kinematics.points, load, frames);
 
+        self.carry_stiffness(model);
         self.expand_motions(model, design, kinematics);
         self.keep_jacobians(model);
         let coupled = self.carry_couplings(model);
@@ -123,7 +127,7 @@ impl<const D: usize> Assembly<D> {
 
     /// The frame's own coordinates with their world columns, for a frame that carries something or
     /// leads to a kept Jacobian.
-    pub fn columns<'a, G: LieGroup<D, P>, const P: usize>(
+    pub fn columns<'a, G: LieGroup<D, P>>(
         &'a self,
         model: &'a Model<G, D, P>,
         f: usize,
@@ -131,22 +135,19 @@ impl<const D: usize> Assembly<D> {
         columns_of(model, &self.columns, f)
     }
 
-    /// Sums wrenches and stiffness forms over all frames that each frame carries.
-    fn carry_back<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) {
-        let frames = &mut self.frames;
-        for f in (1..model.frames.len()).rev() {
-            let parent = model.frames[f].parent;
-            if frames.loaded[f] && parent != 0 {
-                frames.loaded[parent] = true;
-                let (wrench, stiffness) = (frames.wrench[f], frames.stiffness[f]);
-                frames.wrench[parent] += wrench;
-                frames.stiffness[parent] += stiffness;
+    /// Sums stiffness forms over all frames that each frame carries.
+    fn carry_stiffness<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
+        let FrameTerms { stiffness, loaded, .. } = &mut self.frames;
+        for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
+            if loaded[f] && frame.parent != 0 {
+                let carried = stiffness[f];
+                stiffness[frame.parent] += carried;
             }
         }
     }
 
     /// Jacobians of the frames that couplings and follower loads refer to.
-    fn keep_jacobians<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) {
+    fn keep_jacobians<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
         let n = model.dof;
         self.kept.fill(0.0);
         for (frame, slot) in model.jacobian_slot.iter().enumerate() {
@@ -165,7 +166,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Sums X J_column of all couplings over what each frame carries; `false` when there are none.
-    fn carry_couplings<G: LieGroup<D, P>, const P: usize>(&mut self, model: &Model<G, D, P>) -> bool {
+    fn carry_couplings<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) -> bool {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
         if self.frames.couplings.is_empty() || width == 0 {
@@ -201,7 +202,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Adds Jᵀw for a frame whose Jacobian is kept.
-    pub fn add_generalised_force<G: LieGroup<D, P>, const P: usize>(
+    pub fn add_generalised_force<G: LieGroup<D, P>>(
         &self,
         model: &Model<G, D, P>,
         frame: usize,
@@ -230,7 +231,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// The antisymmetric part of the tangent under loads without a potential.
-    fn circulate<G: LieGroup<D, P>, const P: usize>(
+    fn circulate<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,

@@ -7,19 +7,28 @@ use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix};
 use crate::model::Model;
 
-impl<const D: usize> Assembly<D> {
-    /// Adds Sᵀ w̄ of all frames to the gradient, S = Ad T dΩ/dq being the columns of their motions.
-    pub(super) fn pull_back<G: LieGroup<D, P>, const P: usize>(
+impl<const D: usize, const P: usize> Assembly<D, P> {
+    /// Sums wrenches over all frames that each frame carries, w̄, and adds Sᵀ w̄ to the gradient, S =
+    /// Ad T dΩ/dq being the columns of the frame's motion.
+    pub(super) fn pull_back<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
         kinematics: &Kinematics<G, D, P>,
     ) {
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            if frame.blocks.is_empty() || !self.frames.loaded[f] {
+        for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
+            if !self.frames.loaded[f] {
                 continue;
             }
-            let body_wrench = kinematics.pose[f].adjoint().transpose_times(&self.frames.wrench[f]);
+            let wrench = self.frames.wrench[f];
+            if frame.parent != 0 {
+                self.frames.loaded[frame.parent] = true;
+                self.frames.wrench[frame.parent] += wrench;
+            }
+            if frame.blocks.is_empty() {
+                continue;
+            }
+            let body_wrench = kinematics.pose[f].adjoint().transpose_times(&wrench);
             let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
             let dual = tangent.transpose_times(&body_wrench);
             self.duals[f] = [body_wrench, dual];
@@ -37,7 +46,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Expands the motions of all frames that carry something or are asked for their Jacobian.
-    pub(super) fn expand_motions<G: LieGroup<D, P>, const P: usize>(
+    pub(super) fn expand_motions<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -64,7 +73,7 @@ impl<const D: usize> Assembly<D> {
     ///
     /// dΩ = A₁ dξ₁ + A₂ dξ₂ + κ [dξ₁, dξ₂], dξ = Φ dq, and S = Ad T dΩ.
     #[inline(always)]
-    pub(super) fn expand_motion<G: LieGroup<D, P>, const P: usize>(
+    pub(super) fn expand_motion<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,

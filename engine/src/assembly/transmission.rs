@@ -7,9 +7,9 @@ use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 
-impl<const D: usize> Assembly<D> {
+impl<const D: usize, const P: usize> Assembly<D, P> {
     /// Expands the columns of the frames that carry nothing, which the tangent has no use for.
-    pub fn complete_columns<G: LieGroup<D, P>, const P: usize>(
+    pub fn complete_columns<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
@@ -23,12 +23,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// World twist of every frame while the coordinates change at the rates `rates`.
-    pub fn twists<G: LieGroup<D, P>, const P: usize>(
-        &self,
-        model: &Model<G, D, P>,
-        rates: &[f64],
-        twist: &mut [Vector<D>],
-    ) {
+    pub fn twists<G: LieGroup<D, P>>(&self, model: &Model<G, D, P>, rates: &[f64], twist: &mut [Vector<D>]) {
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let mut sum = twist[frame.parent];
             let dofs = &model.column_dofs[frame.columns.clone()];
@@ -43,7 +38,7 @@ impl<const D: usize> Assembly<D> {
 
     /// Adds the generalised force of world wrenches on all frames; each of them is left with the sum
     /// of all that it carries.
-    pub fn add_forces<G: LieGroup<D, P>, const P: usize>(
+    pub fn add_forces<G: LieGroup<D, P>>(
         &self,
         model: &Model<G, D, P>,
         wrench: &mut [Vector<D>],

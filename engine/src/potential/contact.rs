@@ -1,30 +1,10 @@
-//! Sphere–sphere contact (8): ½ k max(d, 0)², d = R_f + R(X) − ‖r_c‖.
+//! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
-use super::FrameTerms;
 use super::touch::Touch;
 use crate::design::Design;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
-
-pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    design: &Design<G, D, P>,
-    points: &[Vector<P>],
-    out: &mut FrameTerms<D>,
-) {
-    for contact in model.contacts.iter().filter(|c| c.cones.is_empty()) {
-        let k = design.parameters[contact.stiffness];
-        for_each_near(model, design, points, contact, 0.0, |touch| {
-            let [a, b] = [touch.first, touch.second[0]].map(|s| model.spheres[s].point);
-            out.energy += 0.5 * k * touch.overlap * touch.overlap;
-            let frames = [model.points[a].frame, model.points[b].frame];
-            let force = touch.normal * (-k * touch.overlap);
-            let tangential = -k * touch.overlap / touch.distance;
-            out.add_pair::<G, P>(frames, [&points[a], &points[b]], &force, &touch.normal, k, tangential);
-        });
-    }
-}
 
 /// Visits the pairs of spheres of a contact that touch or lack less than `margin` of it, in the order
 /// of the first group.

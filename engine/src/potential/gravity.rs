@@ -10,12 +10,24 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     points: &[Vector<P>],
-    out: &mut FrameTerms<D>,
+    out: &mut FrameTerms<D, P>,
 ) {
     for (mass, m) in model.masses.iter().zip(&design.masses) {
         let p = &points[mass.point()];
         let weight = model.gravity * -*m;
         out.energy += weight.dot(p);
-        out.add_point_force::<G, P>(model.points[mass.point()].frame, p, &weight);
+        out.add_force::<G>(model.points[mass.point()].frame, p, &weight);
+    }
+}
+
+pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    points: &[Vector<P>],
+    out: &mut FrameTerms<D, P>,
+) {
+    for (mass, m) in model.masses.iter().zip(&design.masses) {
+        let point = mass.point();
+        out.add_curvature::<G>(model.points[point].frame, &points[point], &(model.gravity * -*m));
     }
 }

@@ -16,6 +16,7 @@ pub(crate) mod wrench;
 
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
+use touch::Touch;
 
 /// Terms in the coordinates: energy, gradient and half of the Hessian.
 ///
@@ -67,75 +68,74 @@ pub(crate) struct Coupling<const D: usize> {
     pub form: Matrix<D, D>,
 }
 
-/// Terms in the poses of frames.
+/// Terms in the poses of frames: energy and wrenches, and for the tangent, which follows them,
+/// stiffness forms.
 #[derive(Clone, Debug)]
-pub(crate) struct FrameTerms<const D: usize> {
+pub(crate) struct FrameTerms<const D: usize, const P: usize> {
     pub energy: f64,
     /// Derivative with respect to each frame's world twist.
     pub wrench: Vec<Vector<D>>,
-    /// Symmetric second derivative.
-    pub stiffness: Vec<Matrix<D, D>>,
     /// Frames that carry something.
     pub loaded: Vec<bool>,
+    /// What touches, with the index of its contact.
+    pub touches: Vec<(usize, Touch<P>)>,
+    /// Symmetric second derivative.
+    pub stiffness: Vec<Matrix<D, D>>,
     pub couplings: Vec<Coupling<D>>,
 }
 
-impl<const D: usize> FrameTerms<D> {
+impl<const D: usize, const P: usize> FrameTerms<D, P> {
     pub fn new(frames: usize, couplings: usize) -> Self {
         Self {
             energy: 0.0,
             wrench: vec![Vector::ZERO; frames],
-            stiffness: vec![Matrix::ZERO; frames],
             loaded: vec![false; frames],
+            touches: Vec::with_capacity(couplings),
+            stiffness: vec![Matrix::ZERO; frames],
             couplings: Vec::with_capacity(couplings),
         }
     }
 
     pub fn clear(&mut self) {
         self.energy = 0.0;
-        for (frame, loaded) in self.loaded.iter_mut().enumerate() {
-            if std::mem::take(loaded) {
-                self.wrench[frame] = Vector::ZERO;
-                self.stiffness[frame] = Matrix::ZERO;
-            }
-        }
+        self.wrench.fill(Vector::ZERO);
+        self.loaded.fill(false);
+        self.touches.clear();
+    }
+
+    pub fn clear_tangent(&mut self) {
+        self.stiffness.fill(Matrix::ZERO);
         self.couplings.clear();
     }
 
-    /// A potential of one point `p` of `frame`, with gradient `f` and no Hessian in `p`.
+    /// A potential of the point `p` of `frame`, with gradient `f`.
     #[inline]
-    pub fn add_point_force<G: LieGroup<D, P>, const P: usize>(
-        &mut self,
-        frame: usize,
-        p: &Vector<P>,
-        f: &Vector<P>,
-    ) {
+    pub fn add_force<G: LieGroup<D, P>>(&mut self, frame: usize, p: &Vector<P>, f: &Vector<P>) {
         self.loaded[frame] = true;
         self.wrench[frame] += G::point_jacobian(p).transpose_times(f);
+    }
+
+    /// Its second derivative, if it has none in `p`.
+    #[inline]
+    pub fn add_curvature<G: LieGroup<D, P>>(&mut self, frame: usize, p: &Vector<P>, f: &Vector<P>) {
         self.stiffness[frame] += G::point_curvature(p, f);
     }
 
-    /// A potential of the vector `a − b` between points of two frames: gradient `f`, and Hessian
-    /// `normal n nᵀ + tangential (1 − n nᵀ)`.
+    /// The second derivative of a potential of the vector `a − b` between points of two frames:
+    /// gradient `f`, and Hessian `normal n nᵀ + tangential (1 − n nᵀ)`.
     #[inline]
-    #[allow(clippy::too_many_arguments)]
-    pub fn add_pair<G: LieGroup<D, P>, const P: usize>(
+    pub fn add_pair<G: LieGroup<D, P>>(
         &mut self,
         frames: [usize; 2],
         points: [&Vector<P>; 2],
         f: &Vector<P>,
         n: &Vector<P>,
-        normal: f64,
-        tangential: f64,
+        [normal, tangential]: [f64; 2],
     ) {
         let [a, b] = points.map(|p| G::point_jacobian(p));
         let hessian = n.outer(n) * (normal - tangential) + Matrix::diagonal(tangential);
         let (ha, hb) = (hessian * a, hessian * b);
         let (at, bt) = (a.transpose(), b.transpose());
-        self.loaded[frames[0]] = true;
-        self.loaded[frames[1]] = true;
-        self.wrench[frames[0]] += a.transpose_times(f);
-        self.wrench[frames[1]] -= b.transpose_times(f);
         self.stiffness[frames[0]] += at * ha + G::point_curvature(points[0], f);
         self.stiffness[frames[1]] += bt * hb + G::point_curvature(points[1], &-*f);
         self.couplings.push(Coupling { row: frames[0], column: frames[1], form: (at * hb) * -1.0 });

@@ -52,37 +52,6 @@ pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radi
     Closest { t, unbounded, normal, distance, across, slip, radius }
 }
 
-pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    design: &Design<G, D, P>,
-    points: &[Vector<P>],
-    out: &mut FrameTerms<D>,
-) {
-    for contact in model.contacts.iter().filter(|c| !c.cones.is_empty()) {
-        for_each_near(model, design, points, contact, 0.0, |touch| {
-            let k = design.parameters[contact.stiffness] * touch.weight;
-            out.energy += 0.5 * k * touch.overlap * touch.overlap;
-            let force = touch.normal * (-k * touch.overlap);
-            let tangential = -k * touch.overlap / touch.distance;
-            let [p, a, b] = touch.points(model);
-            if touch.slip > 0.0 {
-                add_sliding(model, points, &touch, k, out);
-            } else {
-                let end = if touch.t < 0.5 { a } else { b };
-                let frames = [model.points[p].frame, model.points[end].frame];
-                out.add_pair::<G, P>(
-                    frames,
-                    [&points[p], &points[end]],
-                    &force,
-                    &touch.normal,
-                    k,
-                    tangential,
-                );
-            }
-        });
-    }
-}
-
 /// One frame's part in a touch.
 struct Side<const D: usize, const P: usize> {
     frame: usize,
@@ -93,14 +62,14 @@ struct Side<const D: usize, const P: usize> {
     curvature: Matrix<D, D>,
 }
 
-/// A touch between the ends of a round cone: up to three frames, each coupled with the others.
-#[inline]
-fn add_sliding<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// The second derivative of a touch between the ends of a round cone: up to three frames, each coupled
+/// with the others.
+pub(crate) fn add_sliding<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     points: &[Vector<P>],
     touch: &Touch<P>,
     k: f64,
-    out: &mut FrameTerms<D>,
+    out: &mut FrameTerms<D, P>,
 ) {
     let n = &touch.normal;
     let force = *n * (-k * touch.overlap);
@@ -131,8 +100,6 @@ fn add_sliding<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let slip = k * touch.overlap * touch.slip;
     for (i, side) in sides[..count].iter().enumerate() {
         let row = side.relative.transpose() * hessian;
-        out.loaded[side.frame] = true;
-        out.wrench[side.frame] += side.relative.transpose_times(&force);
         out.stiffness[side.frame] +=
             row * side.relative + side.slide.outer(&side.slide) * slip + side.curvature;
         for other in &sides[i + 1..count] {

@@ -4,7 +4,7 @@
 //! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, t being where d is largest.
 //! For two spheres a = b. First derivatives hold t (it is a maximum); second derivatives follow it.
 
-use super::{contact, round_cone};
+use super::{FrameTerms, contact, round_cone};
 use crate::design::Design;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -120,19 +120,61 @@ impl<const P: usize> Touch<P> {
     }
 }
 
-/// Visits all that touches in a contact, in the order of the first group.
-#[inline]
-pub(crate) fn for_each<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// Energy and forces of all that touches.
+pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     points: &[Vector<P>],
-    contact: &Contact,
-    visit: impl FnMut(Touch<P>),
+    out: &mut FrameTerms<D, P>,
 ) {
-    for_each_near(model, design, points, contact, 0.0, visit);
+    for (index, contact) in model.contacts.iter().enumerate() {
+        let k = design.parameters[contact.stiffness];
+        for_each_near(model, design, points, contact, 0.0, |touch| {
+            let k = k * touch.weight;
+            out.energy += 0.5 * k * touch.overlap * touch.overlap;
+            let force = touch.normal * (-k * touch.overlap);
+            let [p, a, b] = touch.points(model);
+            let mut push = |point: usize, force: &Vector<P>| {
+                out.add_force::<G>(model.points[point].frame, &points[point], force);
+            };
+            push(p, &force);
+            if a == b {
+                push(a, &-force);
+            } else {
+                push(a, &(force * (touch.t - 1.0)));
+                push(b, &(force * -touch.t));
+            }
+            out.touches.push((index, touch));
+        });
+    }
 }
 
-/// The same with all that lacks less than `margin` of touching; its overlap is negative.
+/// Their second derivatives.
+pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    design: &Design<G, D, P>,
+    points: &[Vector<P>],
+    out: &mut FrameTerms<D, P>,
+) {
+    let touches = std::mem::take(&mut out.touches);
+    for (contact, touch) in &touches {
+        let k = design.parameters[model.contacts[*contact].stiffness] * touch.weight;
+        if touch.slip > 0.0 {
+            round_cone::add_sliding(model, points, touch, k, out);
+        } else {
+            let force = touch.normal * (-k * touch.overlap);
+            let tangential = -k * touch.overlap / touch.distance;
+            let [p, end, _] = touch.points(model);
+            let frames = [p, end].map(|point| model.points[point].frame);
+            let ends = [&points[p], &points[end]];
+            out.add_pair::<G>(frames, ends, &force, &touch.normal, [k, tangential]);
+        }
+    }
+    out.touches = touches;
+}
+
+/// Visits all that touches in a contact, or lacks less than `margin` of it and has negative overlap, in
+/// the order of the first group.
 #[inline]
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,

@@ -16,7 +16,7 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     design: &Design<G, D, P>,
     kinematics: &Kinematics<G, D, P>,
     load: &[f64],
-    out: &mut FrameTerms<D>,
+    out: &mut FrameTerms<D, P>,
 ) {
     for wrench in &model.wrenches {
         let size = wrench.input.map_or(1.0, |i| load[i]);
@@ -27,12 +27,25 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
         } else {
             let force = wrench.force * size;
             out.energy -= force.dot(p);
-            out.add_point_force::<G, P>(wrench.frame, p, &-force);
+            out.add_force::<G>(wrench.frame, p, &-force);
             out.wrench[wrench.frame] -= moment::<G, D, P>(wrench) * size;
             if P == 2 && wrench.moment[1] != 0.0 {
                 out.energy -= size * wrench.moment[1] * kinematics.planar_angle(model, wrench.frame);
             }
         }
+    }
+}
+
+/// The symmetric part of the tangent.
+pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    points: &[Vector<P>],
+    load: &[f64],
+    out: &mut FrameTerms<D, P>,
+) {
+    for wrench in model.wrenches.iter().filter(|w| !w.follower) {
+        let size = wrench.input.map_or(1.0, |i| load[i]);
+        out.add_curvature::<G>(wrench.frame, &points[wrench.point], &(wrench.force * -size));
     }
 }
 

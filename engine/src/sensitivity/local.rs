@@ -5,7 +5,6 @@ use crate::data::Data;
 use crate::design::{dot, link_fraction, thread_arm};
 use crate::lie::LieGroup;
 use crate::model::{Mass, Model, Shape, SphereRadius};
-use crate::potential::touch;
 use crate::section;
 use crate::strain::Mode;
 
@@ -192,23 +191,20 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
 
     fn add_contacts<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
         let p = &data.design.parameters;
-        for contact in &model.contacts {
-            let (velocity, gradient) = (&self.velocity, &mut self.gradient);
-            touch::for_each(model, &data.design, &data.kinematics.points, contact, |touch| {
-                let k = p[contact.stiffness] * touch.weight;
-                let velocity = touch.motion(model, velocity);
-                let (approach, slide) = (touch.closing(&velocity), touch.slide(&velocity));
-                gradient[contact.stiffness] += touch.weight * touch.overlap * approach;
-                if let Some(length) = contact.lengths.get(touch.first - contact.first.start) {
-                    gradient[*length] += k * touch.overlap * approach / p[*length];
-                }
-                let by_slip = touch.overlap * touch.slip * slide;
-                let [a, b] = touch.second;
-                for (i, sphere) in [touch.first, a, b].into_iter().enumerate() {
-                    let weight = touch.by_radii()[i] * approach + touch.slide_by_radii()[i] * by_slip;
-                    add_radius(model, p, model.spheres[sphere].radius, k * weight, gradient);
-                }
-            });
+        let (velocity, gradient) = (&self.velocity, &mut self.gradient);
+        for (contact, k, touch) in data.touching(model) {
+            let velocity = touch.motion(model, velocity);
+            let (approach, slide) = (touch.closing(&velocity), touch.slide(&velocity));
+            gradient[contact.stiffness] += touch.weight * touch.overlap * approach;
+            if let Some(length) = contact.lengths.get(touch.first - contact.first.start) {
+                gradient[*length] += k * touch.overlap * approach / p[*length];
+            }
+            let by_slip = touch.overlap * touch.slip * slide;
+            let [a, b] = touch.second;
+            for (i, sphere) in [touch.first, a, b].into_iter().enumerate() {
+                let weight = touch.by_radii()[i] * approach + touch.slide_by_radii()[i] * by_slip;
+                add_radius(model, p, model.spheres[sphere].radius, k * weight, gradient);
+            }
         }
     }
 

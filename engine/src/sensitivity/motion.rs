@@ -10,7 +10,6 @@ use crate::kinematics::strains;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Link, Model, Motion, Place, Shape};
-use crate::potential::touch;
 use crate::potential::wrench::world_wrench;
 
 /// Derivative of a place's fraction with respect to the link's radii (base, tip).
@@ -84,14 +83,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let mut pair = |a: usize, b: usize, force: Vector<P>, change: Vector<P>| {
             work += change.dot(&(self.velocity[a] - self.velocity[b])) + force.dot(&(turned(a) - turned(b)));
         };
-        for contact in &model.contacts {
-            touch::for_each(model, &data.design, &data.kinematics.points, contact, |t| {
-                let k = p[contact.stiffness] * t.weight;
-                let (drift, velocity) = (t.motion(model, &drift.points), t.motion(model, &self.velocity));
-                let change = t.closing(&drift) * t.closing(&velocity);
-                let turned = t.points(model).map(turned);
-                touching += k * (change + t.overlap * (t.curvature(&drift, &velocity) + t.closing(&turned)));
-            });
+        for (_, k, t) in data.touching(model) {
+            let (drift, velocity) = (t.motion(model, &drift.points), t.motion(model, &self.velocity));
+            let change = t.closing(&drift) * t.closing(&velocity);
+            let turned = t.points(model).map(turned);
+            touching += k * (change + t.overlap * (t.curvature(&drift, &velocity) + t.closing(&turned)));
         }
         for spring in &model.springs {
             let [a, b] = spring.ends;

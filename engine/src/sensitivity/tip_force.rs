@@ -6,7 +6,7 @@ use crate::data::Data;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
-use crate::potential::touch::{self, Touch};
+use crate::potential::touch::Touch;
 
 impl<const D: usize, const P: usize> Adjoint<D, P> {
     /// ∂F_t/∂q into `out`; `false` when nothing touches the tip, where F_t has no derivative.
@@ -19,13 +19,13 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         out.fill(0.0);
         let Some(direction) = direction(model, data) else { return false };
         self.wrench.fill(Vector::ZERO);
-        each_tip_touch(model, data, |touch, k, _| {
-            let changes = force_change(&touch, k, &direction);
+        for (_, k, touch) in tip_touches(model, data) {
+            let changes = force_change(touch, k, &direction);
             for (point, change) in touch.points(model).into_iter().zip(changes) {
                 let p = &data.kinematics.points[point];
                 self.wrench[model.points[point].frame] += G::point_jacobian(p).transpose_times(&change);
             }
-        });
+        }
         data.assembly.add_forces(model, &mut self.wrench, out);
         true
     }
@@ -38,8 +38,8 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         out: &mut [f64],
     ) {
         let Some(direction) = direction(model, data) else { return };
-        each_tip_touch(model, data, |touch, k, contact| {
-            let p = &data.design.parameters;
+        let p = &data.design.parameters;
+        for (contact, k, touch) in tip_touches(model, data) {
             let along = direction.dot(&touch.normal);
             out[contact.stiffness] += touch.weight * touch.overlap * along;
             if let Some(length) = contact.lengths.get(touch.first - contact.first.start) {
@@ -51,13 +51,13 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 let weight = touch.by_radii()[i] * along + touch.slide_by_radii()[i] * turned;
                 add_radius(model, p, model.spheres[sphere].radius, k * weight, out);
             }
-        });
+        }
         for drift in &self.drifts {
-            each_tip_touch(model, data, |touch, k, _| {
+            for (_, k, touch) in tip_touches(model, data) {
                 let along = touch.motion(model, &drift.points);
-                let changes = force_change(&touch, k, &direction);
+                let changes = force_change(touch, k, &direction);
                 out[drift.parameter] += changes.iter().zip(&along).map(|(c, d)| c.dot(d)).sum::<f64>();
-            });
+            }
         }
     }
 }
@@ -82,23 +82,16 @@ fn direction<G: LieGroup<D, P>, const D: usize, const P: usize>(
     data: &Data<G, D, P>,
 ) -> Option<Vector<P>> {
     let mut resultant = Vector::<P>::ZERO;
-    each_tip_touch(model, data, |touch, k, _| resultant += touch.normal * (k * touch.overlap));
+    for (_, k, touch) in tip_touches(model, data) {
+        resultant += touch.normal * (k * touch.overlap);
+    }
     let size = resultant.norm();
     (size > 0.0).then(|| resultant * (1.0 / size))
 }
 
-fn each_tip_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    data: &Data<G, D, P>,
-    mut visit: impl FnMut(Touch<P>, f64, &Contact),
-) {
-    for contact in &model.contacts {
-        let k = data.design.parameters[contact.stiffness];
-        touch::for_each(model, &data.design, &data.kinematics.points, contact, |touch| {
-            if contact.tip[touch.first - contact.first.start] {
-                let k = k * touch.weight;
-                visit(touch, k, contact);
-            }
-        });
-    }
+fn tip_touches<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &'a Model<G, D, P>,
+    data: &'a Data<G, D, P>,
+) -> impl Iterator<Item = (&'a Contact, f64, &'a Touch<P>)> {
+    data.touching(model).filter(|(contact, _, t)| contact.tip[t.first - contact.first.start])
 }
