@@ -42,22 +42,23 @@ pub(crate) struct RodDesign<const D: usize> {
     pub reference: Vector<D>,
 }
 
-/// Tangent of an actuator's path at a Gauss point: τ = base + Σ q_c arm_c, dℓ = weight |τ|.
+/// Tangent of an actuator's path at a Gauss point: τ = base + Σ q_c size_c e_axis, dℓ = weight |τ|.
 #[derive(Clone, Debug)]
 pub(crate) struct ThreadPoint {
     pub base: [f64; 3],
     pub weight: f64,
-    /// End of its columns in `thread_columns`; they begin where the previous point's end.
-    pub end: usize,
+    /// Ends of its columns in `thread_columns`, those along each axis; the first begin where the previous
+    /// point's end.
+    pub ends: [usize; 3],
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct ThreadColumn {
     pub dof: usize,
-    pub arm: [f64; 3],
+    pub size: f64,
 }
 
-/// Inner product of two arms, and the entry of the tangent's half to which the pair adds.
+/// Inner product of two columns, and the entry of the tangent's half to which the pair adds.
 #[derive(Clone, Debug)]
 pub(crate) struct ThreadPair {
     pub entry: usize,
@@ -68,20 +69,15 @@ pub(crate) struct ThreadPair {
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
-        let count = model.actuators.iter().map(|a| a.tendon.len()).sum();
-        let columns = model.actuators.iter().flat_map(|a| &model.rods[a.rod].gauss);
-        let widths = columns.map(|g| g.columns.len());
-        let pairs: usize = widths.clone().map(|m| m * (m + 1) / 2).sum();
-        let columns: usize = widths.sum();
         let mut design = Self {
             parameters: model.parameters.clone(),
             rigid: vec![G::IDENTITY; 2 * model.bodies.len()],
             rods: vec![RodDesign { axis_scale: Vector::ZERO, reference: Vector::ZERO }; model.rods.len()],
             strain_maps: vec![[Matrix::ZERO; 2]; model.frames.last().map_or(0, |f| f.blocks.end)],
             stiffness: vec![0.0; model.stiffness_pattern.len()],
-            threads: Vec::with_capacity(count),
-            thread_columns: Vec::with_capacity(columns),
-            thread_pairs: Vec::with_capacity(pairs),
+            threads: vec![],
+            thread_columns: vec![],
+            thread_pairs: vec![],
             points: vec![Vector::ZERO; model.points.len()],
             radii: vec![0.0; model.spheres.len()],
             volumes: vec![0.0; model.masses.len()],
@@ -181,24 +177,30 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
                         base[i] += length * rod.reference_strain[mode.index()] * arm[i];
                     }
                 }
-                for &(dof, mode, phi) in &gauss.columns {
-                    let mode = Mode::ALL[mode];
-                    let scale = if mode.is_angular() { phi } else { phi * length };
-                    self.thread_columns
-                        .push(ThreadColumn { dof, arm: thread_arm(mode, d).map(|a| a * scale) });
+                let first = self.thread_columns.len();
+                let mut ends = [0; 3];
+                for (axis, end) in ends.iter_mut().enumerate() {
+                    for &(dof, mode, phi) in &gauss.columns {
+                        let mode = Mode::ALL[mode];
+                        let arm = thread_arm(mode, d)[axis];
+                        if acts_along(mode, axis) {
+                            let size = arm * if mode.is_angular() { phi } else { phi * length };
+                            self.thread_columns.push(ThreadColumn { dof, size });
+                        }
+                    }
+                    *end = self.thread_columns.len();
                 }
-                let first = self.thread_columns.len() - gauss.columns.len();
                 let columns = &self.thread_columns[first..];
+                let axis = |m: usize| ends.iter().filter(|end| first + m >= **end).count();
                 for (m, a) in columns.iter().enumerate() {
-                    for b in &columns[..=m] {
+                    for (l, b) in columns[..=m].iter().enumerate() {
                         let entry = a.dof.max(b.dof) * model.dof + a.dof.min(b.dof);
-                        let product = dot(&a.arm, &b.arm);
-                        let share = if a.dof == b.dof { 0.5 } else { 1.0 };
+                        let product = if axis(m) == axis(l) { a.size * b.size } else { 0.0 };
+                        let share = if m == l { 0.5 } else { 1.0 };
                         self.thread_pairs.push(ThreadPair { entry, product, share });
                     }
                 }
-                let (weight, end) = (gauss.weight, self.thread_columns.len());
-                self.threads.push(ThreadPoint { base, weight, end });
+                self.threads.push(ThreadPoint { base, weight: gauss.weight, ends });
             }
         }
     }
@@ -290,6 +292,11 @@ pub(crate) fn link_fraction<'a, G: LieGroup<D, P>, const D: usize, const P: usiz
 #[inline]
 pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Whether [`thread_arm`] has a component along an axis.
+fn acts_along(mode: Mode, axis: usize) -> bool {
+    thread_arm(mode, [1.0; 2])[axis] != 0.0
 }
 
 /// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.

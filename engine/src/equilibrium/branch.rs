@@ -164,7 +164,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let (mut missed, mut turned, mut moved) = (0.0, 0.0, 0.0);
         let (mut error, mut bend, mut reach, mut speed) = (0.0, 0.0, 0.0, 0.0);
         let [v0, v1] = &self.velocity;
-        let expected = self.prediction.velocity(h).iter().zip(&self.work);
+        let expected = self.prediction.velocity(h).zip(&self.work);
         let states = self.q.iter().zip(&self.start).zip(&self.unit);
         for (((q, s), u), ((a, b), (v, d))) in states.zip(v0.iter().zip(v1).zip(expected)) {
             let went = (q - s) / u;

@@ -8,6 +8,16 @@ use crate::model::Model;
 
 /// Dimensionless radii: one unit is one radian of the softest angular coordinate.
 const LARGEST_RADIUS: f64 = 4.0;
+/// A step that reaches the radius widens it so many times where the model foretold at least this share
+/// of the decrease,
+const WIDEN: f64 = 2.0;
+const GOOD: f64 = 0.75;
+/// and so many where the model was right to within this share.
+const WIDEN_MORE: f64 = 3.0;
+const EXACT: f64 = 0.3;
+/// A step turned back narrows it to this share, and one that hardly helped.
+const NARROW: f64 = 0.4;
+const POOR: f64 = 0.25;
 /// Below this, a Newton step no longer changes the state.
 pub(super) const NEGLIGIBLE_STEP: f64 = 1e-11;
 
@@ -58,10 +68,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             let ratio = if decrease > noise { actual / decrease } else { 1.0 };
             turned_back = !(accepted && trial_size.is_finite());
             if !turned_back {
-                if ratio > 0.75 && length > 0.8 * radius {
-                    radius = (2.0 * radius).min(LARGEST_RADIUS);
-                } else if ratio < 0.25 {
-                    radius = 0.25 * length;
+                if ratio > GOOD && length > 0.8 * radius {
+                    let widen = if (ratio - 1.0).abs() < EXACT { WIDEN_MORE } else { WIDEN };
+                    radius = (widen * radius).min(LARGEST_RADIUS);
+                } else if ratio < POOR {
+                    radius = NARROW * length;
                 }
                 let before = std::mem::replace(&mut size, trial_size);
                 if inside {
@@ -79,7 +90,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 // The tangent at hand is still that of the state gone back to.
                 self.q.copy_from_slice(&self.trial);
                 self.residual.copy_from_slice(&self.trial_residual);
-                radius = 0.25 * length.min(radius);
+                radius = NARROW * length.min(radius);
             }
         };
         if turned_back {

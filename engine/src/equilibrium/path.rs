@@ -70,7 +70,7 @@ const LOOSEST: f64 = 0.1;
 /// others.
 const KEEP_BETWEEN: f64 = 0.3;
 const KEEP_AFTER_FALL: f64 = 0.1;
-const KEEP_AT_LISTED: f64 = 0.01;
+const KEEP_AT_LISTED: f64 = 0.03;
 /// Longest sub-step (dimensionless norm over all coordinates): several full turns of a rod.
 const LONGEST: f64 = 30.0;
 /// The same where there is contact.
@@ -107,6 +107,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     ) {
         let reach = loads.iter().flat_map(|l| l.iter()).fold(0.0f64, |m, u| m.max(u.abs()));
         self.q.copy_from_slice(q0);
+        self.prediction.forget_bend();
+        self.rate.fill(0.0);
         let mut status = Status::Converged;
         for (index, target) in loads.iter().enumerate() {
             let before = self.iterations;
@@ -139,9 +141,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     ) -> Status {
         self.start_load.copy_from_slice(&self.load);
         let mut rate = std::mem::take(&mut self.rate);
+        let (mut before, mut now, mut both) = (0.0, 0.0, 0.0);
         for ((r, t), s) in rate.iter_mut().zip(target).zip(&self.start_load) {
-            *r = t - s;
+            let last = std::mem::replace(r, t - s);
+            before += last * last;
+            now += *r * *r;
+            both += last * *r;
         }
+        let parallel = both * both > (1.0 - 1e-12) * before * now;
+        self.prediction.rescale_bend(if parallel { both / before } else { 0.0 });
         let span = rate.iter().fold(0.0f64, |m, r| m.max(r.abs()));
         let status = if span == 0.0 {
             Status::Converged
@@ -198,6 +206,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 next = lambda + (0.5 * (next - lambda)).max(smallest);
             };
             if followed {
+                self.learn_bend(next - lambda);
                 last = Status::Converged;
                 if next >= barrier {
                     barrier = f64::INFINITY;
@@ -207,6 +216,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
                 if !last.is_equilibrium() {
                     return last;
                 }
+                self.prediction.forget_bend();
                 barrier = f64::INFINITY;
                 end_seen = None;
             }

@@ -1,6 +1,8 @@
 //! Where the branch goes from an equilibrium, to first order: straight from one change of contact to
 //! the next.
 //!
+//! What bends it between them is taken to go on as over the last sub-step.
+//!
 //! A contact that closes adds k g gᵀ to the tangent, g being the gradient of its overlap, and one that
 //! opens takes it away; by Sherman and Morrison's formula the velocity turns by a multiple of H⁻¹ g.
 //! Where what is left is no longer positive definite, the branch ends.
@@ -18,6 +20,13 @@ const CHANGES: usize = 5;
 const SURPRISE: f64 = 2.0;
 /// and at this share of the fastest point's speed more.
 const DRIFT: f64 = 0.1;
+/// The last sub-step shows a bend where it missed the displacement by half the velocity's turn, to
+/// within this,
+const EVEN: f64 = 0.25;
+/// along it (cosine),
+const ALONG: f64 = 0.8;
+/// and did not turn by more than this share of the speed.
+const BENT: f64 = 0.3;
 
 /// A sphere that touches another body or may come to.
 #[derive(Clone, Debug)]
@@ -59,6 +68,8 @@ pub(super) struct Prediction<const D: usize, const P: usize> {
     factor: Factor,
     pieces: Vec<Piece>,
     count: usize,
+    /// d²q/dλ² (dimensionless) on each piece; zero where it is not known.
+    bend: Vec<f64>,
     /// Where the branch ends; infinite when no end is in sight.
     pub branch_end: f64,
     updates: Vec<Update>,
@@ -81,6 +92,7 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
             factor: Factor::new(model),
             pieces: vec![piece; changes + 1],
             count: 0,
+            bend: vec![0.0; n],
             branch_end: f64::INFINITY,
             updates: vec![update; changes],
             pairs: vec![],
@@ -93,7 +105,7 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
 
     /// The displacement (dimensionless) after `h`.
     pub fn displacement(&self, h: f64, out: &mut [f64]) {
-        out.fill(0.0);
+        out.iter_mut().zip(&self.bend).for_each(|(x, a)| *x = 0.5 * h * h * a);
         let mut start = 0.0;
         for (i, piece) in self.pieces[..self.count].iter().enumerate() {
             let end = if i + 1 == self.count { h } else { piece.end.min(h) };
@@ -106,8 +118,18 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
     }
 
     /// The velocity (dimensionless) after `h`.
-    pub fn velocity(&self, h: f64) -> &[f64] {
-        &self.pieces[self.changes(h)].velocity
+    pub fn velocity(&self, h: f64) -> impl Iterator<Item = f64> {
+        self.pieces[self.changes(h)].velocity.iter().zip(&self.bend).map(move |(v, a)| v + h * a)
+    }
+
+    /// Nothing is known of how the branch bends.
+    pub fn forget_bend(&mut self) {
+        self.bend.fill(0.0);
+    }
+
+    /// The load goes on `ratio` times as fast, or elsewhere if that is zero.
+    pub fn rescale_bend(&mut self, ratio: f64) {
+        self.bend.iter_mut().for_each(|a| *a *= ratio * ratio);
     }
 
     /// Solves H x = b in place, with the tangent as it will be after `h`.
@@ -168,6 +190,29 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         }
         self.prediction = ahead;
         limit
+    }
+
+    /// Takes the bend from what the prediction without it missed over the sub-step of `h` just done.
+    pub(super) fn learn_bend(&mut self, h: f64) {
+        self.prediction.forget_bend();
+        self.prediction.displacement(h, &mut self.work);
+        let last = self.prediction.changes(h);
+        let Prediction { pieces, bend, .. } = &mut self.prediction;
+        let (mut turned, mut missed, mut both, mut speed) = (0.0, 0.0, 0.0, 0.0);
+        let states = self.q.iter().zip(&self.start).zip(&self.unit).zip(&self.work);
+        let velocities = self.velocity[1].iter().zip(&pieces[last].velocity);
+        for (a, ((((q, s), u), d), (v, expected))) in bend.iter_mut().zip(states.zip(velocities)) {
+            let (turn, miss) = (h * (v - expected), (q - s) / u - d);
+            turned += turn * turn;
+            missed += miss * miss;
+            both += turn * miss;
+            speed += v * v;
+            *a = turn / (h * h);
+        }
+        let steady = (both / turned - 0.5).abs() < EVEN && both > ALONG * (turned * missed).sqrt();
+        if !(steady && turned.sqrt() < BENT * h * speed.sqrt()) {
+            self.prediction.forget_bend();
+        }
     }
 
     /// Velocities of the points along the last piece.
@@ -322,13 +367,13 @@ mod tests {
                 let ahead = &before.prediction;
                 assert_eq!(ahead.count, 2, "one change at {low} N");
                 assert!(ahead.pieces[0].end < 1e-6, "the change is {} N ahead", ahead.pieces[0].end);
-                let expected = ahead.velocity(1e-5);
+                let expected: Vec<f64> = ahead.velocity(1e-5).collect();
                 let error = expected.iter().zip(&new).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
                 assert!(error < 1e-3 * turn, "{error} of {turn} at {low} N");
                 let mut moved = vec![0.0; model.dof()];
                 ahead.displacement(1e-5, &mut moved);
                 let short = ahead.pieces[0].end;
-                for ((m, v), w) in moved.iter().zip(&old).zip(expected) {
+                for ((m, v), w) in moved.iter().zip(&old).zip(&expected) {
                     assert!((m - (short * v + (1e-5 - short) * w)).abs() < 1e-12);
                 }
                 if found.len() > touching.len() { closed += 1 } else { opened += 1 }

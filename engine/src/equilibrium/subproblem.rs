@@ -5,6 +5,10 @@ use crate::lie::LieGroup;
 
 /// Factorisations allowed for one step.
 const ATTEMPTS: usize = 30;
+/// A step is long enough if it lacks no more than this share of the radius.
+const SLACK: f64 = 0.25;
+/// The first multiplier tried with an indefinite tangent, as a share of its upper bound.
+const FIRST: f64 = 1e-2;
 
 /// A step of the trust region.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +36,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let steepest = norm(&self.residual) / radius;
         let mut low = if definite { 0.0 } else { (-lowest_diagonal).max(0.0) };
         let mut high = steepest + size;
-        let mut shift = if definite { self.secular_update(0.0, radius) } else { (1e-3 * high).max(low) };
+        let mut shift = if definite { self.secular_update(0.0, radius) } else { (FIRST * high).max(low) };
         let mut best = None;
         for _ in 0..ATTEMPTS {
             if !(shift > low && shift < high) {
@@ -48,7 +52,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if !length.is_finite() {
                 return None;
             }
-            if (length - radius).abs() <= 0.1 * radius {
+            if (length - radius).abs() <= SLACK * radius {
                 best = Some(shift);
                 break;
             }

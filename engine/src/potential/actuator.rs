@@ -17,15 +17,19 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     let CoordinateTerms { energy, gradient, curvature, along, .. } = out;
     curvature.clear();
-    along.clear();
+    along.resize(design.thread_columns.len(), 0.0);
+    let mut rest = &mut along[..];
     for_each_point(model, design, q, |actuator, weight, unit, norm, columns| {
         let tension = -model.actuators[actuator].sign * load[actuator] * weight;
         *energy += tension * norm;
         curvature.push(tension / norm);
-        for column in columns {
-            let along_column = dot(&unit, &column.arm);
-            gradient[column.dof] += tension * along_column;
-            along.push(along_column);
+        for (unit, columns) in unit.iter().zip(columns) {
+            let (along, after) = std::mem::take(&mut rest).split_at_mut(columns.len());
+            rest = after;
+            for (along, column) in along.iter_mut().zip(columns) {
+                *along = unit * column.size;
+                gradient[column.dof] += tension * *along;
+            }
         }
     });
 }
@@ -39,10 +43,10 @@ pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let mut pairs = design.thread_pairs.iter();
     let mut start = 0;
     for (thread, curvature) in design.threads.iter().zip(curvature) {
-        let along = &along[start..thread.end];
-        start = thread.end;
+        let along = &along[start..thread.ends[2]];
+        start = thread.ends[2];
         for (m, one) in along.iter().enumerate() {
-            // (1 − τ̂τ̂ᵀ)/|τ|, projected on both arms.
+            // (1 − τ̂τ̂ᵀ)/|τ|, projected on both columns.
             for (other, pair) in along.iter().zip(pairs.by_ref().take(m + 1)) {
                 half_tangent[pair.entry] += *curvature * pair.share * (pair.product - one * other);
             }
@@ -60,8 +64,10 @@ pub(crate) fn add_load_gradient<G: LieGroup<D, P>, const D: usize, const P: usiz
 ) {
     for_each_point(model, design, q, |actuator, weight, unit, _, columns| {
         let tension = -model.actuators[actuator].sign * change[actuator] * weight;
-        for column in columns {
-            gradient[column.dof] += tension * dot(&unit, &column.arm);
+        for (unit, columns) in unit.iter().zip(columns) {
+            for column in columns {
+                gradient[column.dof] += tension * unit * column.size;
+            }
         }
     });
 }
@@ -77,24 +83,22 @@ pub(crate) fn lengths<G: LieGroup<D, P>, const D: usize, const P: usize>(
     lengths
 }
 
-/// Visits each Gauss point of each actuator with (actuator, weight, τ̂, |τ|, columns).
+/// Visits each Gauss point of each actuator with (actuator, weight, τ̂, |τ|, columns along each axis).
 #[inline]
 fn for_each_point<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     q: &[f64],
-    mut visit: impl FnMut(usize, f64, [f64; 3], f64, &[ThreadColumn]),
+    mut visit: impl FnMut(usize, f64, [f64; 3], f64, [&[ThreadColumn]; 3]),
 ) {
     let (mut point, mut start) = (0, 0);
     for (index, actuator) in model.actuators.iter().enumerate() {
         for thread in &design.threads[point..point + actuator.tendon.len()] {
-            let columns = &design.thread_columns[start..thread.end];
-            start = thread.end;
+            let columns =
+                thread.ends.map(|end| &design.thread_columns[std::mem::replace(&mut start, end)..end]);
             let mut tau = thread.base;
-            for column in columns {
-                for i in 0..3 {
-                    tau[i] += q[column.dof] * column.arm[i];
-                }
+            for (tau, columns) in tau.iter_mut().zip(columns) {
+                columns.iter().for_each(|column| *tau += q[column.dof] * column.size);
             }
             // A path collapsed to a point has no direction; a tiny floor keeps the tangent finite.
             let norm = dot(&tau, &tau).sqrt().max(1e-9 * thread.base[0].abs());

@@ -28,7 +28,7 @@ pub(crate) struct CoordinateTerms {
     pub half_tangent: Vec<f64>,
     /// What the points of chambers and cables keep for the tangent: curvature of each.
     curvature: Vec<f64>,
-    /// The part of each point's unit tangent along the arms of its columns.
+    /// The part of each point's unit tangent along each of its columns.
     along: Vec<f64>,
 }
 
