@@ -8,16 +8,13 @@ use crate::model::Model;
 
 /// Dimensionless radii: one unit is one radian of the softest angular coordinate.
 const LARGEST_RADIUS: f64 = 4.0;
-/// A step that reaches the radius widens it so many times where the model foretold at least this share
-/// of the decrease,
-const WIDEN: f64 = 2.0;
+/// A step that reaches the radius, and at least this share of the decrease foretold, widens it so many
+/// times;
 const GOOD: f64 = 0.75;
-/// and so many where the model was right to within this share.
-const WIDEN_MORE: f64 = 3.0;
-const EXACT: f64 = 0.3;
-/// A step turned back narrows it to this share, and one that hardly helped.
-const NARROW: f64 = 0.4;
+const WIDEN: f64 = 2.0;
+/// one that reaches less than this share, or is turned back, narrows it to so much of its length.
 const POOR: f64 = 0.25;
+const NARROW: f64 = 0.4;
 /// Below this, a Newton step no longer changes the state.
 pub(super) const NEGLIGIBLE_STEP: f64 = 1e-11;
 
@@ -69,8 +66,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             turned_back = !(accepted && trial_size.is_finite());
             if !turned_back {
                 if ratio > GOOD && length > 0.8 * radius {
-                    let widen = if (ratio - 1.0).abs() < EXACT { WIDEN_MORE } else { WIDEN };
-                    radius = (widen * radius).min(LARGEST_RADIUS);
+                    radius = (WIDEN * radius).min(LARGEST_RADIUS);
                 } else if ratio < POOR {
                     radius = NARROW * length;
                 }
