@@ -21,6 +21,8 @@ pub struct Adjoint<const D: usize, const P: usize> {
     /// What every geometric parameter moves, whatever the output.
     pub(super) drifts: Vec<Drift<D, P>>,
     pub(super) threads: Vec<Thread>,
+    /// Of every entry of the rods' stiffness: its part in K_ij, divided by S.
+    pub(super) sections: Vec<f64>,
     /// ∂y/∂q of an output, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
@@ -86,6 +88,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             gradient: vec![0.0; model.parameters.len()],
             drifts,
             threads: vec![],
+            sections: vec![],
             lambda: vec![0.0; model.dof],
             wanted: wanted.to_vec(),
         }
@@ -117,6 +120,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         self.drifts.iter_mut().for_each(|drift| drift.update(model, data));
         self.update_threads(model, data, q, load);
+        self.update_sections(model, data);
     }
 
     /// λᵀ ∂g/∂p with the drifts and threads at hand, into `self.gradient`.
@@ -168,7 +172,10 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {
-                self.tip_force_gradient(model, data, &mut lambda);
+                if !self.tip_force_gradient(model, data, &mut lambda) {
+                    row.fill(0.0);
+                    continue;
+                }
             } else {
                 lambda.fill(0.0);
                 lambda[model.joints[output].dof] = 1.0;

@@ -4,7 +4,7 @@ use super::adjoint::Adjoint;
 use crate::data::Data;
 use crate::design::{dot, link_fraction, thread_arm};
 use crate::lie::LieGroup;
-use crate::model::{Mass, Model, Shape, SphereRadius};
+use crate::model::{Mass, Model, Rod, Shape, SphereRadius};
 use crate::section;
 use crate::strain::Mode;
 
@@ -24,6 +24,11 @@ pub(super) struct Thread {
 }
 
 const SIDES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+fn moduli(rod: &Rod, parameters: &[f64]) -> [f64; 6] {
+    let [young, shear] = [rod.young_modulus, rod.shear_modulus].map(|i| parameters[i]);
+    Mode::ALL.map(|mode| section::modulus(mode, young, shear))
+}
 
 /// Adds what coordinates make of the normalised strains at a Gauss point, mode by mode.
 fn add_strain(strain: &mut [f64; 6], columns: &[(usize, usize, f64)], length: f64, coordinates: &[f64]) {
@@ -69,7 +74,28 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         }
     }
 
-    /// K_ij = Σ modulus · factor · S^power · L^{∓1} · w φ_i φ_j, each factor in turn.
+    /// K_ij = Σ modulus · factor · S^power · L^{∓1} · w φ_i φ_j: each term, divided by S.
+    pub(super) fn update_sections<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+    ) {
+        let p = &data.design.parameters;
+        self.sections.clear();
+        for rod in &model.rods {
+            let (length, factors) = (p[rod.length], section::factors(rod.section));
+            let moduli = moduli(rod, p);
+            self.sections.extend(rod.entries.iter().map(|entry| {
+                let at = rod.radius.start + rod.gauss[entry.gauss].point;
+                let mode = Mode::ALL[entry.mode];
+                let scale = if mode.is_angular() { 1.0 / length } else { length };
+                let power = p[at].powi(section::power(mode) - 1);
+                moduli[entry.mode] * factors[entry.mode] * scale * entry.value * power
+            }));
+        }
+    }
+
+    /// λᵀ K q: each factor of the terms of K in turn.
     fn add_elastic<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -78,25 +104,20 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         lambda: &[f64],
     ) {
         let p = &data.design.parameters;
+        let mut sections = self.sections.iter();
         for rod in &model.rods {
-            let (length, factors) = (p[rod.length], section::factors(rod.section));
-            let moduli =
-                Mode::ALL.map(|mode| section::modulus(mode, p[rod.young_modulus], p[rod.shear_modulus]));
+            let powers = Mode::ALL.map(|mode| f64::from(section::power(mode)));
             let mut works = [0.0; 6];
-            for entry in &rod.entries {
+            for (entry, section) in rod.entries.iter().zip(&mut sections) {
                 let (i, j) = model.stiffness_pattern[entry.entry];
                 let pair = if i == j { q[i] * lambda[i] } else { q[i] * lambda[j] + q[j] * lambda[i] };
                 let at = rod.radius.start + rod.gauss[entry.gauss].point;
-                let mode = Mode::ALL[entry.mode];
-                let power = section::power(mode);
-                let scale = if mode.is_angular() { 1.0 / length } else { length };
-                let by_power = moduli[entry.mode] * factors[entry.mode] * scale * entry.value * pair;
-                let lower = p[at].powi(power - 1);
-                self.gradient[at] += f64::from(power) * lower * by_power;
-                works[entry.mode] += lower * p[at] * by_power;
+                let work = section * pair;
+                self.gradient[at] += powers[entry.mode] * work;
+                works[entry.mode] += p[at] * work;
             }
-            for ((mode, work), modulus) in Mode::ALL.into_iter().zip(works).zip(moduli) {
-                self.gradient[rod.length] += if mode.is_angular() { -work } else { work } / length;
+            for ((mode, work), modulus) in Mode::ALL.into_iter().zip(works).zip(moduli(rod, p)) {
+                self.gradient[rod.length] += if mode.is_angular() { -work } else { work } / p[rod.length];
                 let young = matches!(mode, Mode::BendY | Mode::BendZ | Mode::ExtendX);
                 self.gradient[if young { rod.young_modulus } else { rod.shear_modulus }] += work / modulus;
             }
