@@ -4,7 +4,7 @@ use crate::assembly::Assembly;
 use crate::design::Design;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
+use crate::linalg::{LANES, Vector};
 use crate::model::{Contact, Model};
 use crate::potential;
 use crate::potential::touch::Touch;
@@ -181,12 +181,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         self.assembly.complete_columns(model, &self.design, &self.kinematics);
     }
 
-    /// World twists of the frames and velocities of the points as the coordinates change at `rates`;
-    /// of what carries nothing, only after [`Data::complete_columns`].
+    /// World twists of the frames and velocities of the points as the coordinates change at `rates`, in
+    /// blocks; of what carries nothing, only after [`Data::complete_columns`].
     pub(crate) fn velocities(
         &self,
         model: &Model<G, D, P>,
-        rates: &[f64],
+        rates: &[Vector<LANES>],
         twists: &mut [Vector<D>],
         points: &mut [Vector<P>],
     ) {

@@ -18,6 +18,8 @@ pub(crate) struct Kinematics<G, const D: usize, const P: usize> {
     /// Normalised strains at the collocation points of each Magnus step.
     pub strain: Vec<[Vector<D>; 2]>,
     pub points: Vec<Vector<P>>,
+    /// The coordinates in blocks.
+    coordinates: Vec<Vector<LANES>>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
@@ -29,11 +31,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
             stumpff: vec![Stumpff::new(0.0); frames],
             strain: vec![[Vector::ZERO; 2]; model.steps.len()],
             points: vec![Vector::ZERO; model.points.len()],
+            coordinates: model.coordinate_blocks.zeros(),
         }
     }
 
     /// Moves everything to the state `q`.
     pub fn update(&mut self, model: &Model<G, D, P>, design: &Design<G, D, P>, q: &[f64]) {
+        model.coordinate_blocks.gather(q, &mut self.coordinates);
         // Every motion by itself, then their products: only the last loop has anything to wait for.
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let omega = match &frame.motion {
@@ -44,7 +48,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                 }
                 Motion::Strain(step) => {
                     let start = design.rods[model.steps[*step].rod].reference;
-                    self.strain[*step] = strains(model, design, f, q, start);
+                    self.strain[*step] = strains(model, design, f, &self.coordinates, start);
                     self.magnus(model, *step)
                 }
             };
@@ -122,23 +126,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
     }
 }
 
-/// Normalised strains at both collocation points of frame `f`'s Magnus step, `start` + Φ x.
+/// Normalised strains at both collocation points of frame `f`'s Magnus step, `start` + Φ x, the
+/// coordinates x in blocks.
 #[inline(always)]
 pub(crate) fn strains<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
     f: usize,
-    coordinates: &[f64],
+    coordinates: &[Vector<LANES>],
     start: Vector<D>,
 ) -> [Vector<D>; 2] {
     let frame = &model.frames[f];
     let [mut a, mut b] = [start; 2];
-    let dofs = &model.column_dofs[frame.columns.clone()];
-    for (dofs, [phi1, phi2]) in dofs.chunks(LANES).zip(&design.strain_maps[frame.blocks.clone()]) {
-        let mut x = Vector::<LANES>::ZERO;
-        dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = coordinates[*dof]);
-        a += *phi1 * x;
-        b += *phi2 * x;
+    let maps = &design.strain_maps[frame.blocks.clone()];
+    for (x, [phi1, phi2]) in coordinates[frame.coordinates.clone()].iter().zip(maps) {
+        a += *phi1 * *x;
+        b += *phi2 * *x;
     }
     [a, b]
 }

@@ -27,6 +27,8 @@ pub(crate) struct Assembly<const D: usize, const P: usize> {
     pub energy: f64,
     /// The full tangent, row-major.
     pub tangent: Vec<f64>,
+    /// Generalised forces, in blocks of coordinates.
+    pulled: Vec<Vector<LANES>>,
     /// The wrench that each loaded frame carries, in its body frame, and its dual to dΩ.
     pub duals: Vec<[Vector<D>; 2]>,
     /// Frames whose columns were expanded.
@@ -58,6 +60,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             frames: FrameTerms::new(frames, pairs + model.springs.len()),
             energy: 0.0,
             tangent: vec![0.0; n * n],
+            pulled: model.coordinate_blocks.zeros(),
             duals: vec![[Vector::ZERO; 2]; frames],
             expanded: vec![false; frames],
             columns: vec![Matrix::ZERO; blocks],

@@ -4,7 +4,7 @@ use super::Assembly;
 use crate::design::Design;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
-use crate::linalg::{LANES, Matrix};
+use crate::linalg::{Matrix, Vector};
 use crate::model::Model;
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
@@ -16,6 +16,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         design: &Design<G, D, P>,
         kinematics: &Kinematics<G, D, P>,
     ) {
+        self.pulled.fill(Vector::ZERO);
         for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
             if !self.frames.loaded[f] {
                 continue;
@@ -34,15 +35,12 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             self.duals[f] = [body_wrench, dual];
             let (a1, a2, _) = kinematics.motion_derivative(model, f);
             let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
-            let dofs = &model.column_dofs[frame.columns.clone()];
-            for (dofs, block) in dofs.chunks(LANES).zip(frame.blocks.clone()) {
-                let [phi1, phi2] = &design.strain_maps[block];
-                let pulled = phi1.transpose_times(&one) + phi2.transpose_times(&two);
-                for (lane, dof) in dofs.iter().enumerate() {
-                    self.coordinates.gradient[*dof] += pulled[lane];
-                }
+            let maps = &design.strain_maps[frame.blocks.clone()];
+            for (pulled, [phi1, phi2]) in self.pulled[frame.coordinates.clone()].iter_mut().zip(maps) {
+                *pulled += phi1.transpose_times(&one) + phi2.transpose_times(&two);
             }
         }
+        model.coordinate_blocks.scatter(&self.pulled, &mut self.coordinates.gradient);
     }
 
     /// Expands the motions of all frames that carry something or are asked for their Jacobian.

@@ -22,15 +22,18 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// World twist of every frame while the coordinates change at the rates `rates`.
-    pub fn twists<G: LieGroup<D, P>>(&self, model: &Model<G, D, P>, rates: &[f64], twist: &mut [Vector<D>]) {
+    /// World twist of every frame while the coordinates change at `rates`, in blocks.
+    pub fn twists<G: LieGroup<D, P>>(
+        &self,
+        model: &Model<G, D, P>,
+        rates: &[Vector<LANES>],
+        twist: &mut [Vector<D>],
+    ) {
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             let mut sum = twist[frame.parent];
-            let dofs = &model.column_dofs[frame.columns.clone()];
-            for (dofs, block) in dofs.chunks(LANES).zip(&self.columns[frame.blocks.clone()]) {
-                let mut x = Vector::<LANES>::ZERO;
-                dofs.iter().enumerate().for_each(|(lane, dof)| x[lane] = rates[*dof]);
-                sum += *block * x;
+            let columns = &self.columns[frame.blocks.clone()];
+            for (x, block) in rates[frame.coordinates.clone()].iter().zip(columns) {
+                sum += *block * *x;
             }
             twist[f] = sum;
         }
@@ -46,6 +49,9 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     ) {
         for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
             let carried = wrench[f];
+            if carried == Vector::ZERO {
+                continue;
+            }
             wrench[frame.parent] += carried;
             let dofs = &model.column_dofs[frame.columns.clone()];
             for (dofs, block) in dofs.chunks(LANES).zip(&self.columns[frame.blocks.clone()]) {

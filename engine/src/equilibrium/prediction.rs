@@ -10,7 +10,7 @@
 use super::factor::Factor;
 use super::solver::{Solver, dot, norm};
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
+use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 use crate::potential::touch;
 
@@ -78,8 +78,9 @@ pub(super) struct Prediction<const D: usize, const P: usize> {
     wrench: Vec<Vector<D>>,
     /// Velocities of all points.
     points: Vec<Vector<P>>,
-    /// Actual rates of the coordinates.
+    /// Actual rates of the coordinates, and the same in blocks.
     rates: Vec<f64>,
+    blocks: Vec<Vector<LANES>>,
 }
 
 impl<const D: usize, const P: usize> Prediction<D, P> {
@@ -100,6 +101,7 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
             wrench: vec![Vector::ZERO; model.frames.len()],
             points: vec![Vector::ZERO; model.points.len()],
             rates: vec![0.0; n],
+            blocks: model.coordinate_blocks.zeros(),
         }
     }
 
@@ -221,7 +223,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         for (r, (v, u)) in ahead.rates.iter_mut().zip(velocity.iter().zip(&self.unit)) {
             *r = v * u;
         }
-        self.data.velocities(model, &ahead.rates, &mut ahead.twist, &mut ahead.points);
+        model.coordinate_blocks.gather(&ahead.rates, &mut ahead.blocks);
+        self.data.velocities(model, &ahead.blocks, &mut ahead.twist, &mut ahead.points);
     }
 
     fn find_pairs(&self, model: &Model<G, D, P>, ahead: &mut Prediction<D, P>, h: f64) {

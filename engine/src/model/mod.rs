@@ -7,6 +7,7 @@
 
 mod actuators;
 mod admissible;
+mod blocks;
 mod bodies;
 mod build;
 mod contacts;
@@ -20,6 +21,7 @@ pub use error::ModelError;
 pub use layout::Layout;
 
 pub(crate) use actuators::{Actuator, Tendon};
+pub(crate) use blocks::CoordinateBlocks;
 pub(crate) use bodies::{Body, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
 pub(crate) use contacts::{Contact, RoundCone, Spring, Wrench};
 pub(crate) use points::{Mass, Place, Point, Sphere, SphereRadius};
@@ -40,6 +42,8 @@ pub(crate) struct Frame {
     pub columns: Range<usize>,
     /// Its own coordinates' places in the stores of column blocks.
     pub blocks: Range<usize>,
+    /// Their values' places in the blocks of coordinates.
+    pub coordinates: Range<usize>,
     /// One past the last of the following frames that move with the very same coordinates.
     pub run_end: usize,
 }
@@ -90,6 +94,7 @@ pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) joint_columns: Vec<JointColumn<D>>,
     /// Coordinates of each frame's own motion, frame after frame.
     pub(crate) column_dofs: Vec<usize>,
+    pub(crate) coordinate_blocks: CoordinateBlocks,
     pub(crate) bodies: Vec<Body<P>>,
     pub(crate) rods: Vec<Rod>,
     pub(crate) joints: Vec<JointCoordinate>,

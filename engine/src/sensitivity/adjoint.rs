@@ -4,7 +4,7 @@ use super::local::Thread;
 use crate::data::Data;
 use crate::equilibrium::Solver;
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
+use crate::linalg::{LANES, Vector};
 use crate::model::{Model, Shape};
 
 /// Workspace of the sensitivities.
@@ -14,6 +14,8 @@ pub struct Adjoint<const D: usize, const P: usize> {
     pub(super) twist: Vec<Vector<D>>,
     /// Virtual velocity of each point.
     pub(super) velocity: Vec<Vector<P>>,
+    /// λ in blocks of coordinates.
+    pub(super) coordinates: Vec<Vector<LANES>>,
     /// Wrenches of an output on the frames.
     pub(super) wrench: Vec<Vector<D>>,
     /// Derivatives with respect to every parameter.
@@ -84,6 +86,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         Self {
             twist: vec![Vector::ZERO; frames],
             velocity: vec![Vector::ZERO; points],
+            coordinates: model.coordinate_blocks.zeros(),
             wrench: vec![Vector::ZERO; frames],
             gradient: vec![0.0; model.parameters.len()],
             drifts,
@@ -137,7 +140,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         self.add_local(model, data, q, lambda);
         for m in 0..self.drifts.len() {
             let drift = &self.drifts[m];
-            self.gradient[drift.parameter] += self.geometric_work(model, data, load, lambda, drift);
+            self.gradient[drift.parameter] += self.geometric_work(model, data, load, drift);
         }
     }
 
@@ -148,7 +151,8 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         data: &Data<G, D, P>,
         lambda: &[f64],
     ) {
-        data.velocities(model, lambda, &mut self.twist, &mut self.velocity);
+        model.coordinate_blocks.gather(lambda, &mut self.coordinates);
+        data.velocities(model, &self.coordinates, &mut self.twist, &mut self.velocity);
     }
 
     /// Number of outputs of [`Adjoint::outputs`]: the joint coordinates, then the tip force.

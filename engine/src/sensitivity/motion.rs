@@ -58,10 +58,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
         load: &[f64],
-        lambda: &[f64],
         drift: &Drift<D, P>,
     ) -> f64 {
-        self.force_work(model, data, load, drift) + column_work(model, data, lambda, drift)
+        self.force_work(model, data, load, drift) + self.column_work(model, data, drift)
     }
 
     /// Change of F·v with the twists of the virtual motion held.
@@ -197,62 +196,60 @@ fn length_motion<G: LieGroup<D, P>, const D: usize, const P: usize>(
     (a1 * change[0] + a2 * change[1], change)
 }
 
-/// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length
-/// changes they change themselves.
-fn column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    data: &Data<G, D, P>,
-    lambda: &[f64],
-    drift: &Drift<D, P>,
-) -> f64 {
-    let mut work = 0.0;
-    for (f, frame) in model.frames.iter().enumerate().skip(1) {
-        if frame.columns.is_empty() || !data.assembly.frames.loaded[f] {
-            continue;
+impl<const D: usize, const P: usize> Adjoint<D, P> {
+    /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length
+    /// changes they change themselves.
+    fn column_work<G: LieGroup<D, P>>(
+        &self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        drift: &Drift<D, P>,
+    ) -> f64 {
+        let mut work = 0.0;
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            if frame.columns.is_empty() || !data.assembly.frames.loaded[f] {
+                continue;
+            }
+            let wrench = &data.assembly.frames.wrench[f];
+            let own = self.twist[f] - self.twist[frame.parent];
+            // Half of the frame's own drift: the other half is in the curvature of its exponential.
+            let carrier = (drift.twist[f] + drift.twist[frame.parent]) * 0.5;
+            work += wrench.dot(&(G::ad(&carrier) * own));
+            let Motion::Strain(step) = frame.motion else { continue };
+            let Geometric::RodLength(rod) = drift.kind else { continue };
+            if model.steps[step].rod == rod {
+                work += self.length_column_work(model, data, f, step);
+            }
         }
-        let wrench = &data.assembly.frames.wrench[f];
-        let mut own = Vector::<D>::ZERO;
-        for (dof, column) in data.assembly.columns(model, f) {
-            own += column * lambda[dof];
-        }
-        // Half of the frame's own drift: the other half is in the curvature of its exponential.
-        let carrier = (drift.twist[f] + drift.twist[frame.parent]) * 0.5;
-        work += wrench.dot(&(G::ad(&carrier) * own));
-        let Motion::Strain(step) = frame.motion else { continue };
-        let Geometric::RodLength(rod) = drift.kind else { continue };
-        if model.steps[step].rod != rod {
-            continue;
-        }
-        work += length_column_work(model, data, lambda, f, step);
+        work
     }
-    work
-}
 
-/// The second derivatives of a step's exponential and of its Ω along (L, λ).
-fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    data: &Data<G, D, P>,
-    lambda: &[f64],
-    f: usize,
-    step: usize,
-) -> f64 {
-    let length = data.design.parameters[model.rods[model.steps[step].rod].length];
-    let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
-    let (a1, a2, commutator) = data.kinematics.magnus_derivative(model, step);
-    let (by_length, change) = length_motion(model, data, step);
-    // Strains of the virtual motion, and their derivative with respect to L.
-    let strain = strains(model, &data.design, f, lambda, Vector::ZERO);
-    let strain_by_length = strain.map(|strain| {
-        let mut change = Vector::ZERO;
-        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| !mode.is_angular()) {
-            change[axis] = strain[axis] / length;
-        }
-        change
-    });
-    let virtual_omega = a1 * strain[0] + a2 * strain[1];
-    let [body_wrench, on_omega] = data.assembly.duals[f];
-    let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
-    let explicit = a1 * strain_by_length[0] + a2 * strain_by_length[1];
-    let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
-    by_length.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
+    /// The second derivatives of a step's exponential and of its Ω along (L, λ).
+    fn length_column_work<G: LieGroup<D, P>>(
+        &self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        f: usize,
+        step: usize,
+    ) -> f64 {
+        let length = data.design.parameters[model.rods[model.steps[step].rod].length];
+        let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
+        let (a1, a2, commutator) = data.kinematics.magnus_derivative(model, step);
+        let (by_length, change) = length_motion(model, data, step);
+        // Strains of the virtual motion, and their derivative with respect to L.
+        let strain = strains(model, &data.design, f, &self.coordinates, Vector::ZERO);
+        let strain_by_length = strain.map(|strain| {
+            let mut change = Vector::ZERO;
+            for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| !mode.is_angular()) {
+                change[axis] = strain[axis] / length;
+            }
+            change
+        });
+        let virtual_omega = a1 * strain[0] + a2 * strain[1];
+        let [body_wrench, on_omega] = data.assembly.duals[f];
+        let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
+        let explicit = a1 * strain_by_length[0] + a2 * strain_by_length[1];
+        let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
+        by_length.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
+    }
 }

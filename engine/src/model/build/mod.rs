@@ -4,6 +4,7 @@ mod interactions;
 mod rod;
 mod tree;
 
+use super::blocks::CoordinateBlocks;
 use super::error::finite;
 use super::{Description, Frame, Layout, Model, ModelError, Motion};
 use crate::lie::LieGroup;
@@ -30,12 +31,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 path: 0..0,
                 columns: 0..0,
                 blocks: 0..0,
+                coordinates: 0..0,
                 run_end: 1,
             }],
             steps: vec![],
             strain_columns: vec![],
             joint_columns: vec![],
             column_dofs: vec![],
+            coordinate_blocks: CoordinateBlocks::default(),
             bodies: vec![],
             rods: vec![],
             joints: vec![],

@@ -81,7 +81,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let (column, block) = (last.columns.end, last.blocks.end);
         let columns = column..column + own.len();
         let blocks = block..block + own.len().div_ceil(LANES);
-        self.frames.push(Frame { parent, body, motion, path, columns, blocks, run_end: 0 });
+        self.frames.push(Frame {
+            parent,
+            body,
+            motion,
+            path,
+            columns,
+            blocks,
+            coordinates: 0..0,
+            run_end: 0,
+        });
         self.column_dofs.extend(own);
         self.frame_names.push(name);
         self.frames.len() - 1
@@ -99,6 +108,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             .collect();
         for f in (0..self.frames.len()).rev() {
             self.frames[f].run_end = if same[f] { self.frames[f + 1].run_end } else { f + 1 };
+        }
+        for f in 1..self.frames.len() {
+            self.frames[f].coordinates = if same[f - 1] {
+                self.frames[f - 1].coordinates.clone()
+            } else {
+                self.coordinate_blocks.push(&self.column_dofs[self.frames[f].columns.clone()])
+            };
         }
     }
 
