@@ -76,9 +76,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if size <= tolerance {
                 break;
             }
-            for (s, r) in self.step.iter_mut().zip(&self.residual) {
-                *s = -r;
-            }
+            self.set_step_against_residual();
             self.prediction.solve(h, &mut self.step);
             let length = largest(&self.step);
             if !(length <= ASTRAY * reach + SLIGHT) {

@@ -155,10 +155,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     /// p = −H⁻¹ r, with the factor at hand.
     pub(super) fn newton_step(&mut self) {
-        for (s, r) in self.step.iter_mut().zip(&self.residual) {
-            *s = -r;
-        }
+        self.set_step_against_residual();
         self.factor.solve(&mut self.step);
+    }
+
+    pub(super) fn set_step_against_residual(&mut self) {
+        self.step.iter_mut().zip(&self.residual).for_each(|(s, r)| *s = -r);
     }
 
     /// The nearest equilibrium below the current state; `keep` is that of

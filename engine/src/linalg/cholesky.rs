@@ -3,7 +3,7 @@
 //! The factor is kept in panels of [`LANES`] columns, each panel's rows one after another, so that
 //! products of tiles and solutions stream through memory and fill the vector registers.
 
-use super::{LANES, fma};
+use super::{LANES, Matrix, Vector, fma};
 
 /// `LANES` numbers of one row.
 type Row = [f64; LANES];
@@ -59,7 +59,7 @@ impl Cholesky {
             }
             let own = &*own;
             let transposed = invert(&diagonal, &inverse);
-            self.inverses[i] = [transpose(&transposed), transposed];
+            self.inverses[i] = [Matrix(transposed).transpose().0, transposed];
             for (j, panel) in (i + 1..blocks).zip(rest.chunks_exact_mut(rows)) {
                 let mut tile = scaled_tile(self.n, a, scale, [i, j]);
                 subtract_products(&mut tile, &own[..i * LANES], &panel[..i * LANES]);
@@ -188,20 +188,10 @@ fn invert(tile: &Tile, inverse: &Row) -> Tile {
     v
 }
 
-fn transpose(tile: &Tile) -> Tile {
-    std::array::from_fn(|r| std::array::from_fn(|c| tile[c][r]))
-}
-
 /// `Σ_k factors_k rows_k`.
 #[inline(always)]
 fn combine(factors: &Row, rows: &Tile) -> Row {
-    let mut sum = rows[0].map(|x| x * factors[0]);
-    for k in 1..LANES {
-        for (s, x) in sum.iter_mut().zip(&rows[k]) {
-            *s = fma(factors[k], *x, *s);
-        }
-    }
-    sum
+    Matrix(*rows).transpose_times(&Vector(*factors)).0
 }
 
 #[inline(always)]
