@@ -3,7 +3,8 @@
 Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and at once, on one thread and
 on two, with the calibrated constants and with a stiffer exosuit that presses harder (E = 1 MPa,
 chamber on the surface, k = 1000 N/m); and a spatial rod with all six strain modes. Cases take
-turns, and each number is a median; an iteration's time is processor time of one thread.
+turns, and each number is a median; an iteration's time is processor time of one thread. What other
+work on the machine costs shows in "undisturbed": each part of a hundred designs at its best.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ import statistics
 from collections.abc import Iterator
 
 import numpy as np
-from _random_designs import random_designs
+from _random_designs import geometry, random_vectors
 from _section import Section, table
 from _timing import Times, progress
+from numpy.typing import NDArray
 
 import flexor
 from flexor.design import Geometry
@@ -59,6 +61,7 @@ PRESSING = {
 
 
 STEPWISE, AT_ONCE = "0:5:1", "0:5:5"
+PART = 100
 Case = tuple[str, int]
 
 
@@ -84,20 +87,29 @@ def main() -> None:
 
 def measure(designs: int, runs: int) -> Section:
     """Measure everything, and write it up."""
-    speeds = table("model", "DOF", "steps / N", "threads", "designs/s", "µs/iteration")
+    speeds = table(
+        "model", "DOF", "steps / N", "threads", "designs/s", "undisturbed", "µs/iteration"
+    )
     counts = table(
         "model", "steps / N", "mean", "median", "designs that snap", "mean if not", "mean if so"
     )
     ratios = []
     with progress() as bar:
         for name, model, count, chosen in cases(designs):
-            geometry = random_designs(model, count)
+            vectors = random_vectors(model, count)
+            whole = geometry(model, vectors)
+            parts = [geometry(model, vectors[i : i + PART]) for i in range(0, count, PART)]
             times = {case: Times() for case in chosen}
-            found: dict[str, Batch] = {}
-            model.evaluate(geometry, threads=2)  # warm caches and threads
+            best = {case[0]: np.full(len(parts), np.inf) for case in chosen}
+            # Warms caches and threads, too.
+            found = {force: evaluated(model, whole, force, 2) for force, _ in chosen}
             for _ in bar.track(range(runs), description=name):
                 for case in chosen:
-                    found[case[0]] = timed(model, geometry, case, times[case])
+                    force, threads = case
+                    if threads == 1:
+                        times[case].run(lambda: one_by_one(model, parts, force, best[force]))  # noqa: B023
+                    else:
+                        times[case].run(lambda: evaluated(model, whole, force, threads))  # noqa: B023
             for case in chosen:
                 force, threads = case
                 alone = times[force, 1]
@@ -107,6 +119,7 @@ def measure(designs: int, runs: int) -> Section:
                     force.rpartition(":")[2],
                     str(threads),
                     f"{count / statistics.median(times[case].wall):,.0f}",
+                    f"{count / best[force].sum():,.0f}" if threads == 1 else "",
                     f"{1e6 * alone.median / found[force].iterations.sum():.1f}"
                     if threads == 1
                     else "",
@@ -120,7 +133,8 @@ def measure(designs: int, runs: int) -> Section:
     section.parts += [
         f"{designs:,} random designs (a tenth of them in space), 0 to 5 N in steps of 1 N and of "
         f"5 N; medians of {runs} runs. Designs a second are of "
-        "wall time, an iteration is processor time of one thread.",
+        "wall time, an iteration is processor time of one thread; *undisturbed* takes each part of "
+        f"{PART} designs at its best of the {runs} runs.",
         speeds,
         f"Two threads against one, steps of 1 N: {'; '.join(ratios)}.",
         "Iterations (evaluations of the tangent) for each design:",
@@ -139,10 +153,17 @@ def iterations(batch: Batch) -> tuple[str, ...]:
     return mean, f"{np.median(each):.0f}", f"{100 * snaps.mean():.1f}%", calm, snapping
 
 
-def timed(model: Model, geometry: Geometry, case: Case, times: Times) -> Batch:
+def one_by_one(model: Model, parts: list[Geometry], force: str, best: NDArray[np.float64]) -> None:
+    """Evaluate part after part on one thread; keep the best wall time of each [s]."""
+    for i, part in enumerate(parts):
+        took = Times()
+        took.run(lambda: evaluated(model, part, force, 1))  # noqa: B023
+        best[i] = min(best[i], took.wall[0])
+
+
+def evaluated(model: Model, designs: Geometry, force: str, threads: int) -> Batch:
     """Evaluate once."""
-    force, threads = case
-    batch = times.run(lambda: model.evaluate(geometry, force, threads=threads))
+    batch = model.evaluate(designs, force, threads=threads)
     assert isinstance(batch, Batch)
     return batch
 

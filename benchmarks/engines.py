@@ -1,0 +1,101 @@
+"""This engine against another build of it, by turns in one process.
+
+On a machine that does other things, two runs of the same benchmark may differ by a tenth or more.
+Here both engines take turns on small parts of the same designs, and the best time of each part
+counts: what is left varies by about one in a hundred between builds of the same method. Keep the
+engine to compare with before building the new one:
+
+    cp python/flexor/_engine.abi3.so old.so
+    ./dev bench engines --against old.so
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from _random_designs import random_designs
+from _section import table
+from _timing import progress
+from rich.console import Console
+from speed import PRESSING
+
+import flexor
+from flexor import _engine
+
+PART = 25
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    reading = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    reading.add_argument("--against", type=Path, required=True, help="the other extension module")
+    reading.add_argument("--designs", type=int, default=800, help="of each set of constants")
+    reading.add_argument("--runs", type=int, default=8, help="of which the best counts")
+    asked = reading.parse_args()
+    if not asked.against.is_file():
+        sys.exit(f"error: --against: found no file {asked.against}")
+    engines = [load(asked.against), _engine]
+    found = table(
+        "constants", "steps / N", "designs/s", "the other", "ratio", "iterations", "the other's"
+    )
+    for name, constants in (("calibrated", {}), ("E = 1 MPa, k = 1000 N/m", PRESSING)):
+        model = flexor.load("finger", "calibrated", constants)
+        slots, values = model.geometry_slots(random_designs(model, asked.designs))
+        models = [engine.Model(model._description) for engine in engines]
+        for step in (1, 5):
+            loads = np.arange(0.0, 5.1, step)[:, None]
+            title = f"{name}, {step} N"
+            best, iterations = by_parts(models, slots, values, loads, asked.runs, title)
+            other, this = len(values) / best
+            found.add_row(
+                name,
+                str(step),
+                f"{this:,.0f}",
+                f"{other:,.0f}",
+                f"{this / other:.3f}",
+                *(f"{count / len(values):.1f}" for count in reversed(iterations)),
+            )
+    Console().print(found)
+
+
+def by_parts(
+    models: list, slots: np.ndarray, values: np.ndarray, loads: np.ndarray, runs: int, name: str
+) -> tuple[np.ndarray, list[int]]:
+    """Return processor time [s] and iterations of each engine, part by part in turn."""
+    starts = range(0, len(values), PART)
+    times = np.full((len(models), len(starts), runs), np.inf)
+    iterations = [0] * len(models)
+    with progress() as bar:
+        for run in bar.track(range(runs), description=name):
+            for part, start in enumerate(starts):
+                turns = range(len(models)) if (run + part) % 2 else reversed(range(len(models)))
+                for which in turns:
+                    before = time.thread_time()
+                    designs = values[start : start + PART]
+                    result = models[which].path(slots, designs, loads, 1)
+                    times[which, part, run] = time.thread_time() - before
+                    if run == 0:
+                        iterations[which] += int(result["iterations"].sum())
+    return times.min(axis=2).sum(axis=1), iterations
+
+
+def load(path: Path) -> ModuleType:
+    """Import an extension module by its file."""
+    spec = importlib.util.spec_from_file_location("_engine", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+if __name__ == "__main__":
+    main()
