@@ -2,8 +2,9 @@
 
 Medians of several runs each, by turns where things are compared. `--quick` takes smaller sizes and
 ends within ten minutes on two quiet cores; without it there are also a million designs and a
-thousand degrees of freedom. The exit code is 1 if an answer of a peer or of a smaller load step
-deviates by more than it may.
+thousand degrees of freedom. `--only speed gradients` measures these sections again and leaves the
+others of a document of the same day, machine and version as they are. The exit code is 1 if an
+answer of a peer or of a smaller load step deviates by more than it may.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import os
+import re
 import sys
 import time
 from collections.abc import Callable
@@ -38,12 +40,23 @@ def main() -> int:
     reading.add_argument("--runs", type=int, default=3, help="of each, of which medians are shown")
     reading.add_argument("--quick", action="store_true", help="smaller sizes")
     reading.add_argument("--out", type=Path, default=DOCS, help="folder of the document")
+    reading.add_argument("--only", nargs="+", metavar="SECTION", help="sections to renew")
     asked = reading.parse_args()
     load, console, began = others(), Console(stderr=True), time.perf_counter()
     if warning(load):
         console.print(f"warning: {warning(load)}", markup=False)
     texts, fine = [], True
     works = quick(asked.runs) if asked.quick else full(asked.runs)
+    target = asked.out / "performance.md"
+    document = opening(load, quick=asked.quick)
+    if asked.only:
+        unknown = [name for name in asked.only if name not in works]
+        if unknown:
+            sys.exit(f"error: --only: found {unknown[0]}, there are {', '.join(works)}")
+        works = {name: work for name, work in works.items() if name in asked.only}
+        document = target.read_text(encoding="utf-8")
+        if made_here() not in document:
+            sys.exit(f"error: {target} is of another day, machine or version: measure all of it")
     for i, (name, measure) in enumerate(works.items()):
         console.print(f"[bold]{i + 1} of {len(works)}: {name}[/bold]")
         section, good = measure()
@@ -57,11 +70,12 @@ def main() -> int:
             section.save(asked.out / image)
         texts.append(section.markdown(image))
     minutes = (time.perf_counter() - began) / 60.0
-    document = "\n".join([opening(load, quick=asked.quick), *texts])
-    (asked.out / "performance.md").write_text(document.rstrip() + "\n", encoding="utf-8")
+    for text in texts:
+        document = renewed(document, text)
+    target.write_text(document.rstrip() + "\n", encoding="utf-8")
     spent = sum(os.times()[:4]) / 60.0
     times = f"after {minutes:.1f} minutes, {spent:.1f} of processor time"
-    console.print(f"{asked.out / 'performance.md'}, {times}", markup=False)
+    console.print(f"{target}, {times}", markup=False)
     return 0 if fine else 1
 
 
@@ -117,6 +131,20 @@ def tangent(runs: int, *, short: bool) -> tuple[Section, bool]:
     )
 
 
+def renewed(document: str, text: str) -> str:
+    """Replace the section with the same heading, or append it."""
+    heading = text.partition("\n")[0] + "\n"
+    parts = re.split(r"^(?=## )", document, flags=re.MULTILINE)
+    if not any(part.startswith(heading) for part in parts):
+        return document + "\n" + text
+    return "".join(text + "\n" if part.startswith(heading) else part for part in parts)
+
+
+def made_here() -> str:
+    """Return when and where the document is made, and of which version."""
+    return f"{datetime.date.today().isoformat()}; {machine()}."
+
+
 def opening(load: float, *, quick: bool) -> str:
     """Write what comes before the sections."""
     command = "./dev bench" + " --quick" * quick
@@ -126,7 +154,7 @@ def opening(load: float, *, quick: bool) -> str:
         f"Written by `{command}`; each section names the command that prints it alone. Times are "
         "medians of several runs, and what is compared was run by turns.",
         "",
-        f"{datetime.date.today().isoformat()}; {machine()}.",
+        made_here(),
         "",
     ]
     if warning(load):
