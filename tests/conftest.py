@@ -9,9 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 # How long drawing an example takes depends on what else the machine does.
-settings.register_profile(
-    "fresh", deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+settings.register_profile("fresh", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", settings.get_profile("fresh"), derandomize=True)
 settings.load_profile("same")
 
