@@ -12,9 +12,9 @@ engine to compare with before building the new one:
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import sys
 import time
+from importlib.machinery import ExtensionFileLoader, ModuleSpec
+from importlib.util import module_from_spec
 from pathlib import Path
 from types import ModuleType
 
@@ -40,9 +40,10 @@ def main() -> None:
     reading.add_argument("--designs", type=int, default=800, help="of each set of constants")
     reading.add_argument("--runs", type=int, default=8, help="of which the best counts")
     asked = reading.parse_args()
-    if not asked.against.is_file():
-        sys.exit(f"error: --against: found no file {asked.against}")
-    engines = [load(asked.against), _engine]
+    try:
+        engines = [load(asked.against), _engine]
+    except ImportError as error:
+        reading.error(f"--against: {asked.against} is no build of the engine: {error}")
     found = table(
         "constants", "steps / N", "designs/s", "the other", "ratio", "iterations", "the other's"
     )
@@ -89,11 +90,10 @@ def by_parts(
 
 def load(path: Path) -> ModuleType:
     """Import an extension module by its file."""
-    spec = importlib.util.spec_from_file_location("_engine", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    loader = ExtensionFileLoader("_engine", str(path))
+    spec = ModuleSpec("_engine", loader, origin=str(path))
+    module = module_from_spec(spec)
+    loader.exec_module(module)
     return module
 
 

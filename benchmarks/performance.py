@@ -3,8 +3,8 @@
 Medians of several runs each, by turns where things are compared. `--quick` takes smaller sizes and
 ends within ten minutes on two quiet cores; without it there are also a million designs and a
 thousand degrees of freedom. `--only speed gradients` measures these sections again and leaves the
-others of a document of the same day, machine and version as they are. The exit code is 1 if an
-answer of a peer or of a smaller load step deviates by more than it may.
+others as they are, in a document of the same day, machine, version and sizes. The exit code is 1 if
+an answer of a peer or of a smaller load step deviates by more than it may.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def main() -> int:
     reading.add_argument("--runs", type=int, default=3, help="of each, of which medians are shown")
     reading.add_argument("--quick", action="store_true", help="smaller sizes")
     reading.add_argument("--out", type=Path, default=DOCS, help="folder of the document")
-    reading.add_argument("--only", nargs="+", metavar="SECTION", help="sections to renew")
+    reading.add_argument("--only", nargs="+", choices=list(full(0)), help="sections to renew")
     asked = reading.parse_args()
     load, console, began = others(), Console(stderr=True), time.perf_counter()
     if warning(load):
@@ -50,13 +50,13 @@ def main() -> int:
     target = asked.out / "performance.md"
     document = opening(load, quick=asked.quick)
     if asked.only:
-        unknown = [name for name in asked.only if name not in works]
-        if unknown:
-            sys.exit(f"error: --only: found {unknown[0]}, there are {', '.join(works)}")
-        works = {name: work for name, work in works.items() if name in asked.only}
-        document = target.read_text(encoding="utf-8")
-        if made_here() not in document:
-            sys.exit(f"error: {target} is of another day, machine or version: measure all of it")
+        found = target.read_text(encoding="utf-8") if target.is_file() else ""
+        if not found.startswith(opening(0.0, quick=asked.quick)):
+            reading.error(
+                f"--only: {target} is missing or of another day, machine, version or size; "
+                "measure all of it"
+            )
+        works, document = {name: works[name] for name in asked.only}, found
     for i, (name, measure) in enumerate(works.items()):
         console.print(f"[bold]{i + 1} of {len(works)}: {name}[/bold]")
         section, good = measure()
@@ -140,11 +140,6 @@ def renewed(document: str, text: str) -> str:
     return "".join(text + "\n" if part.startswith(heading) else part for part in parts)
 
 
-def made_here() -> str:
-    """Return when and where the document is made, and of which version."""
-    return f"{datetime.date.today().isoformat()}; {machine()}."
-
-
 def opening(load: float, *, quick: bool) -> str:
     """Write what comes before the sections."""
     command = "./dev bench" + " --quick" * quick
@@ -154,7 +149,7 @@ def opening(load: float, *, quick: bool) -> str:
         f"Written by `{command}`; each section names the command that prints it alone. Times are "
         "medians of several runs, and what is compared was run by turns.",
         "",
-        made_here(),
+        f"{datetime.date.today().isoformat()}; {machine()}.",
         "",
     ]
     if warning(load):

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import statistics
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from _random_designs import geometry, random_vectors
@@ -106,7 +107,7 @@ def measure(designs: int, runs: int) -> Section:
             for _ in bar.track(range(runs), description=name):
                 for case in chosen:
                     force, threads = case
-                    times[case].run(lambda: evaluated(model, whole, force, threads))  # noqa: B023
+                    times[case].run(partial(evaluated, model, whole, force, threads))
                     if threads == 1:
                         part_by_part(model, parts, force, best[force])
             for case in chosen:
@@ -158,7 +159,7 @@ def part_by_part(
     """Evaluate part after part on one thread; keep the best wall time of each [s]."""
     for i, part in enumerate(parts):
         took = Times()
-        took.run(lambda: evaluated(model, part, force, 1))  # noqa: B023
+        took.run(partial(evaluated, model, part, force, 1))
         best[i] = min(best[i], took.wall[0])
 
 

@@ -159,7 +159,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let mut tip = Vector::<P>::ZERO;
         let mut last = None;
         for (contact, k, t) in self.touching(model) {
-            let this = Some((contact.first.start, contact.second.start, t.first));
+            let this = Some((std::ptr::from_ref(contact), t.first));
             summary.pairs += u32::from(t.weight > 0.0);
             summary.touching += u32::from(this != last);
             last = this;

@@ -63,7 +63,7 @@ pub(crate) struct ThreadColumn {
 pub(crate) struct ThreadPair {
     pub entry: usize,
     pub product: f64,
-    /// One half on the diagonal.
+    /// One half for a column with itself.
     pub share: f64,
 }
 
@@ -182,9 +182,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
                 for (axis, end) in ends.iter_mut().enumerate() {
                     for &(dof, mode, phi) in &gauss.columns {
                         let mode = Mode::ALL[mode];
-                        let arm = thread_arm(mode, d)[axis];
                         if acts_along(mode, axis) {
-                            let size = arm * if mode.is_angular() { phi } else { phi * length };
+                            let scale = if mode.is_angular() { phi } else { phi * length };
+                            let size = thread_arm(mode, d)[axis] * scale;
                             self.thread_columns.push(ThreadColumn { dof, size });
                         }
                     }

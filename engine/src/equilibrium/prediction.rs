@@ -385,4 +385,39 @@ mod tests {
         }
         assert!(closed >= 2 && opened >= 1, "{closed} contacts closed, {opened} opened");
     }
+
+    #[test]
+    fn a_bend_is_learnt_and_goes_on() {
+        let model = Model::<SE2, 3, 2>::new(&finger()).unwrap();
+        let mut solver = Planar::new(&model, Options::default());
+        let h = 0.02;
+        let (mut bent, mut straight, mut seen) = (0.0, 0.0, 0);
+        let mut touching = go_to(&mut solver, &model, 0.0);
+        for k in 1..=400 {
+            solver.start = solver.q.clone();
+            solver.predict(&model, h, 4.0);
+            let found = go_to(&mut solver, &model, h * k as f64);
+            solver.velocity[1] = solver.velocity[0].clone();
+            solver.learn_bend(h);
+            let mut next = solver.clone();
+            let known = norm(&solver.prediction.bend) > 0.0;
+            if go_to(&mut next, &model, h * (k + 1) as f64) == found && found == touching && known {
+                let mut ahead = solver.clone();
+                ahead.predict(&model, h, 4.0);
+                let missed = |ahead: &Planar| {
+                    let mut moved = vec![0.0; model.dof()];
+                    ahead.prediction.displacement(h, &mut moved);
+                    let states = next.q.iter().zip(&solver.q).zip(&solver.unit);
+                    states.zip(moved).map(|(((n, q), u), d)| ((n - q) / u - d).powi(2)).sum::<f64>().sqrt()
+                };
+                bent += missed(&ahead);
+                ahead.prediction.rescale_bend(0.0);
+                straight += missed(&ahead);
+                seen += 1;
+            }
+            touching = found;
+        }
+        assert!(seen > 200, "only {seen} steps are smooth");
+        assert!(bent < 0.1 * straight, "{bent} of {straight}");
+    }
 }

@@ -17,18 +17,16 @@ pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     let CoordinateTerms { energy, gradient, curvature, along, .. } = out;
     curvature.clear();
-    along.resize(design.thread_columns.len(), 0.0);
-    let mut rest = &mut along[..];
+    along.clear();
     for_each_point(model, design, q, |actuator, weight, unit, norm, columns| {
         let tension = -model.actuators[actuator].sign * load[actuator] * weight;
         *energy += tension * norm;
         curvature.push(tension / norm);
         for (unit, columns) in unit.iter().zip(columns) {
-            let (along, after) = std::mem::take(&mut rest).split_at_mut(columns.len());
-            rest = after;
-            for (along, column) in along.iter_mut().zip(columns) {
-                *along = unit * column.size;
-                gradient[column.dof] += tension * *along;
+            for column in columns {
+                let along_column = unit * column.size;
+                gradient[column.dof] += tension * along_column;
+                along.push(along_column);
             }
         }
     });
