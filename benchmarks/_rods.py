@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import flexor
-from flexor.design import Geometry
+from flexor.design import Geometry, parameter_set
 from flexor.model import Model
 from flexor.validate.systems import build, rod, si
 
@@ -69,3 +69,10 @@ def tapered(model: Model, radii: np.ndarray[Any, np.dtype[np.float64]]) -> Geome
         radius=base + (tip - base) * model.X,
         slope=(tip - base) + 0.0 * model.X,
     )
+
+
+def two_designs(model: Model) -> Geometry:
+    """Two designs of a model near its own, the same at every size."""
+    if model.planar:
+        return parameter_set("L", model.design).geometry(np.array([[0.095], [0.105]]), model.X)
+    return tapered(model, np.array([[0.012, 0.008], [0.011, 0.009]]))

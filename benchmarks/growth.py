@@ -18,10 +18,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 from _growth_figure import draw
 from _random_designs import random_designs
-from _rods import finger, spatial_rod, tapered
+from _rods import finger, spatial_rod, two_designs
 from _section import Section, table
 from _timing import (
     Times,
@@ -37,7 +36,6 @@ from rich.console import Console
 from rich.table import Table
 
 import flexor
-from flexor.design import Geometry, parameter_set
 from flexor.model import Model
 
 ELEMENTS = {
@@ -92,10 +90,10 @@ def measure(runs: int, *, quick: bool) -> Section:
         "0 to 5 N:",
         _degrees_table(dof),
         " ".join(_fit_sentence(growth) for growth in dof)
-        + " Kinematics, potentials and the columns of each motion grow with DOF; the assembly "
-        "pairs every coordinate with all before it, DOF²; Cholesky's factorisation is DOF³/6 "
-        "multiplications and takes over from some hundred on (the profile below has the shares). "
-        "How to keep it from growing stands under *Structure of the tangent*.",
+        + " Kinematics, potentials and the columns of each motion grow with DOF; below 64 DOF the "
+        "assembly pairs every coordinate with all before it, DOF², and Cholesky's factorisation "
+        "is DOF³/6 multiplications; from there on both go from node to node (*Structure of the "
+        "tangent*).",
         "Iteration over pairs of spheres tested, with those that touch at 5 N:",
         _table("pairs tested", "touching", "µs/iteration", pairs, 1e6, "{:.1f}"),
         _pairs_sentence(pairs),
@@ -127,7 +125,7 @@ def contact_pairs(spheres: Sequence[int], runs: int) -> Growth:
     models = [_bristling(count) for count in spheres]
     costs, _ = _iterations(models, "contact pairs", runs)
     tested = [3 * count * model.first_spheres for count, model in zip(spheres, models, strict=True)]
-    touching = [float(model.evaluate(_designs(model)).pairs[:, -1].mean()) for model in models]
+    touching = [float(model.evaluate(two_designs(model)).pairs[:, -1].mean()) for model in models]
     return Growth(tested, costs, touching, "contact pairs")
 
 
@@ -146,18 +144,11 @@ def _bristling(spheres: int) -> Model:
     return flexor.load("finger", "calibrated", changes)
 
 
-def _designs(model: Model) -> Geometry:
-    """Two designs of a model near its own, the same at every size."""
-    if model.planar:
-        return parameter_set("L", model.design).geometry(np.array([[0.095], [0.105]]), model.X)
-    return tapered(model, np.array([[0.012, 0.008], [0.011, 0.009]]))
-
-
 def _iterations(models: Sequence[Model], name: str, runs: int) -> tuple[list[float], list[float]]:
     """Return the processor time of an iteration [s], and iterations for each design."""
     works, counts = {}, {}
     for model in models:
-        geometry = _designs(model)
+        geometry = two_designs(model)
         work = partial(model.evaluate, geometry, threads=1)
         repeats = enough(work)
         counts[str(len(works))] = int(work().iterations.sum()), repeats

@@ -28,15 +28,18 @@ ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "target" / "profile"
 FREQUENCY = 2_000  # Hz
 # Elements of the exosuit and designs, each about as long.
-LOADS = ((10, 4_000), (80, 300), (320, 6))
+LOADS = ((10, 4_000), (80, 400), (320, 60))
 QUICK_LOADS = ((10, 1_500), (80, 100))
 # The first that fits, from the innermost inlined function outward: part, file, function.
 PARTS: tuple[tuple[str, str, str], ...] = (
     ("contact", "potential/contact.rs", ""),
     ("actuator", "potential/actuator.rs", ""),
     ("elasticity, joints and other potentials", "potential/", "::add"),
+    ("contact", "potential/enclosure.rs", ""),
     ("solutions with the factor", "linalg/cholesky.rs", "solve"),
+    ("solutions with the factor", "linalg/chain.rs", "solve"),
     ("factorisation", "linalg/cholesky.rs", ""),
+    ("factorisation", "linalg/chain.rs", ""),
     ("kinematics", "kinematics.rs", ""),
     ("residual: wrenches pulled back to coordinates", "assembly/motions.rs", "pull_back"),
     ("tangent: columns and curvature of each motion", "assembly/motions.rs", "expand"),

@@ -84,7 +84,7 @@ def quick(runs: int) -> Sections:
     return {
         "speed": lambda: (speed.measure(1_000, runs), True),
         "growth": lambda: (growth.measure(runs, quick=True), True),
-        "structure": lambda: tangent(runs, short=True),
+        "structure": lambda: (structure.measure(runs, quick=True), True),
         "hotspots": lambda: profile(runs, short=True),
         "peers": lambda: peers.measure(runs, quick=True),
         "memory": lambda: (memory.measure(10_000, runs), True),
@@ -98,7 +98,7 @@ def full(runs: int) -> Sections:
     return {
         "speed": lambda: (speed.measure(2_000, max(runs, 5)), True),
         "growth": lambda: (growth.measure(runs, quick=False), True),
-        "structure": lambda: tangent(runs, short=False),
+        "structure": lambda: (structure.measure(runs, quick=False), True),
         "hotspots": lambda: profile(runs, short=False),
         "peers": lambda: peers.measure(runs, quick=False),
         "memory": lambda: (memory.measure(100_000, runs), True),
@@ -119,15 +119,6 @@ def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
     """Profile the engine."""
     return tried(
         lambda: hotspots.measure(runs, quick=short), "Where the time goes", "./dev bench hotspots"
-    )
-
-
-def tangent(runs: int, *, short: bool) -> tuple[Section, bool]:
-    """Look at the structure of the tangent."""
-    return tried(
-        lambda: structure.measure(runs, quick=short),
-        "Structure of the tangent",
-        "./dev bench structure",
     )
 
 

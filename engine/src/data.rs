@@ -81,7 +81,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes the tangent that goes with the last residual, given its state and load once more.
     pub fn evaluate_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
+        self.evaluate_near_tangent(model, q, load);
+        self.complete_tangent(model);
+    }
+
+    /// The same, but of a tangent with the form of a chain only what its factorisation needs.
+    pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
         self.assembly.update_tangent(model, &self.design, &self.kinematics, q, load);
+    }
+
+    /// Completes it.
+    pub(crate) fn complete_tangent(&mut self, model: &Model<G, D, P>) {
+        self.assembly.complete_tangent(model);
     }
 
     /// Π [J] at the last state evaluated, without the work of non-conservative loads.

@@ -4,6 +4,7 @@ use crate::design::Design;
 use crate::lie::{LieGroup, Stumpff};
 use crate::linalg::{LANES, Matrix, Vector};
 use crate::model::{Model, Motion};
+use crate::potential::enclosure::{self, Ball};
 
 /// √3/12: the commutator's factor in the 4th-order Magnus expansion at the Zanna points.
 const ZANNA_COMMUTATOR: f64 = 0.144_337_567_297_406_44;
@@ -18,6 +19,8 @@ pub(crate) struct Kinematics<G, const D: usize, const P: usize> {
     /// Normalised strains at the collocation points of each Magnus step.
     pub strain: Vec<[Vector<D>; 2]>,
     pub points: Vec<Vector<P>>,
+    /// Around spheres of contacts with many.
+    pub balls: Vec<Ball<P>>,
     /// The coordinates in blocks.
     coordinates: Vec<Vector<LANES>>,
 }
@@ -31,6 +34,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
             stumpff: vec![Stumpff::new(0.0); frames],
             strain: vec![[Vector::ZERO; 2]; model.steps.len()],
             points: vec![Vector::ZERO; model.points.len()],
+            balls: vec![Ball::POINT; model.contacts.last().map_or(0, |c| c.balls.end)],
             coordinates: model.coordinate_blocks.zeros(),
         }
     }
@@ -69,6 +73,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         for ((world, local), point) in self.points.iter_mut().zip(&design.points).zip(&model.points) {
             *world = self.pose[point.frame].act(local);
         }
+        enclosure::update(model, design, &self.points, &mut self.balls);
     }
 
     /// Ω of a Magnus step of order 2 or 4.

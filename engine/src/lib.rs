@@ -28,3 +28,7 @@ extern crate self as flexor_engine;
 #[cfg(test)]
 #[path = "../tests/systems/mod.rs"]
 mod systems;
+#[cfg(test)]
+#[allow(dead_code)]
+#[path = "../tests/systems/trees.rs"]
+mod trees;

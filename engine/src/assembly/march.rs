@@ -4,7 +4,7 @@ use super::Assembly;
 use crate::design::Design;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};
-use crate::model::Model;
+use crate::model::{Chain, Model};
 
 /// Sums over one run of frames that share their coordinates, in blocks of columns.
 #[derive(Clone, Debug)]
@@ -64,7 +64,10 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             let end = frame.run_end;
             if !frame.blocks.is_empty() {
                 self.sum_run(model, design, f..end, coupled);
-                self.pair_run(model, f);
+                match self.chain.of(model) {
+                    None => self.pair_run(model, f, |_, path| path),
+                    Some(chain) => self.pair_run_of_chain(model, chain, f),
+                }
             }
             f = end;
         }
@@ -174,9 +177,15 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Pairs the run that starts at frame `f` with the columns before it.
-    #[inline]
-    fn pair_run<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, f: usize) {
+    /// Pairs the run that starts at frame `f` with the columns before it: of those on its path, with
+    /// the ones that `partners` names for each of its coordinates.
+    #[inline(always)]
+    fn pair_run<G: LieGroup<D, P>, I: Iterator<Item = usize>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        f: usize,
+        partners: impl Fn(usize, std::ops::Range<usize>) -> I,
+    ) {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
         let first = &model.frames[f];
@@ -189,10 +198,10 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             let (block, lane) = (m / LANES, m % LANES);
             let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
             let y: [f64; D] = std::array::from_fn(|d| run.rows[block].0[d][lane]);
-            let before: [&[f64]; D] = std::array::from_fn(|d| &prefix[d * n..][path.clone()]);
-            for (i, r) in row[path.clone()].iter_mut().enumerate() {
+            let before: [&[f64]; D] = std::array::from_fn(|d| &prefix[d * n..(d + 1) * n]);
+            for i in partners(*dof, path.clone()) {
                 for d in 0..D {
-                    *r += y[d] * before[d][i];
+                    row[i] += y[d] * before[d][i];
                 }
             }
             for (l, other) in dofs.iter().enumerate() {
@@ -206,6 +215,19 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             for d in 0..D {
                 prefix[d * n + dof] += run.columns[m / LANES].0[d][m % LANES];
             }
+        }
+    }
+
+    /// The same for a chain, with its neighbours alone.
+    #[inline(never)]
+    fn pair_run_of_chain<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, chain: &Chain, f: usize) {
+        self.pair_run(model, f, |dof, path| {
+            chain.neighbours(dof).iter().copied().filter(move |i| path.contains(i))
+        });
+        for (m, dof) in model.column_dofs[model.frames[f].columns.clone()].iter().enumerate() {
+            let [column, row] =
+                [&self.run.columns, &self.run.rows].map(|sums| sums[m / LANES].column(m % LANES));
+            self.chain.add(*dof, column, row);
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! Columns are kept in blocks of four, one vector register wide, with unused ones zero.
 
+mod chain;
 mod march;
 mod motions;
 mod transmission;
@@ -17,6 +18,7 @@ use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};
 use crate::model::Model;
 use crate::potential::{self, CoordinateTerms, FrameTerms};
+use chain::ChainSums;
 use march::Run;
 
 /// Workspace of the assembly.
@@ -25,7 +27,7 @@ pub(crate) struct Assembly<const D: usize, const P: usize> {
     pub coordinates: CoordinateTerms,
     pub frames: FrameTerms<D, P>,
     pub energy: f64,
-    /// The full tangent, row-major.
+    /// The tangent, row-major.
     pub tangent: Vec<f64>,
     /// Generalised forces, in blocks of coordinates.
     pulled: Vec<Vector<LANES>>,
@@ -42,6 +44,7 @@ pub(crate) struct Assembly<const D: usize, const P: usize> {
     /// Second derivative of each frame's Ω, a form on the strains at its collocation points.
     bracket: Vec<Matrix<D, D>>,
     run: Run<D>,
+    chain: ChainSums<D>,
     /// Σ of the columns met so far, one D × dof block per body.
     prefix: Vec<f64>,
     /// Jacobians of the kept frames, one D × dof block each.
@@ -68,6 +71,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             curvature: vec![Matrix::ZERO; frames],
             bracket: vec![Matrix::ZERO; frames],
             run: Run::new(model),
+            chain: ChainSums::new(model),
             prefix: vec![0.0; model.bodies.len() * D * n],
             kept: vec![0.0; model.jacobian_slot.iter().flatten().count() * D * n],
             coupled: vec![0.0; frames * D * model.coupled.len()],
@@ -92,13 +96,14 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         frames.clear();
         potential::gravity::add(model, design, &kinematics.points, frames);
         potential::spring::add(model, design, &kinematics.points, frames);
-        potential::touch::add(model, design, &kinematics.points, frames);
+        potential::touch::add(model, design, kinematics, frames);
         potential::wrench::add(model, design, kinematics, load, frames);
         self.energy = coordinates.energy + frames.energy;
         self.pull_back(model, design, kinematics);
     }
 
-    /// The tangent at the state that [`Assembly::update_residual`] saw last.
+    /// The tangent at the state that [`Assembly::update_residual`] saw last; of one with the form of a
+    /// chain, only what [`Assembly::complete_tangent`] does not find by itself.
     pub fn update_tangent<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -107,24 +112,25 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         q: &[f64],
         load: &[f64],
     ) {
-        let coordinates = &mut self.coordinates;
-        coordinates.clear_tangent();
-        potential::elastic::add_tangent(model, design, coordinates);
-        potential::joint::add_tangent(model, design, q, coordinates);
-        potential::actuator::add_tangent(design, coordinates);
         let frames = &mut self.frames;
         frames.clear_tangent();
         potential::gravity::add_tangent(model, design, &kinematics.points, frames);
         potential::spring::add_tangent(model, design, &kinematics.points, frames);
         potential::touch::add_tangent(model, design, &kinematics.points, frames);
         potential::wrench::add_tangent(model, &kinematics.points, load, frames);
+        self.chain.start(model, &frames.couplings);
+        let coordinates = &mut self.coordinates;
+        coordinates.clear_tangent(self.chain.of(model));
+        potential::elastic::add_tangent(model, design, coordinates);
+        potential::joint::add_tangent(model, design, q, coordinates);
+        potential::actuator::add_tangent(design, coordinates);
 
         self.carry_stiffness(model);
         self.expand_motions(model, design, kinematics);
         self.keep_jacobians(model);
         let coupled = self.carry_couplings(model);
         self.march(model, design, coupled);
-        self.symmetrise(model.dof);
+        self.symmetrise(model);
         self.circulate(model, design, kinematics, load);
     }
 
@@ -222,8 +228,17 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    fn symmetrise(&mut self, n: usize) {
+    fn symmetrise<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
+        let n = model.dof;
         let half = &self.coordinates.half_tangent;
+        if let Some(chain) = self.chain.of(model) {
+            for i in 0..n {
+                for &j in chain.neighbours(i) {
+                    self.tangent[i * n + j] = half[i * n + j] + half[j * n + i];
+                }
+            }
+            return;
+        }
         for i in 0..n {
             for j in 0..=i {
                 let value = half[i * n + j] + half[j * n + i];

@@ -39,7 +39,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if size <= tolerance && self.factorise(0.0) {
                 break Status::Converged;
             }
-            let Some(step) = self.trust_region_step(radius) else { break Status::Diverged };
+            let Some(step) = self.trust_region_step(model, radius) else { break Status::Diverged };
             let TrustStep { decrease, definite, inside } = step;
             let length = norm(&self.step);
             if definite && largest(&self.step) <= NEGLIGIBLE_STEP {

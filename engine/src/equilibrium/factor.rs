@@ -1,24 +1,29 @@
 //! The factorised tangent of a state, with or without a potential behind it.
 
 use super::general::GeneralFactor;
+use crate::Data;
 use crate::lie::LieGroup;
-use crate::linalg::Cholesky;
+use crate::linalg::{ChainCholesky, Cholesky};
 use crate::model::Model;
 
 /// `S A S + λ` in factors.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Factor {
-    /// Of a symmetric tangent.
-    pub cholesky: Cholesky,
+pub(super) struct Factor<const D: usize> {
+    cholesky: Cholesky,
+    /// For a tangent with the form of a chain, if the model has one that is long.
+    chain: Option<ChainCholesky<D>>,
+    /// Whether that was used last.
+    chained: bool,
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
 }
 
-impl Factor {
-    pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(model: &Model<G, D, P>) -> Self {
+impl<const D: usize> Factor<D> {
+    pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
         let n = model.dof();
         let general = (!model.is_conservative()).then(|| GeneralFactor::new(n));
-        Self { cholesky: Cholesky::new(n), general }
+        let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
+        Self { cholesky: Cholesky::new(n), chain, chained: false, general }
     }
 
     /// Whether the tangent is the second derivative of a potential.
@@ -26,36 +31,164 @@ impl Factor {
         self.general.is_none()
     }
 
-    /// Factorises `S A S + shift`; `false` when it is not positive definite or, without a potential,
-    /// when the determinant of `S A S` is not positive.
-    pub fn factorise(&mut self, a: &[f64], scale: &[f64], shift: f64) -> bool {
-        match &mut self.general {
-            None => self.cholesky.factorise(a, scale, shift),
-            Some(general) => general.factorise(a, scale),
+    /// Factorises the tangent at hand, `S A S + shift`; `false` when it is not positive definite or,
+    /// without a potential, when the determinant of `S A S` is not positive.
+    pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
+        let (tangent, scale) = (data.tangent(), &data.design.scale);
+        if let Some(general) = &mut self.general {
+            return general.factorise(tangent, scale);
         }
+        let matrix = data.assembly.chain_matrix(scale);
+        self.chained = matrix.is_some();
+        match (&mut self.chain, matrix) {
+            (Some(chain), Some(matrix)) => chain.factorise(matrix, shift),
+            _ => self.cholesky.factorise(tangent, scale, shift),
+        }
+    }
+
+    /// The chain's factor, if that is the one at hand.
+    fn chain(&self) -> Option<&ChainCholesky<D>> {
+        self.chain.as_ref().filter(|_| self.chained)
     }
 
     /// Solves in place.
     pub fn solve(&self, b: &mut [f64]) {
-        match &self.general {
-            None => self.cholesky.solve(b),
-            Some(general) => general.solve(b),
+        match (&self.general, self.chain()) {
+            (Some(general), _) => general.solve(b),
+            (None, Some(chain)) => chain.solve(b),
+            (None, None) => self.cholesky.solve(b),
+        }
+    }
+
+    /// Solves in place with a triangular factor L, L Lᵀ being the tangent, its rows in some order.
+    pub fn solve_lower(&self, b: &mut [f64]) {
+        match self.chain() {
+            Some(chain) => chain.solve_lower(b),
+            None => self.cholesky.solve_lower(b),
         }
     }
 
     /// Solves with the transposed matrix, in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
         match &self.general {
-            None => self.cholesky.solve(b),
+            None => self.solve(b),
             Some(general) => general.solve_transposed(b),
         }
     }
 
     /// Ratio of the smallest to the largest pivot.
     pub fn pivot_ratio(&self) -> f64 {
-        match &self.general {
-            None => self.cholesky.pivot_ratio(),
-            Some(general) => general.pivot_ratio(),
+        match (&self.general, self.chain()) {
+            (Some(general), _) => general.pivot_ratio(),
+            (None, Some(chain)) => chain.pivot_ratio(),
+            (None, None) => self.cholesky.pivot_ratio(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lie::{SE2, SE3};
+    use crate::model::{Chain, Description, ShapeDescription};
+    use crate::strain::{BasisKind, sample_points};
+    use crate::systems::finger;
+    use crate::trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
+
+    /// Refines the rod.
+    fn refined(mut d: Description, elements: usize) -> Description {
+        for body in &mut d.bodies {
+            if let ShapeDescription::Rod(rod) = &mut body.shape {
+                rod.elements = elements;
+                let count = sample_points(elements, rod.gauss_points).len();
+                rod.radius = vec![rod.radius[0]; count];
+                rod.slope = vec![0.0; count];
+                for actuator in &mut d.actuators {
+                    actuator.path = vec![actuator.path[0]; count];
+                    actuator.path_slope = vec![actuator.path_slope[0]; count];
+                }
+            }
+        }
+        d
+    }
+
+    /// Compares the chain's factor with the dense one at several states; how often it could be used.
+    fn compare<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description) -> usize {
+        let mut model = Model::<G, D, P>::new(d).unwrap();
+        model.chain = Chain::of(&model);
+        let n = model.dof();
+        let mut factor = Factor::new(&model);
+        factor.general = None;
+        let mut data = Data::new(&model);
+        let load = vec![0.7; model.inputs().len()];
+        let mut used = 0;
+        for state in 0..6 {
+            let wave = |i: usize| ((i + 1) as f64 * (1.3 + 0.37 * state as f64)).sin();
+            let root = data.design.reference_stiffness.sqrt();
+            let q: Vec<f64> =
+                (0..n).map(|i| 0.1 * state as f64 * wave(i) * data.design.scale[i] * root).collect();
+            data.evaluate(&model, &q, &load);
+            if data.assembly.chain_matrix(&data.design.scale).is_none() {
+                continue;
+            }
+            used += 1;
+            let scale = &data.design.scale;
+            let entries = data.tangent().iter().enumerate();
+            let exact = entries.map(|(m, a)| (a * scale[m / n] * scale[m % n]).powi(2)).sum::<f64>().sqrt();
+            let found = data.assembly.chain_norm(&model, scale).unwrap();
+            assert!((found - exact).abs() < 1e-9 * exact, "norm {found} {exact} of {n}");
+            let mut dense = Cholesky::new(n);
+            let mut verdicts = [0, 0];
+            for k in 0..24 {
+                let shift = 1e-3 * 2.0f64.powi(k);
+                let definite = dense.factorise(data.tangent(), &data.design.scale, shift);
+                assert_eq!(factor.factorise(&data, shift), definite, "shift {shift} of {n}");
+                verdicts[usize::from(definite)] += 1;
+                if !definite {
+                    continue;
+                }
+                let b: Vec<f64> = (0..n).map(wave).collect();
+                let (mut x, mut y, mut exact) = (b.clone(), b.clone(), b);
+                dense.solve(&mut exact);
+                factor.solve(&mut x);
+                factor.solve_lower(&mut y);
+                let size = exact.iter().fold(0.0f64, |m, e| m.max(e.abs()));
+                for (x, e) in x.iter().zip(&exact) {
+                    assert!((x - e).abs() < 1e-8 * size, "{x} {e} at shift {shift} of {n}");
+                }
+                let energy: f64 = (0..n).map(|i| wave(i) * exact[i]).sum();
+                let of_lower: f64 = y.iter().map(|y| y * y).sum();
+                assert!((of_lower - energy).abs() < 1e-8 * energy, "{of_lower} {energy}");
+            }
+            assert!(verdicts[1] > 3);
+        }
+        used
+    }
+
+    #[test]
+    fn a_chain_has_the_factor_of_its_tangent() {
+        assert_eq!(compare::<SE2, 3, 2>(&finger()), 6);
+        for (i, basis) in BASES.into_iter().enumerate() {
+            let nodal = i < 4;
+            let section = SECTIONS[i % 3];
+            let other = BASES[(i + usize::from(nodal)) % 4];
+            let plane = planar_tree([basis, other, basis], section, 4, false);
+            let mut space = spatial_tree([basis, basis, other, basis, basis, basis], section, 2, false);
+            space.contacts.retain(|c| c.first != c.second);
+            space.springs.retain(|s| s.name != "s3");
+            let cones = with_round_cones(plane.clone());
+            let used = [
+                compare::<SE2, 3, 2>(&refined(plane, 5)),
+                compare::<SE2, 3, 2>(&refined(cones, 4)),
+                compare::<SE3, 6, 3>(&refined(space, 4)),
+            ];
+            assert_eq!(used.map(|u| u > 0), [nodal; 3], "{basis:?} {used:?}");
+        }
+    }
+
+    #[test]
+    fn a_rod_that_touches_itself_is_no_chain() {
+        let tree = spatial_tree([BasisKind::NodalLinear; 6], SECTIONS[0], 4, false);
+        assert_eq!(compare::<SE3, 6, 3>(&refined(tree, 4)), 0);
     }
 }

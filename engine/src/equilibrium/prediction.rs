@@ -65,7 +65,7 @@ struct Piece {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Prediction<const D: usize, const P: usize> {
     /// The tangent where they begin.
-    factor: Factor,
+    factor: Factor<D>,
     pieces: Vec<Piece>,
     count: usize,
     /// d²q/dλ² (dimensionless) on each piece; zero where it is not known.
@@ -145,7 +145,7 @@ impl<const D: usize, const P: usize> Prediction<D, P> {
     }
 }
 
-fn solve_updated(start: &Factor, updates: &[Update], b: &mut [f64]) {
+fn solve_updated<const D: usize>(start: &Factor<D>, updates: &[Update], b: &mut [f64]) {
     start.solve(b);
     for update in updates {
         let along = update.factor * dot(&update.gradient, b);
@@ -234,8 +234,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let margin = fastest * h;
         for contact in &model.contacts {
             let k = self.data.design.parameters[contact.stiffness];
-            let points = &self.data.kinematics.points;
-            touch::for_each_near(model, &self.data.design, points, contact, margin, |touch| {
+            let kinematics = &self.data.kinematics;
+            touch::for_each_near(model, &self.data.design, kinematics, contact, margin, |touch| {
                 let points = touch.points(model);
                 if touch.weight < 0.0 {
                     // The sphere that two round cones share: one of them is enough.

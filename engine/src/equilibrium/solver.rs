@@ -30,7 +30,7 @@ pub struct Solver<G, const D: usize, const P: usize> {
     pub(super) data: Data<G, D, P>,
     pub(super) options: Options,
     /// The tangent factorised last.
-    pub(super) factor: Factor,
+    pub(super) factor: Factor<D>,
     /// The current state and load.
     pub(super) q: Vec<f64>,
     pub(super) load: Vec<f64>,
@@ -143,14 +143,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     /// Evaluates the tangent at the current state, after its residual: an iteration.
     pub(super) fn evaluate_tangent(&mut self, model: &Model<G, D, P>) {
-        self.data.evaluate_tangent(model, &self.q, &self.load);
+        self.data.evaluate_near_tangent(model, &self.q, &self.load);
         self.iterations += 1;
     }
 
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,
     /// without a potential, when its determinant is not positive.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
-        self.factor.factorise(self.data.tangent(), &self.data.design.scale, shift)
+        self.factor.factorise(&self.data, shift)
     }
 
     /// p = −H⁻¹ r, with the factor at hand.

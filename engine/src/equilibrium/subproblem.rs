@@ -2,6 +2,7 @@
 
 use super::solver::{Solver, dot, norm};
 use crate::lie::LieGroup;
+use crate::model::Model;
 
 /// Factorisations allowed for one step.
 const ATTEMPTS: usize = 30;
@@ -23,16 +24,18 @@ pub(super) struct TrustStep {
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
     /// Leaves the step in `self.step`; `None` where none is found.
-    pub(super) fn trust_region_step(&mut self, radius: f64) -> Option<TrustStep> {
+    pub(super) fn trust_region_step(&mut self, model: &Model<G, D, P>, radius: f64) -> Option<TrustStep> {
         let definite = self.factorise(0.0);
         if definite {
             self.newton_step();
             if norm(&self.step) <= radius {
-                return Some(TrustStep { decrease: self.model_decrease(), definite, inside: true });
+                // Here H p = −g.
+                let decrease = -0.5 * dot(&self.residual, &self.step);
+                return Some(TrustStep { decrease, definite, inside: true });
             }
         }
         // The multiplier λ lies between these bounds, with H + λ positive definite and ‖p(λ)‖ = Δ.
-        let (lowest_diagonal, size) = self.tangent_bounds();
+        let (lowest_diagonal, size) = self.tangent_bounds(model);
         let steepest = norm(&self.residual) / radius;
         let mut low = if definite { 0.0 } else { (-lowest_diagonal).max(0.0) };
         let mut high = steepest + size;
@@ -59,8 +62,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             if length < radius {
                 if !definite && high - low < 1e-3 * high {
                     self.add_negative_curvature(radius);
-                    best = Some(shift);
-                    break;
+                    self.data.complete_tangent(model);
+                    let decrease = self.model_decrease();
+                    return Some(TrustStep { decrease, definite, inside: false });
                 }
                 high = shift;
                 best = Some(shift);
@@ -69,18 +73,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
             }
             shift = self.secular_update(shift, radius);
         }
-        best?;
+        let shift = best?;
+        // Here (H + λ) p = −g; of p only this part is taken.
         let length = norm(&self.step);
-        if length > radius {
-            self.step.iter_mut().for_each(|s| *s *= radius / length);
-        }
-        Some(TrustStep { decrease: self.model_decrease(), definite, inside: false })
+        let part = (radius / length).min(1.0);
+        let linear = dot(&self.residual, &self.step);
+        let quadratic = -linear - shift * length * length;
+        self.step.iter_mut().for_each(|s| *s *= part);
+        let decrease = -part * (linear + 0.5 * part * quadratic);
+        Some(TrustStep { decrease, definite, inside: false })
     }
 
     /// Newton's step for 1/‖p(λ)‖ = 1/Δ.
     fn secular_update(&mut self, shift: f64, radius: f64) -> f64 {
         self.work.copy_from_slice(&self.step);
-        self.factor.cholesky.solve_lower(&mut self.work);
+        self.factor.solve_lower(&mut self.work);
         let (p, w) = (norm(&self.step), norm(&self.work));
         shift + (p / w).powi(2) * (p - radius) / radius
     }
@@ -101,18 +108,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         -(linear + 0.5 * quadratic / unit_energy)
     }
 
-    /// Smallest diagonal entry and largest absolute row sum of the dimensionless tangent.
-    fn tangent_bounds(&self) -> (f64, f64) {
+    /// Smallest diagonal entry of the dimensionless tangent, and a bound to its eigenvalues: the largest
+    /// absolute row sum, or for a chain Frobenius' norm.
+    fn tangent_bounds(&self, model: &Model<G, D, P>) -> (f64, f64) {
         let n = self.step.len();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
-        let mut lowest = f64::INFINITY;
-        let mut size = 0.0f64;
-        for i in 0..n {
+        let diagonal = (0..n).map(|i| tangent[i * n + i] * scale[i] * scale[i]);
+        let lowest = diagonal.fold(f64::INFINITY, f64::min);
+        let row_sum = |i: usize| {
             let row = &tangent[i * n..(i + 1) * n];
-            lowest = lowest.min(row[i] * scale[i] * scale[i]);
-            size = size.max(row.iter().zip(scale).map(|(h, s)| (h * s).abs()).sum::<f64>() * scale[i]);
-        }
-        (lowest, size)
+            row.iter().zip(scale).map(|(h, s)| (h * s).abs()).sum::<f64>() * scale[i]
+        };
+        let norm = self.data.assembly.chain_norm(model, scale);
+        (lowest, norm.unwrap_or_else(|| (0..n).map(row_sum).fold(0.0, f64::max)))
     }
 
     /// The hard case: follows the eigenvector of the lowest eigenvalue to the boundary.

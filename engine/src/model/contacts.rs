@@ -22,6 +22,8 @@ pub(crate) struct Contact {
     pub weights: Vec<f64>,
     /// Parameters holding the lengths that multiply the shares; empty when k is not per length.
     pub lengths: Vec<usize>,
+    /// Of the second group's spheres in blocks, where these are many.
+    pub balls: Range<usize>,
 }
 
 /// The convex hull of two spheres.

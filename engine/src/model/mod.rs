@@ -10,6 +10,7 @@ mod admissible;
 mod blocks;
 mod bodies;
 mod build;
+mod chain;
 mod contacts;
 mod description;
 mod error;
@@ -23,6 +24,7 @@ pub use layout::Layout;
 pub(crate) use actuators::{Actuator, Tendon};
 pub(crate) use blocks::CoordinateBlocks;
 pub(crate) use bodies::{Body, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
+pub(crate) use chain::Chain;
 pub(crate) use contacts::{Contact, RoundCone, Spring, Wrench};
 pub(crate) use points::{Mass, Place, Point, Sphere, SphereRadius};
 
@@ -113,6 +115,8 @@ pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) leads_to_kept: Vec<bool>,
     /// Coordinates on which the kept frames depend.
     pub(crate) coupled: Range<usize>,
+    /// How the tangent of many coordinates is factorised.
+    pub(crate) chain: Option<Chain>,
     pub(crate) gravity: Vector<P>,
     pub(crate) layout: Layout,
     pub(crate) parameters: Vec<f64>,

@@ -1,7 +1,9 @@
 //! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
+use super::enclosure;
 use super::touch::Touch;
 use crate::design::Design;
+use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
@@ -12,11 +14,13 @@ use crate::model::{Contact, Model};
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
-    points: &[Vector<P>],
+    kinematics: &Kinematics<G, D, P>,
     contact: &Contact,
     margin: f64,
     mut visit: impl FnMut(Touch<P>),
 ) {
+    let points = &kinematics.points;
+    let balls = &kinematics.balls[contact.balls.clone()];
     for first in contact.first.clone() {
         let (p, radius) = (points[model.spheres[first].point], design.radii[first]);
         // A pair of a group with itself counts once.
@@ -25,7 +29,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         } else {
             contact.second.clone()
         };
-        for second in second {
+        let mut test = |second: usize| {
             let r = p - points[model.spheres[second].point];
             let reach = radius + design.radii[second];
             let (squared, near) = (r.dot(&r), reach + margin);
@@ -36,6 +40,17 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
                 let distance = distance.max(1e-12 * reach);
                 visit(Touch::of_spheres([first, second], normal, reach, distance, 1.0));
+            }
+        };
+        if balls.is_empty() {
+            second.for_each(test);
+            continue;
+        }
+        for (k, ball) in balls.iter().enumerate() {
+            let (r, near) = (p - ball.centre, radius + ball.radius + margin);
+            let block = enclosure::block(contact, k);
+            if r.dot(&r) < near * near && block.end > second.start {
+                (block.start.max(second.start)..block.end).for_each(&mut test);
             }
         }
     }

@@ -7,6 +7,7 @@
 pub(crate) mod actuator;
 pub(crate) mod contact;
 pub(crate) mod elastic;
+pub(crate) mod enclosure;
 pub(crate) mod gravity;
 pub(crate) mod joint;
 pub(crate) mod round_cone;
@@ -16,6 +17,7 @@ pub(crate) mod wrench;
 
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
+use crate::model::Chain;
 use touch::Touch;
 
 /// Terms in the coordinates: energy, gradient and half of the Hessian.
@@ -48,8 +50,13 @@ impl CoordinateTerms {
         self.gradient.fill(0.0);
     }
 
-    pub fn clear_tangent(&mut self) {
-        self.half_tangent.fill(0.0);
+    /// Clears it, or with a chain only what does not follow from its form.
+    pub fn clear_tangent(&mut self, chain: Option<&Chain>) {
+        let Some(chain) = chain else { return self.half_tangent.fill(0.0) };
+        let n = self.gradient.len();
+        for (i, row) in self.half_tangent.chunks_exact_mut(n).enumerate() {
+            chain.neighbours(i).iter().for_each(|j| row[*j] = 0.0);
+        }
     }
 
     /// Adds `k` to the second derivative along coordinate `i`.

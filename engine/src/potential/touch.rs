@@ -6,6 +6,7 @@
 
 use super::{FrameTerms, contact, round_cone};
 use crate::design::Design;
+use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
@@ -124,12 +125,13 @@ impl<const P: usize> Touch<P> {
 pub(crate) fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
-    points: &[Vector<P>],
+    kinematics: &Kinematics<G, D, P>,
     out: &mut FrameTerms<D, P>,
 ) {
+    let points = &kinematics.points;
     for (index, contact) in model.contacts.iter().enumerate() {
         let k = design.parameters[contact.stiffness];
-        for_each_near(model, design, points, contact, 0.0, |touch| {
+        for_each_near(model, design, kinematics, contact, 0.0, |touch| {
             let k = k * touch.weight;
             out.energy += 0.5 * k * touch.overlap * touch.overlap;
             let force = touch.normal * (-k * touch.overlap);
@@ -179,15 +181,15 @@ pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     design: &Design<G, D, P>,
-    points: &[Vector<P>],
+    kinematics: &Kinematics<G, D, P>,
     contact: &Contact,
     margin: f64,
     visit: impl FnMut(Touch<P>),
 ) {
     if contact.cones.is_empty() {
-        contact::for_each_near(model, design, points, contact, margin, visit);
+        contact::for_each_near(model, design, kinematics, contact, margin, visit);
     } else {
-        round_cone::for_each_near(model, design, points, contact, margin, visit);
+        round_cone::for_each_near(model, design, &kinematics.points, contact, margin, visit);
     }
 }
 

@@ -9,6 +9,7 @@ use super::super::{
 };
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::potential::enclosure;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -85,7 +86,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         });
         let (lengths, weights) = (lengths.collect(), contact.weights.clone());
         let skip = contact.skip;
-        self.contacts.push(Contact { first, second, skip, tip, stiffness, cones, weights, lengths });
+        let start = self.contacts.last().map_or(0, |c| c.balls.end);
+        let balls = start..start;
+        let mut made = Contact { first, second, skip, tip, stiffness, cones, weights, lengths, balls };
+        made.balls.end += enclosure::count(&made);
+        self.contacts.push(made);
         Ok(())
     }
 

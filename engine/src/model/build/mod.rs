@@ -6,9 +6,12 @@ mod tree;
 
 use super::blocks::CoordinateBlocks;
 use super::error::finite;
-use super::{Description, Frame, Layout, Model, ModelError, Motion};
+use super::{Chain, Description, Frame, Layout, Model, ModelError, Motion};
 use crate::lie::LieGroup;
 use std::ops::Range;
+
+/// With fewer coordinates a dense factorisation is as fast.
+const CHAIN_PAYS: usize = 64;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Builds the model.
@@ -53,6 +56,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             jacobian_slot: vec![],
             leads_to_kept: vec![],
             coupled: 0..0,
+            chain: None,
             gravity,
             layout: Layout::default(),
             parameters: vec![],
@@ -83,6 +87,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         }
         for wrench in &description.wrenches {
             model.add_wrench(wrench)?;
+        }
+        if model.dof >= CHAIN_PAYS && model.is_conservative() {
+            model.chain = Chain::of(&model);
         }
         Ok(model)
     }
