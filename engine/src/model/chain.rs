@@ -3,6 +3,11 @@
 use super::{Model, Motion};
 use crate::lie::LieGroup;
 
+/// With a shorter chain a dense factorisation is as fast,
+const LONG: usize = 64;
+/// and with a border of more than this share of it.
+const NARROW: f64 = 0.25;
+
 /// The order in which a rod's coordinates can be eliminated one node after another.
 ///
 /// A coordinate acts on a few neighbouring runs of frames; all that lies beyond them it moves as one
@@ -73,6 +78,12 @@ impl Chain {
             self.neighbours[*i].clone_from(&self.order);
         }
         self
+    }
+
+    /// Whether going from node to node is worth its while.
+    pub fn pays(&self) -> bool {
+        let chain = self.starts[self.starts.len() - 1];
+        chain >= LONG && (self.order.len() - chain) as f64 <= NARROW * chain as f64
     }
 
     /// The coordinates that coordinate `i` meets in other ways than through one twist; `i` is among

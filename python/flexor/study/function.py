@@ -146,7 +146,8 @@ def objective_function(
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
-        and says what their gradients are worth.
+        and says what their gradients are worth. Designs outside `ObjectiveFunction.bounds` are
+        evaluated like any other: line searches may try some.
 
     Raises
     ------

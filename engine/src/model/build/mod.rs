@@ -10,9 +10,6 @@ use super::{Chain, Description, Frame, Layout, Model, ModelError, Motion};
 use crate::lie::LieGroup;
 use std::ops::Range;
 
-/// With fewer coordinates a dense factorisation is as fast.
-const CHAIN_PAYS: usize = 64;
-
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Builds the model.
     ///
@@ -88,9 +85,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         for wrench in &description.wrenches {
             model.add_wrench(wrench)?;
         }
-        if model.dof >= CHAIN_PAYS && model.is_conservative() {
-            model.chain = Chain::of(&model);
-        }
+        model.chain = Chain::of(&model).filter(|chain| chain.pays() && model.is_conservative());
         Ok(model)
     }
 
