@@ -90,10 +90,10 @@ def measure(runs: int, *, quick: bool) -> Section:
         "0 to 5 N:",
         _degrees_table(dof),
         " ".join(_fit_sentence(growth) for growth in dof)
-        + " Kinematics, potentials and the columns of each motion grow with DOF; below 64 strains the "
-        "assembly pairs every coordinate with all before it, DOF², and Cholesky's factorisation "
-        "is DOF³/6 multiplications; from there on both go from node to node (*Structure of the "
-        "tangent*).",
+        + " Kinematics, potentials and the columns of each motion grow with DOF; below 64 strains "
+        "the assembly pairs every coordinate with all before it, DOF², and Cholesky's "
+        "factorisation is DOF³/6 multiplications; from there on both go from node to node "
+        "(*Structure of the tangent*).",
         "Iteration over pairs of spheres tested, with those that touch at 5 N:",
         _table("pairs tested", "touching", "µs/iteration", pairs, 1e6, "{:.1f}"),
         _pairs_sentence(pairs),
