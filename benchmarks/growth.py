@@ -90,7 +90,7 @@ def measure(runs: int, *, quick: bool) -> Section:
         "0 to 5 N:",
         _degrees_table(dof),
         " ".join(_fit_sentence(growth) for growth in dof)
-        + " Kinematics, potentials and the columns of each motion grow with DOF; below 64 strains "
+        + " Kinematics, potentials and the columns of each motion grow with DOF; below 96 strains "
         "the assembly pairs every coordinate with all before it, DOF², and Cholesky's "
         "factorisation is DOF³/6 multiplications; from there on both go from node to node "
         "(*Structure of the tangent*).",

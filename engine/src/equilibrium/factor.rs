@@ -92,7 +92,7 @@ mod tests {
     use crate::lie::{SE2, SE3};
     use crate::model::{Chain, Description, ShapeDescription};
     use crate::strain::{BasisKind, sample_points};
-    use crate::systems::finger;
+    use crate::systems::{finger, tendon_rod};
     use crate::trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
 
     /// Refines the rod.
@@ -168,6 +168,7 @@ mod tests {
     #[test]
     fn a_chain_has_the_factor_of_its_tangent() {
         assert_eq!(compare::<SE2, 3, 2>(&finger()), 6);
+        assert_eq!(compare::<SE3, 6, 3>(&tendon_rod()), 6);
         for (i, basis) in BASES.into_iter().enumerate() {
             let nodal = i < 4;
             let section = SECTIONS[i % 3];

@@ -159,14 +159,13 @@ impl<const R: usize> ChainCholesky<R> {
         for r in next.clone() {
             rest[r - own.start] = a.scaled(i, self.order[r]) - self.m[r].dot(&c);
         }
-        // In a column of the node before, the border comes after that node and this one.
-        let (here, there) = (own.len() + next.len(), before.start + before.len() + own.len());
+        // In a column the border follows the next node.
         for (b, r) in border.clone().enumerate() {
             let mut left = a.scaled(i, self.order[r]) - self.gone[r].dot(&m);
             for k in before.clone() {
-                left -= from(k, there + b) * from(k, p);
+                left -= from(k, own.end + b) * from(k, p);
             }
-            rest[here + b] = left;
+            rest[next.end - own.start + b] = left;
         }
         self.y[p] = c - gone;
     }
@@ -241,7 +240,7 @@ impl<const R: usize> ChainCholesky<R> {
                 let y = b[self.order[p]] * self.inverse[p];
                 b[self.order[p]] = y;
                 gone += self.y[p] * y;
-                let near = &self.order[p + 1..next.end.max(own.end)];
+                let near = &self.order[p + 1..next.end];
                 let far = if own.start == border.start { &[] } else { &self.order[border.clone()] };
                 let column = &self.numbers[self.columns[p] + p + 1 - own.start..];
                 for (i, l) in near.iter().chain(far).zip(column) {
@@ -259,7 +258,7 @@ impl<const R: usize> ChainCholesky<R> {
         for Node { own, next } in self.nodes.iter().rev() {
             let so_far = done;
             for p in own.clone().rev() {
-                let near = &self.order[p + 1..next.end.max(own.end)];
+                let near = &self.order[p + 1..next.end];
                 let far = if own.start == border.start { &[] } else { &self.order[border.clone()] };
                 let column = &self.numbers[self.columns[p] + p + 1 - own.start..];
                 let mut left = y[self.order[p]] - self.y[p].dot(&so_far);

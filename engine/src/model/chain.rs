@@ -4,7 +4,7 @@ use super::{Model, Motion};
 use crate::lie::LieGroup;
 
 /// With a shorter chain a dense factorisation is as fast,
-const LONG: usize = 64;
+const LONG: usize = 96;
 /// and with a border of more than this share of it.
 const NARROW: f64 = 0.25;
 
