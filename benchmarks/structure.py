@@ -71,8 +71,8 @@ def measure(runs: int, *, quick: bool) -> Section:
     section.parts += [
         "The tangent of a rod is full: what acts on its tip is felt by every strain before it. But "
         "a strain acts on all that lies beyond it through one rigid motion, so the blocks of the "
-        "tangent that couple the strains of one part with those beyond the next node have the "
-        "*rank* of a twist (3 in the plane, 6 in space), whatever the number of elements. From 96 "
+        "tangent that couple the strains of one part with those beyond the next node have at most "
+        "the *rank* of a twist (3 in the plane, 6 in space), whatever the number of elements. From 96 "
         "strains on the engine assembles only what does not follow from that, and factorises by a "
         "recursion from node to node that carries a matrix of that size; its pivots tell a tangent "
         "that is not positive definite just as well. One dense factorisation and solution of the "

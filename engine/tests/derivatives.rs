@@ -10,6 +10,7 @@ use flexor_engine::linalg::Vector;
 use flexor_engine::model::*;
 use flexor_engine::{ContactForce, Data};
 use proptest::prelude::*;
+use systems::{finger, refined};
 use trees::{basis, planar_trees, solids, spatial_tree, spatial_trees, with_round_cones};
 
 /// Step of the differences: small against the distance of overlapping sphere centres.
@@ -113,6 +114,16 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
     // So close to a change of contact that most stencils cross it: rare, or the test fails for want of states.
     prop_assume!(2 * checked > n);
     Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// One that is assembled from node to node.
+    #[test]
+    fn long_rod(state in prop::collection::vec(-1.0..1.0f64, 113), load in -1.0..2.0f64) {
+        check::<SE2, 3, 2>(&refined(finger(), 52), &state, 0.25, &[load])?;
+    }
 }
 
 proptest! {

@@ -90,27 +90,10 @@ impl<const D: usize> Factor<D> {
 mod tests {
     use super::*;
     use crate::lie::{SE2, SE3};
-    use crate::model::{Chain, Description, ShapeDescription};
-    use crate::strain::{BasisKind, sample_points};
-    use crate::systems::{finger, tendon_rod};
+    use crate::model::{Chain, Description};
+    use crate::strain::BasisKind;
+    use crate::systems::{finger, refined, tendon_rod};
     use crate::trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
-
-    /// Refines the rod.
-    fn refined(mut d: Description, elements: usize) -> Description {
-        for body in &mut d.bodies {
-            if let ShapeDescription::Rod(rod) = &mut body.shape {
-                rod.elements = elements;
-                let count = sample_points(elements, rod.gauss_points).len();
-                rod.radius = vec![rod.radius[0]; count];
-                rod.slope = vec![0.0; count];
-                for actuator in &mut d.actuators {
-                    actuator.path = vec![actuator.path[0]; count];
-                    actuator.path_slope = vec![actuator.path_slope[0]; count];
-                }
-            }
-        }
-        d
-    }
 
     /// Compares the chain's factor with the dense one at several states; how often it could be used.
     fn compare<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description) -> usize {
@@ -132,6 +115,14 @@ mod tests {
                 continue;
             }
             used += 1;
+            let mut plain = model.clone();
+            plain.chain = None;
+            let mut paired = Data::new(&plain);
+            paired.evaluate(&plain, &q, &load);
+            let most = paired.tangent().iter().fold(0.0f64, |m, a| m.max(a.abs()));
+            for (m, (a, b)) in data.tangent().iter().zip(paired.tangent()).enumerate() {
+                assert!((a - b).abs() < 1e-12 * most, "{a} {b} at {}, {} of {n}", m / n, m % n);
+            }
             let scale = &data.design.scale;
             let entries = data.tangent().iter().enumerate();
             let exact = entries.map(|(m, a)| (a * scale[m / n] * scale[m % n]).powi(2)).sum::<f64>().sqrt();

@@ -229,7 +229,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
 
     fn find_pairs(&self, model: &Model<G, D, P>, ahead: &mut Prediction<D, P>, h: f64) {
         ahead.pairs.clear();
-        let fastest = model.spheres.iter().map(|s| ahead.points[s.point].norm()).fold(0.0, f64::max);
+        let squares = model.spheres.iter().map(|s| ahead.points[s.point].dot(&ahead.points[s.point]));
+        let fastest = squares.fold(0.0, f64::max).sqrt();
         // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
         let margin = fastest * h;
         for contact in &model.contacts {

@@ -21,36 +21,44 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     let points = &kinematics.points;
     let balls = &kinematics.balls[contact.balls.clone()];
+    // The centres of a group's spheres are points one after another.
+    let Some(start) = model.spheres.get(contact.second.start).map(|s| s.point) else { return };
+    let centres = &points[start..start + contact.second.len()];
+    let radii = &design.radii[contact.second.clone()];
     for first in contact.first.clone() {
         let (p, radius) = (points[model.spheres[first].point], design.radii[first]);
         // A pair of a group with itself counts once.
-        let second = if contact.is_self() {
-            first + contact.skip.max(1)..contact.second.end
+        let ahead = if contact.is_self() {
+            (first + contact.skip.max(1) - contact.second.start).min(centres.len())
         } else {
-            contact.second.clone()
+            0
         };
-        let mut test = |second: usize| {
-            let r = p - points[model.spheres[second].point];
-            let reach = radius + design.radii[second];
-            let (squared, near) = (r.dot(&r), reach + margin);
-            if squared < near * near {
-                let distance = squared.sqrt();
-                // Coincident centres push nowhere in particular; any fixed direction will do.
-                let normal =
-                    if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
-                let distance = distance.max(1e-12 * reach);
-                visit(Touch::of_spheres([first, second], normal, reach, distance, 1.0));
-            }
-        };
-        if balls.is_empty() {
-            second.for_each(test);
-            continue;
-        }
-        for (k, ball) in balls.iter().enumerate() {
-            let (r, near) = (p - ball.centre, radius + ball.radius + margin);
-            let block = enclosure::block(contact, k);
-            if r.dot(&r) < near * near && block.end > second.start {
-                (block.start.max(second.start)..block.end).for_each(&mut test);
+        // Without balls, all of them as one block.
+        for k in 0..balls.len().max(1) {
+            let block = match balls.get(k) {
+                None => ahead..centres.len(),
+                Some(ball) => {
+                    let (r, near) = (p - ball.centre, radius + ball.radius + margin);
+                    if r.dot(&r) >= near * near {
+                        continue;
+                    }
+                    let block = enclosure::block(centres.len(), k);
+                    block.start.max(ahead).min(block.end)..block.end
+                }
+            };
+            for ((i, centre), other) in block.clone().zip(&centres[block.clone()]).zip(&radii[block]) {
+                let r = p - *centre;
+                let reach = radius + other;
+                let (squared, near) = (r.dot(&r), reach + margin);
+                if squared < near * near {
+                    let distance = squared.sqrt();
+                    // Coincident centres push nowhere in particular; any fixed direction will do.
+                    let normal =
+                        if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
+                    let distance = distance.max(1e-12 * reach);
+                    let pair = [first, contact.second.start + i];
+                    visit(Touch::of_spheres(pair, normal, reach, distance, 1.0));
+                }
             }
         }
     }

@@ -28,11 +28,10 @@ pub(crate) fn count(contact: &Contact) -> usize {
     if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK) }
 }
 
-/// The spheres of the `k`-th block.
+/// The `k`-th block of so many spheres.
 #[inline]
-pub(crate) fn block(contact: &Contact, k: usize) -> Range<usize> {
-    let start = contact.second.start + k * BLOCK;
-    start..(start + BLOCK).min(contact.second.end)
+pub(crate) fn block(spheres: usize, k: usize) -> Range<usize> {
+    k * BLOCK..((k + 1) * BLOCK).min(spheres)
 }
 
 /// Encloses the blocks of all contacts that need it.
@@ -44,11 +43,11 @@ pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     for contact in &model.contacts {
         for (k, ball) in balls[contact.balls.clone()].iter_mut().enumerate() {
-            let spheres = block(contact, k);
-            let centre = |s: usize| points[model.spheres[s].point];
-            let (first, last) = (centre(spheres.start), centre(spheres.end - 1));
-            ball.centre = (first + last) * 0.5;
-            let reach = spheres.map(|s| (centre(s) - ball.centre).norm() + design.radii[s]);
+            let spheres = block(contact.second.len(), k);
+            let sphere = |i: usize| contact.second.start + i;
+            let centre = |i: usize| points[model.spheres[sphere(i)].point];
+            ball.centre = (centre(spheres.start) + centre(spheres.end - 1)) * 0.5;
+            let reach = spheres.map(|i| (centre(i) - ball.centre).norm() + design.radii[sphere(i)]);
             // No rounding may leave a sphere outside.
             ball.radius = reach.fold(0.0, f64::max) * (1.0 + 1e-12);
         }

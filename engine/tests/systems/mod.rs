@@ -124,6 +124,23 @@ pub fn finger() -> Description {
     description
 }
 
+/// The same system with as thick a rod of so many elements all along.
+pub fn refined(mut d: Description, elements: usize) -> Description {
+    for body in &mut d.bodies {
+        if let ShapeDescription::Rod(rod) = &mut body.shape {
+            rod.elements = elements;
+            let count = sample_points(elements, rod.gauss_points).len();
+            rod.radius = vec![rod.radius[0]; count];
+            rod.slope = vec![0.0; count];
+            for actuator in &mut d.actuators {
+                actuator.path = vec![actuator.path[0]; count];
+                actuator.path_slope = vec![actuator.path_slope[0]; count];
+            }
+        }
+    }
+    d
+}
+
 /// The spatial rod of `tests/reference/sorosim_spatial.json`.
 pub fn tendon_rod() -> Description {
     let modes = Mode::ALL.map(|m| strain(m, BasisKind::NodalQuadratic)).to_vec();
