@@ -32,20 +32,19 @@ def draw(
             b.loglog(growth.sizes, 1e3 * np.array(growth.costs) * growth.also, **line)
         for axes in (a, b):
             _room(axes)
-            _guide(axes, 0, 1, "~ n")
-            _guide(axes, -1, 3, "~ n³")
+            _guide(axes, 0, "~ n")
             axes.set_xlabel("degrees of freedom n")
             axes.legend(loc="upper left")
         a.set(ylabel="time of an iteration / ms")
         b.set(ylabel="time of a design, 0 to 5 N / ms")
         c.loglog(pairs.sizes, 1e6 * np.array(pairs.costs), **_line())
-        c.set(xlabel="contact pairs tested", ylabel="time of an iteration / µs")
+        c.set(xlabel="pairs of spheres", ylabel="time of an iteration / µs")
         _room(c)
-        _guide(c, -1, 1, "~ pairs")
+        _guide(c, -1, "~ pairs")
         d.loglog(time.sizes, time.costs, **_line())
         d.set(xlabel="designs, one load step each", ylabel="time / s")
         _room(d)
-        _guide(d, -1, 1, "~ designs")
+        _guide(d, -1, "~ designs")
         e.loglog(memory.sizes, memory.costs, **_line())
         e.set(xlabel="designs, one load step each", ylabel="peak memory / MB")
         _room(e)
@@ -73,17 +72,17 @@ def _room(axes: Any) -> None:
     axes.set_ylim(0.8 * 10.0 ** np.floor(np.log10(bottom)), 3.0 * top)
 
 
-def _guide(axes: Any, through: int, power: int, label: str) -> None:
-    """Draw a line of slope `power` below a point of the first curve, as far as the axes go."""
+def _guide(axes: Any, through: int, label: str) -> None:
+    """Draw a line of slope one below a point of the first curve, as far as the axes go."""
     curve = axes.get_lines()[0]
     x, y = np.asarray(curve.get_xdata(), float), np.asarray(curve.get_ydata(), float)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     at = np.geomspace(left, right, 400)
-    values = 0.4 * y[through] * (at / x[through]) ** power
+    values = 0.4 * y[through] * (at / x[through])
     inside = (values > bottom) & (values < top) & (at < 1.4 * x[-1])
     axes.plot(at[inside], values[inside], **GUIDE)
     shown = np.flatnonzero(inside)
-    place = shown[int((0.65 if power == 1 else 0.25) * len(shown))]  # where no other line is
+    place = shown[int(0.65 * len(shown))]  # where no other line is
     axes.annotate(
         label, (at[place], values[place]), color=LINE, fontsize=7.0, ha="left", va="top",
         xytext=(3, -1), textcoords="offset points",

@@ -94,8 +94,8 @@ def measure(runs: int, *, quick: bool) -> Section:
         "the assembly pairs every coordinate with all before it, DOF², and Cholesky's "
         "factorisation is DOF³/6 multiplications; from there on both go from node to node "
         "(*Structure of the tangent*).",
-        "Iteration over pairs of spheres tested, with those that touch at 5 N:",
-        _table("pairs tested", "touching", "µs/iteration", pairs, 1e6, "{:.1f}"),
+        "Iteration over pairs of spheres that may touch, with those that do at 5 N:",
+        _table("pairs", "touching", "µs/iteration", pairs, 1e6, "{:.1f}"),
         _pairs_sentence(pairs),
         f"Designs, each followed from 0 to {FORCES[1]} N in one step on one thread, and the most "
         "memory that the process used:",
