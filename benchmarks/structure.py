@@ -72,12 +72,13 @@ def measure(runs: int, *, quick: bool) -> Section:
         "The tangent of a rod is full: what acts on its tip is felt by every strain before it. But "
         "a strain acts on all that lies beyond it through one rigid motion, so the blocks of the "
         "tangent that couple the strains of one part with those beyond the next node have at most "
-        "the *rank* of a twist (3 in the plane, 6 in space), whatever the number of elements. From 96 "
-        "strains on the engine assembles only what does not follow from that, and factorises by a "
-        "recursion from node to node that carries a matrix of that size; its pivots tell a tangent "
-        "that is not positive definite just as well. One dense factorisation and solution of the "
-        "tangent by LAPACK (SciPy), against a whole iteration of the engine with kinematics, "
-        "residuals, assembly, prediction and tests (wall time; LAPACK may use every core):",
+        "the *rank* of a twist (3 in the plane, 6 in space), whatever the number of elements. From "
+        "96 strains on the engine assembles only what does not follow from that, and factorises by "
+        "a recursion from node to node that carries a matrix of that size; its pivots tell a "
+        "tangent that is not positive definite just as well. One dense factorisation and solution "
+        "of the tangent by LAPACK (SciPy), against a whole iteration of the engine with "
+        "kinematics, residuals, assembly, prediction and tests (wall time; LAPACK may use every "
+        "core):",
         made,
         f"From the third size on the time grows as {'; '.join(fits)}.",
         "Coordinates of other bodies, such as the finger's joints, make a border of as many dense "
