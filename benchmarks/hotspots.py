@@ -33,9 +33,9 @@ QUICK_LOADS = ((10, 1_500), (80, 100))
 # The first that fits, from the innermost inlined function outward: part, file, function.
 PARTS: tuple[tuple[str, str, str], ...] = (
     ("contact", "potential/contact.rs", ""),
+    ("contact", "potential/enclosure.rs", ""),
     ("actuator", "potential/actuator.rs", ""),
     ("elasticity, joints and other potentials", "potential/", "::add"),
-    ("contact", "potential/enclosure.rs", ""),
     ("solutions with the factor", "linalg/cholesky.rs", "solve"),
     ("solutions with the factor", "linalg/chain.rs", "solve"),
     ("factorisation", "linalg/cholesky.rs", ""),

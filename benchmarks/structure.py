@@ -53,14 +53,15 @@ def measure(runs: int, *, quick: bool) -> Section:
         sizes, dense, whole = [], [], []
         for i, count in enumerate(elements[:QUICK_ELEMENTS] if quick else elements):
             model = make(count)
-            times = _times(model, runs, f"{name}, {model.dof} DOF")
+            matrix = tangent(model)
+            times = _times(model, matrix, runs, f"{name}, {model.dof} DOF")
             sizes.append(model.dof)
             dense.append(times[0])
             whole.append(times[1])
             made.add_row(
                 "" if i else name,
                 f"{model.dof:,}",
-                str(rank(model)),
+                str(rank(model, matrix)),
                 f"{1e6 * dense[-1]:,.1f}",
                 f"{1e6 * whole[-1]:,.1f}",
                 f"{dense[-1] / whole[-1]:,.2f}",
@@ -89,20 +90,20 @@ def measure(runs: int, *, quick: bool) -> Section:
     return section
 
 
-def rank(model: Model) -> int:
+def rank(model: Model, tangent: Array) -> int:
     """Return the largest rank of any block that couples strains beyond neighbouring nodes."""
     names = model.engine.coordinates
     strains = [i for i, name in enumerate(names) if name.endswith("]")]
     strains.sort(key=lambda i: int(names[i].split("[")[1][:-1]))
     modes = len({names[i].split("[")[0] for i in strains})
-    matrix = _tangent(model)[np.ix_(strains, strains)]
+    matrix = tangent[np.ix_(strains, strains)]
     nodes = len(strains) // modes
     cuts = np.unique(np.linspace(1, nodes - 2, CUTS).astype(int)) * modes
     blocks = (matrix[:cut, cut + modes :] for cut in cuts)
     return max(int((np.linalg.svd(b, compute_uv=False) > TOLERANCE).sum()) for b in blocks)
 
 
-def _tangent(model: Model) -> Array:
+def tangent(model: Model) -> Array:
     """Return the tangent at the largest force, with a diagonal of ones."""
     path = model.equilibrium([0.0, FORCE])
     full = model.engine.tangent(model.parameters, path.q[-1], [FORCE])
@@ -110,12 +111,12 @@ def _tangent(model: Model) -> Array:
     return np.asarray(scale[:, None] * full * scale)
 
 
-def _times(model: Model, runs: int, description: str) -> tuple[float, float]:
+def _times(model: Model, tangent: Array, runs: int, description: str) -> tuple[float, float]:
     """Return the time of a dense factorisation and solution, and of a whole iteration [s]."""
-    matrix, load = _tangent(model), np.ones(model.dof)
+    load = np.ones(model.dof)
 
     def dense() -> Any:
-        return cho_solve(cho_factor(matrix, check_finite=False), load, check_finite=False)
+        return cho_solve(cho_factor(tangent, check_finite=False), load, check_finite=False)
 
     whole = partial(model.evaluate, two_designs(model), threads=1)
     iterations = int(whole().iterations.sum())

@@ -67,7 +67,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             let near = chain.neighbours(i).iter().map(|j| (row[*j] * scale[*j] * scale[i]).powi(2));
             sum += near.sum::<f64>();
         }
-        // Σ c cᵀ over all nodes that only meet the next one through a twist.
+        // Σ c cᵀ over all nodes that meet those of m through a twist alone.
         let mut before = Matrix::<D, D>::ZERO;
         for nodes in chain.starts.windows(4) {
             for i in &chain.order[nodes[0]..nodes[1]] {

@@ -1,5 +1,6 @@
 //! Interactions between points: contacts, springs, point loads.
 
+use super::Sphere;
 use crate::linalg::Vector;
 use std::ops::Range;
 
@@ -37,6 +38,17 @@ pub(crate) struct RoundCone {
 impl Contact {
     pub fn is_self(&self) -> bool {
         self.first == self.second
+    }
+
+    /// The centres of the second group's spheres: these are points one after another.
+    #[inline]
+    pub fn second_centres<'a, const P: usize>(
+        &self,
+        spheres: &[Sphere],
+        points: &'a [Vector<P>],
+    ) -> &'a [Vector<P>] {
+        let start = spheres.get(self.second.start).map_or(0, |s| s.point);
+        &points[start..start + self.second.len()]
     }
 
     /// What multiplies k for a sphere of the first group.

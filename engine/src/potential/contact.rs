@@ -21,9 +21,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) {
     let points = &kinematics.points;
     let balls = &kinematics.balls[contact.balls.clone()];
-    // The centres of a group's spheres are points one after another.
-    let Some(start) = model.spheres.get(contact.second.start).map(|s| s.point) else { return };
-    let centres = &points[start..start + contact.second.len()];
+    let centres = contact.second_centres(&model.spheres, points);
     let radii = &design.radii[contact.second.clone()];
     for first in contact.first.clone() {
         let (p, radius) = (points[model.spheres[first].point], design.radii[first]);

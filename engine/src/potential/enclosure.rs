@@ -7,7 +7,7 @@ use crate::model::{Contact, Model};
 use std::ops::Range;
 
 /// Spheres of one block, neighbours in their group.
-pub(crate) const BLOCK: usize = 8;
+const BLOCK: usize = 8;
 /// With fewer pairs of spheres testing each is as fast.
 const MANY: usize = 1_000;
 
@@ -42,12 +42,12 @@ pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
     balls: &mut [Ball<P>],
 ) {
     for contact in &model.contacts {
-        for (k, ball) in balls[contact.balls.clone()].iter_mut().enumerate() {
-            let spheres = block(contact.second.len(), k);
-            let sphere = |i: usize| contact.second.start + i;
-            let centre = |i: usize| points[model.spheres[sphere(i)].point];
-            ball.centre = (centre(spheres.start) + centre(spheres.end - 1)) * 0.5;
-            let reach = spheres.map(|i| (centre(i) - ball.centre).norm() + design.radii[sphere(i)]);
+        let centres = contact.second_centres(&model.spheres, points).chunks(BLOCK);
+        let radii = design.radii[contact.second.clone()].chunks(BLOCK);
+        for (ball, (centres, radii)) in balls[contact.balls.clone()].iter_mut().zip(centres.zip(radii)) {
+            ball.centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
+            let spheres = centres.iter().zip(radii);
+            let reach = spheres.map(|(centre, radius)| (*centre - ball.centre).norm() + radius);
             // No rounding may leave a sphere outside.
             ball.radius = reach.fold(0.0, f64::max) * (1.0 + 1e-12);
         }
