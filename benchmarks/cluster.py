@@ -28,7 +28,7 @@ from rich.table import Table
 
 import flexor
 from flexor.design import parameter_set
-from flexor.objective import objective
+from flexor.objectives import objective
 from flexor.study import Cluster, Executor, Outcomes, Problem, Threads
 from flexor.study.executors import PART
 from flexor.study.executors.parcel import Parcel, packed

@@ -25,18 +25,18 @@ from rich.console import Console
 from rich.table import Table
 
 import flexor
-from flexor import search
+from flexor import optimizers
 from flexor.design import ParameterSet, parameter_set
 from flexor.model import Model
-from flexor.search import Search, SearchResult
+from flexor.optimizers import Search, SearchResult
 
 SETS = ("L", "R01", "Rsc", "RLP", "L+R01", "L+Rsc", "L+RLP")
 METHODS: dict[str, Search] = {
-    "pattern search": search.method("pattern-search"),
-    "LM": search.method("levenberg-marquardt"),
-    "BFGS": search.method("multistart-bfgs", starts=1),
-    "BFGS, 8 starts": search.method("multistart-bfgs"),
-    "polished pattern": search.method("pattern-search+polish"),
+    "pattern search": optimizers.method("pattern-search"),
+    "LM": optimizers.method("levenberg-marquardt"),
+    "BFGS": optimizers.method("multistart-bfgs", starts=1),
+    "BFGS, 8 starts": optimizers.method("multistart-bfgs"),
+    "polished pattern": optimizers.method("pattern-search+polish"),
 }
 WITHIN = (0.01, 0.001)
 

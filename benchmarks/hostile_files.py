@@ -29,7 +29,7 @@ from rich.progress import track
 from rich.table import Table
 
 import flexor
-from flexor.calibrate.reading import read as read_targets
+from flexor.calibration.reading import read as read_targets
 from flexor.errors import InputError
 from flexor.model import Model, parse, presets, read
 from flexor.model.presets import locate

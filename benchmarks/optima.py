@@ -20,13 +20,13 @@ from rich.progress import track
 from rich.table import Table
 
 import flexor
+from flexor.optimizers import CmaEs, DifferentialEvolution, PatternSearch, Search
 from flexor.paper import Settings
 from flexor.paper.context import Context
 from flexor.paper.folder import Folder
 from flexor.paper.optimum import true_optimum
 from flexor.paper.settings import OBJECTIVES, SETS
 from flexor.paper.table3 import NESTED
-from flexor.search import CmaEs, DifferentialEvolution, PatternSearch, Search
 
 SEARCHES, TIMES, SLACK = 10, 5, 1e-3
 

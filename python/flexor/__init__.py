@@ -53,15 +53,15 @@ _HOME = {
     "optimize": "flexor.study",
 }
 _PACKAGES = (
-    "calibrate",
+    "calibration",
     "cli",
     "design",
     "errors",
     "model",
-    "objective",
+    "objectives",
     "paper",
     "plot",
-    "search",
+    "optimizers",
     "study",
     "survey",
     "validate",

@@ -8,7 +8,7 @@ import pytest
 from flexor.design import parameter_set
 from flexor.errors import InputError
 from flexor.model import Batch, Model, load
-from flexor.objective import objective
+from flexor.objectives import objective
 
 SETS = ("L", "R01", "Rsc", "RLP", "L+R01", "L+Rsc", "L+RLP")
 # A path of its own for each step, and tighter than by default: differences divide what is left.
@@ -118,7 +118,7 @@ def test_objectives_chain_their_gradients_and_residuals(finger: Model) -> None:
 
 
 def test_a_gradient_at_earlier_loads_is_refused(finger: Model) -> None:
-    from flexor.objective import PathGradient
+    from flexor.objectives import PathGradient
 
     angles = np.zeros((1, 6, 3))
     angles[0, 2, 0] = 1.0

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexor.design import DesignSpace, Geometry, GeometryJacobian
-from flexor.objective import OnePath
+from flexor.objectives import OnePath
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import pytest
 import flexor
 from flexor.cli.app import main
 from flexor.errors import ClusterError, InputError
-from flexor.objective import custom
+from flexor.objectives import custom
 from flexor.study import Cluster, Study, StudyProgress, optimize, resume
 from flexor.study.executors import connection
 from flexor.survey import compare

@@ -17,8 +17,8 @@ from flexor.design import custom as custom_set
 from flexor.design import parameter_set
 from flexor.errors import InputError
 from flexor.installing import install_command
-from flexor.objective import custom, objective
-from flexor.search import Progress, method
+from flexor.objectives import custom, objective
+from flexor.optimizers import Progress, method
 from flexor.study import Cluster, Problem, Record, Recorded, Threads, optimize
 from flexor.study.executors import PART, connection, interface, threads, worker
 from flexor.study.executors.address import Address

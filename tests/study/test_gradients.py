@@ -13,9 +13,9 @@ import pytest
 from scipy.optimize import check_grad, minimize
 
 import flexor
-from flexor import search
+from flexor import optimizers
 from flexor.errors import InputError
-from flexor.objective import custom
+from flexor.objectives import custom
 from flexor.study import Problem, Record, Recorded, Threads, function, optimize, resume
 
 METHODS = ("levenberg-marquardt", "multistart-bfgs", "pattern-search+polish")
@@ -77,7 +77,9 @@ def test_exact_gradients_save_designs_and_are_recorded(analytic: ModuleType, nam
     problem = exact.problem
     recorded = Recorded(problem, Record(None, (k, 6, 3)), Threads(), gradients=False)
     chosen = problem.parameters
-    differences = search.method(name).minimize(recorded, chosen.lower, chosen.upper, chosen.start)
+    differences = optimizers.method(name).minimize(
+        recorded, chosen.lower, chosen.upper, chosen.start
+    )
     assert exact.result is not None
     assert exact.result.value == pytest.approx(differences.value, rel=1e-6)
     assert exact.evaluations < 0.8 * differences.evaluations

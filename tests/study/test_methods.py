@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexor import search
+from flexor import optimizers
 from flexor.errors import InputError
 from flexor.study import Study, optimize, resume
 
@@ -29,11 +29,11 @@ def content(study: Study) -> tuple[Any, ...]:
     )
 
 
-@pytest.mark.parametrize("name", [name for name in search.names() if name != "grid"])
+@pytest.mark.parametrize("name", [name for name in optimizers.names() if name != "grid"])
 def test_killed_and_resumed_it_ends_in_the_same_record(
     analytic: ModuleType, tmp_path: Path, name: str
 ) -> None:
-    if name not in search.available():
+    if name not in optimizers.available():
         pytest.skip(f"the library of {name} is not installed")
     given: dict[str, Any] = {
         "parameters": "L+R01",

@@ -11,8 +11,8 @@ import pytest
 
 from flexor import design
 from flexor.errors import InputError
-from flexor.objective import custom
-from flexor.search import Budget, PatternSearch
+from flexor.objectives import custom
+from flexor.optimizers import Budget, PatternSearch
 from flexor.study import Study, StudyProgress, Threads, optimize
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexor.design import parameter_set
-from flexor.objective import objective
+from flexor.objectives import objective
 from flexor.study import Problem, problem
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import flexor
 from flexor.errors import InputError
-from flexor.search import Budget
+from flexor.optimizers import Budget
 from flexor.study import Rerun, Study, Threads, optimize, rerun
 
 OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4, "tolerance": 1e-3}}

@@ -18,8 +18,8 @@ import pytest
 
 from flexor.design import custom
 from flexor.errors import InputError
-from flexor.objective import custom as custom_objective
-from flexor.search import Budget
+from flexor.objectives import custom as custom_objective
+from flexor.optimizers import Budget
 from flexor.study import Record, Study, StudyProgress, optimize, resume
 from flexor.study.lock import Lock
 

@@ -12,8 +12,8 @@ import pytest
 
 from flexor import plot
 from flexor.errors import InputError
-from flexor.objective import objective
-from flexor.search import (
+from flexor.objectives import objective
+from flexor.optimizers import (
     CmaEs,
     DifferentialEvolution,
     LevenbergMarquardt,

@@ -19,7 +19,7 @@ from flexor.survey import Landscape, SearchPath, landscape
 def direct(analytic: ModuleType, designs: np.ndarray) -> np.ndarray:
     """Values of designs (n, 2) of R01 without a study."""
     from flexor.design import parameter_set
-    from flexor.objective import objective
+    from flexor.objectives import objective
     from flexor.study import Problem
 
     model = analytic.AnalyticModel()

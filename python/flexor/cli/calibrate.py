@@ -21,8 +21,8 @@ from flexor.cli.values import assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
-    from flexor.calibrate import Calibration, Fit, Progress
-    from flexor.calibrate.report import Row
+    from flexor.calibration import Calibration, Fit, Progress
+    from flexor.calibration.report import Row
 
 CALIBRATIONS = FilePath("calibrations")
 
@@ -71,8 +71,8 @@ def calibrate(
 
     Exit code 1: hard targets were not met.
     """
-    from flexor import calibrate as calibrations
-    from flexor.calibrate import figure, report
+    from flexor import calibration
+    from flexor.calibration import figure, report
     from flexor.plot import save
 
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
@@ -84,7 +84,7 @@ def calibrate(
     began = time.monotonic()
     try:
         with _Shown() as progress:
-            found = calibrations.calibrate(
+            found = calibration.calibrate(
                 loaded,
                 targets,
                 seed=seed,
@@ -122,7 +122,7 @@ def _free(model: str, targets: str) -> FilePath:
 
 
 def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
-    from flexor.calibrate.report import rows
+    from flexor.calibration.report import rows
 
     best, known = found.best, found.knowledge
     if best.variant.name:

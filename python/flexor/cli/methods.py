@@ -11,12 +11,12 @@ def methods() -> None:
     A method is chosen with `flexor optimize finger --method NAME`, an option of it with
     `--option KEY=VALUE`.
     """
-    from flexor import search
+    from flexor import optimizers
     from flexor.installing import install_command
-    from flexor.search.extras import missing
+    from flexor.optimizers.extras import missing
 
     rows = []
-    for name, entry in search.entries().items():
+    for name, entry in optimizers.entries().items():
         package = missing(name)
         options = ", ".join(
             f"{key}={int(value) if isinstance(value, bool) else f'{value:g}'}"

@@ -149,7 +149,7 @@ def _settings(
     start: list[str],
     force: str | None,
 ) -> dict[str, Any]:
-    from flexor import design, search
+    from flexor import design, optimizers
     from flexor.cli.start import starts
     from flexor.cli.values import numbers
     from flexor.model import forces
@@ -157,7 +157,7 @@ def _settings(
     chosen = design.parameter_set(parameters, model.design)
     return {
         "parameters": chosen,
-        "method": search.method(method, **numbers("--option", options)),
+        "method": optimizers.method(method, **numbers("--option", options)),
         "start": starts(start, chosen),
         "force": None if force is None else forces(force),
     }

@@ -19,7 +19,7 @@ def sets(
 
     Sets are joined with `+`: `flexor optimize finger --parameters L+R01`.
     """
-    from flexor import design, objective, search
+    from flexor import design, objectives, optimizers
 
     space: design.Space = design.DesignSpace()
     if model is not None:
@@ -38,7 +38,7 @@ def sets(
             rows.append((name if i == 0 else "", label, unit, low, start, high))
     headings = ("set", "parameter", "unit", "lowest", "start", "highest")
     show(headings, rows, left=3)
-    shown = [(name, objective.objective(name)) for name in objective.names()]
+    shown = [(name, objectives.objective(name)) for name in objectives.names()]
     cells = [(name, f"{found.quantity} / {found.unit}") for name, found in shown]
     show(("objective", "shown as"), cells, left=2)
-    out.print(f"methods: {', '.join(search.names())}", markup=False)
+    out.print(f"methods: {', '.join(optimizers.names())}", markup=False)

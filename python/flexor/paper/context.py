@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexor.design import Geometry, parameter_set
 from flexor.model import load
-from flexor.objective import objective as named_objective
+from flexor.objectives import objective as named_objective
 from flexor.paper.folder import Data, Folder, Part
 from flexor.paper.settings import Settings
 from flexor.study import Executor, Problem

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexor.optimizers import starting_designs
 from flexor.paper import published
 from flexor.paper.context import Context
 from flexor.paper.folder import Data, Part
 from flexor.paper.section import Cell, Column, Table
-from flexor.search import starting_designs
 from flexor.study import Study, optimize
 
 STARTS = {

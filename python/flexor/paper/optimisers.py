@@ -7,12 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexor.optimizers import available, entries
 from flexor.paper.context import Context
 from flexor.paper.folder import Data
 from flexor.paper.optimum import true_optimum
 from flexor.paper.section import Cell, Column, Picture, Section, Table
 from flexor.paper.settings import COMPARED_METHODS, SETS
-from flexor.search import available, entries
 from flexor.survey import ComparisonProgress, MethodComparison, compare, resume_comparison
 
 SETTINGS = "comparison.json"

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexor.search import (
+from flexor.optimizers import (
     Budget,
     CmaEs,
     DifferentialEvolution,
@@ -19,7 +19,7 @@ from flexor.search import (
     Search,
     starting_designs,
 )
-from flexor.search.interface import FloatArray
+from flexor.optimizers.interface import FloatArray
 
 # Probability that a parameter of a random design is put on its lower or on its upper bound.
 ON_BOUND = 0.15

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.optimizers import entries
 from flexor.plot.style import COLUMN, LINE, PAGE, style
-from flexor.search import entries
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexor.optimizers import entries
 from flexor.plot.style import PAGE, style
-from flexor.search import entries
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.model.loading import needed_model
-from flexor.objective import Objective
-from flexor.objective import objective as named_objective
+from flexor.objectives import Objective
+from flexor.objectives import objective as named_objective
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
 

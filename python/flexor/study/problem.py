@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.design import Geometry, ParameterSet
-from flexor.objective import Objective, PathArrays, judge
+from flexor.objectives import Objective, PathArrays, judge
 from flexor.study.outcomes import FloatArray, Outcomes
 
 if TYPE_CHECKING:

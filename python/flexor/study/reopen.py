@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, shortened
-from flexor.objective import Objective
-from flexor.objective import objective as named_objective
+from flexor.objectives import Objective
+from flexor.objectives import objective as named_objective
 from flexor.study.folder import MODEL
 from flexor.study.problem import Problem
 from flexor.study.settings import Settings

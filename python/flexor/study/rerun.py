@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from flexor.design import ParameterSet
 from flexor.errors import InputError
-from flexor.objective import Objective
-from flexor.search import Budget, Search
-from flexor.search import method as named_method
+from flexor.objectives import Objective
+from flexor.optimizers import Budget, Search
+from flexor.optimizers import method as named_method
 from flexor.study.executors import Executor
 from flexor.study.optimization import optimize
 from flexor.study.progress import StudyCallback

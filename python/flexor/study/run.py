@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from flexor.search import Budget, Progress, Search, SearchResult, uses_gradients
+from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.study.design import Design
 from flexor.study.executors import Executor, Threads
 from flexor.study.outcomes import FloatArray

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexor.errors import InputError, shortened
-from flexor.search import Budget, Search
+from flexor.optimizers import Budget, Search
 from flexor.study.environment import environment, installed
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem

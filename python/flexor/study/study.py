@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError
-from flexor.objective import Objective
-from flexor.search import SearchResult
+from flexor.objectives import Objective
+from flexor.optimizers import SearchResult
 from flexor.study.design import Design
 from flexor.study.problem import Problem
 from flexor.study.record import Record

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from flexor.errors import InputError, shortened
-from flexor.search import SearchResult
+from flexor.optimizers import SearchResult
 from flexor.survey.comparison_result import SearchRun
 
 FORMAT = 1

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import unknown
-from flexor.objective import Objective
-from flexor.search import SearchResult
+from flexor.objectives import Objective
+from flexor.optimizers import SearchResult
 from flexor.study.outcomes import FloatArray
 
 # "Within 1 % of the best known": of its gain; see `MethodComparison.target`.

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexor.search import Budget, Search, SearchResult, uses_gradients
+from flexor.optimizers import Budget, Search, SearchResult, uses_gradients
 from flexor.study import Problem, Record, Recorded, Threads
 from flexor.study.outcomes import FloatArray
 

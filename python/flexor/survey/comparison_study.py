@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.model.loading import needed_model
-from flexor.objective import Objective
-from flexor.objective import objective as named_objective
-from flexor.search import Search, available, canonical
-from flexor.search import method as named_method
+from flexor.objectives import Objective
+from flexor.objectives import objective as named_objective
+from flexor.optimizers import Search, available, canonical
+from flexor.optimizers import method as named_method
 from flexor.study import Executor, Problem, Threads, chosen_executor
 from flexor.study.lock import Lock
 from flexor.survey import comparison_folder as folders

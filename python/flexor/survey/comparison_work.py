@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexor.search import LevenbergMarquardt, Search, SearchResult, starting_designs
+from flexor.optimizers import LevenbergMarquardt, Search, SearchResult, starting_designs
 from flexor.study import Executor, Problem, Record, Recorded
 from flexor.study.outcomes import FloatArray
 from flexor.survey import comparison_folder as folders

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError
-from flexor.search import grid_axes, grid_designs
+from flexor.optimizers import grid_axes, grid_designs
 from flexor.study import Design, Problem, Settings, Study
 from flexor.study.outcomes import FloatArray
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, unknown
 from flexor.model.loading import needed_model
-from flexor.objective import Objective
-from flexor.search import Grid
+from flexor.objectives import Objective
+from flexor.optimizers import Grid
 from flexor.study import Executor, StudyCallback, optimize
 from flexor.survey.landscape_result import Landscape
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.search import SearchResult
+from flexor.optimizers import SearchResult
 from flexor.study import Study
 from flexor.study.outcomes import FloatArray
 

@@ -1,0 +1,96 @@
+"""Reading targets files."""
+
+from __future__ import annotations
+
+import pathlib
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from flexor.calibration.schema import TargetsFile
+from flexor.errors import InputError, shortened
+from flexor.model.fault import sentence
+from flexor.model.toml import tables
+
+_ENTRY = re.compile(r"(?P<kind>target|constant|choice)\[(?P<index>\d+)\]")
+
+
+def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:
+    """Read and check a targets file.
+
+    Parameters
+    ----------
+    path
+        The file; ``examples/NAME.toml`` also finds one that comes with Flexor.
+
+    Returns
+    -------
+    TargetsFile, str
+        What it says, and its text.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is not TOML, or does not say what is to be fitted to what.
+    """
+    place = locate(path)
+    try:
+        text = place.read_bytes().decode("utf-8")
+    except UnicodeDecodeError as error:
+        why = f"byte {error.start} is not text in UTF-8"
+        raise InputError(f'cannot read the targets file "{path}": {why}.') from None
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f'cannot read the targets file "{path}": {why}.') from None
+    return parse(text, str(path)), text
+
+
+def locate(path: str | pathlib.Path) -> pathlib.Path:
+    """Return the file meant: the one given, or one that comes with Flexor.
+
+    Parameters
+    ----------
+    path
+        As for `read`.
+    """
+    given = pathlib.Path(path)
+    shipped = pathlib.Path(__file__).resolve().parent.parent / "examples" / given.name
+    if not given.exists() and given.parent.name == "examples" and shipped.is_file():
+        return shipped
+    return given
+
+
+def parse(text: str, source: str) -> TargetsFile:
+    """Read and check the text of a targets file.
+
+    Parameters
+    ----------
+    text
+        The text.
+    source
+        The file's name, for messages.
+
+    Raises
+    ------
+    InputError
+        If it is not TOML or does not say what is to be fitted to what.
+    """
+    document = tables(text, source)
+    try:
+        return TargetsFile.model_validate(document)
+    except ValidationError as error:
+        path, tail = sentence(error, document)
+    path = shortened(_named(path, document), 200)
+    raise InputError(f"{source}: {path} {tail}." if path else f"{source} {tail}.")
+
+
+def _named(path: str, document: Mapping[str, Any]) -> str:
+    """Add to an entry's number the name it has, by which a person finds it."""
+    match = _ENTRY.match(path)
+    if match is None:
+        return path
+    entry = document[match["kind"]][int(match["index"])]
+    name = entry.get("name") if isinstance(entry, Mapping) else None
+    return f'{match["kind"]} "{name}"{path[match.end() :]}' if isinstance(name, str) else path

@@ -1,0 +1,98 @@
+"""What every objective is: a number to minimise for each path of a batch."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.errors import InputError
+from flexor.objectives.paths import FloatArray, PathGradient, Paths
+
+
+@dataclass(frozen=True)
+class Objective(ABC):
+    """An objective, judged at the last of its loads.
+
+    Attributes
+    ----------
+    name : str
+        As written on the command line.
+    quantity, unit : str
+        What is shown to people, for example ``"bending"`` in ``"rad"``; `shown` computes it.
+    force : tuple of float or None
+        Actuation forces [N] of the path that is to be followed; None for those of the model's
+        ``[evaluation]``, which are the paper's unless the file says otherwise: 0 to 5 N by 1 N.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    force: tuple[float, ...] | None = None
+
+    @abstractmethod
+    def value(self, paths: Paths) -> FloatArray:
+        """Value to minimise, (n,); meaningless where `flexor.objectives.judge` finds a failure."""
+
+    @abstractmethod
+    def shown(self, paths: Paths) -> FloatArray:
+        """Quantity for display, (n,), in `unit`."""
+
+    def residual(self, paths: Paths) -> FloatArray:
+        """Vector (n, r) whose norm is the value, for least squares.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector.
+        """
+        raise InputError(
+            f'objective "{self.name}" is not the norm of a vector, which least squares needs.'
+        )
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether it has a `gradient`."""
+        return type(self).gradient is not Objective.gradient
+
+    @property
+    def residual_differentiable(self) -> bool:
+        """Whether it is the norm of a vector that has a `residual_gradient`."""
+        return type(self).residual_gradient is not Objective.residual_gradient
+
+    def gradient(self, paths: Paths) -> PathGradient:
+        """Differentiate the value: joint angles (n, steps, j), tip force (n, steps).
+
+        Raises
+        ------
+        InputError
+            If the objective has no derivative.
+        """
+        raise InputError(f'objective "{self.name}" has no gradient.')
+
+    def residual_gradient(self, paths: Paths) -> PathGradient:
+        """Differentiate the residual: joint angles (n, r, steps, j), tip force (n, r, steps).
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector with a derivative.
+        """
+        raise InputError(f'objective "{self.name}" has no gradient of a residual vector.')
+
+    def at(self, force: ArrayLike) -> Objective:
+        """Return the same objective judged at the end of other loads [N]."""
+        return replace(self, force=tuple(float(u) for u in np.atleast_1d(np.asarray(force))))
+
+
+def norm(vectors: FloatArray) -> FloatArray:
+    """Euclidean norm of the rows of (n, r).
+
+    Added component by component, so that a row's result never depends on how many rows there are.
+    """
+    total = np.zeros(vectors.shape[0])
+    for component in range(vectors.shape[1]):
+        total += vectors[:, component] ** 2
+    return np.sqrt(total)

@@ -1,0 +1,76 @@
+"""A user's own objective: one function of the path."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexor.errors import InputError
+from flexor.objectives.base import Objective
+from flexor.objectives.paths import FloatArray, PathArrays, Paths
+
+
+@dataclass(frozen=True)
+class Custom(Objective):
+    """An objective from a function of one path; made by `custom`."""
+
+    function: Callable[[Any], float] = float
+    sense: Callable[[Any], float] | None = None
+
+    def value(self, paths: Paths) -> FloatArray:
+        """Value of the function for each path, (n,)."""
+        return self._each(self.function, paths)
+
+    def shown(self, paths: Paths) -> FloatArray:
+        """Quantity for display, (n,): the value unless another was given."""
+        return self._each(self.sense or self.function, paths)
+
+    def _each(self, function: Callable[[Any], float], paths: Paths) -> FloatArray:
+        arrays = PathArrays.of(paths)
+        try:
+            return np.array([float(function(arrays[i])) for i in range(len(arrays))])
+        except (TypeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(
+                f'objective "{self.name}" must give one number for a path, but failed: {error}.'
+            ) from error
+
+
+def custom(
+    name: str,
+    function: Callable[[Any], float],
+    *,
+    force: ArrayLike | None = None,
+    quantity: str = "value",
+    unit: str = "",
+    shown: Callable[[Any], float] | None = None,
+) -> Objective:
+    """Make an objective of one function of the path.
+
+    Parameters
+    ----------
+    name : str
+        Name of the objective.
+    function : callable
+        From the path of one design (arrays over load steps: ``force``, ``joint_angles``,
+        ``tip_force``, ``touching``, ``converged``, ``stable``) to a number to minimise. It is not
+        asked about designs that failed; a NaN makes the design one of them.
+    force : (steps,) array, optional
+        Actuation forces [N] of the path; by default those of the model's ``[evaluation]``.
+    quantity, unit : str
+        What is shown to people.
+    shown : callable, optional
+        Computes that quantity from the path; the value itself by default.
+
+    Returns
+    -------
+    Objective
+        To be given to `flexor.optimize`.
+    """
+    made = Custom(name=name, quantity=quantity, unit=unit, function=function, sense=shown)
+    return made if force is None else made.at(force)

@@ -1,0 +1,72 @@
+"""Search: optimisers behind one interface, each in a file of its own."""
+
+from __future__ import annotations
+
+from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
+from flexor.optimizers.cma_es import CmaEs
+from flexor.optimizers.counted import BudgetSpent, Counted
+from flexor.optimizers.differential_evolution import DifferentialEvolution
+from flexor.optimizers.direct import Direct
+from flexor.optimizers.dual_annealing import DualAnnealing
+from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
+from flexor.optimizers.grid import Grid, grid_axes, grid_designs
+from flexor.optimizers.interface import (
+    BatchFunction,
+    Budget,
+    DifferentiableFunction,
+    DifferentiableVectorFunction,
+    Progress,
+    ProgressCallback,
+    Search,
+    SearchResult,
+    VectorFunction,
+    uses_gradients,
+)
+from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
+from flexor.optimizers.mads import Mads
+from flexor.optimizers.method import Method, Run
+from flexor.optimizers.multistart_bfgs import MultistartBfgs
+from flexor.optimizers.particle_swarm import ParticleSwarm
+from flexor.optimizers.pattern import PatternSearch
+from flexor.optimizers.polished_pattern import PolishedPattern
+from flexor.optimizers.starts import starting_designs
+from flexor.optimizers.surrogate import Surrogate
+
+__all__ = [
+    "BatchFunction",
+    "Budget",
+    "BudgetSpent",
+    "CmaEs",
+    "Counted",
+    "DifferentiableFunction",
+    "DifferentiableVectorFunction",
+    "DifferentialEvolution",
+    "Direct",
+    "DualAnnealing",
+    "Entry",
+    "GeneticAlgorithm",
+    "Grid",
+    "LevenbergMarquardt",
+    "Mads",
+    "Method",
+    "MultistartBfgs",
+    "ParticleSwarm",
+    "PatternSearch",
+    "PolishedPattern",
+    "Progress",
+    "ProgressCallback",
+    "Run",
+    "Search",
+    "SearchResult",
+    "Surrogate",
+    "VectorFunction",
+    "available",
+    "canonical",
+    "entries",
+    "grid_axes",
+    "grid_designs",
+    "method",
+    "names",
+    "starting_designs",
+    "uses_gradients",
+]

@@ -1,0 +1,88 @@
+"""Dual annealing, of SciPy."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.optimizers.interface import FloatArray
+from flexor.optimizers.method import Method, Run
+from flexor.optimizers.options import require
+from flexor.optimizers.unit_box import finite
+
+# Of the differences in the local searches, as a fraction of the ranges.
+DIFFERENCE = 1e-6
+# Progress is told each time so many designs have been asked for.
+TOLD = 50
+
+
+@dataclass(frozen=True)
+class DualAnnealing(Method):
+    """Generalised simulated annealing (Xiang 1997) with a local search from what it finds.
+
+    The annealing asks for designs one by one; the gradient of the local search (L-BFGS-B) is one
+    batch of differences.
+
+    Attributes
+    ----------
+    iterations : int
+        Of the annealing; each is two designs for each parameter and now and then a local search.
+    local : bool
+        Whether there are local searches.
+    """
+
+    iterations: int = 1000
+    local: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises
+        ------
+        InputError
+            If one is out of its range.
+        """
+        require(self.name, "iterations", self.iterations, self.iterations >= 1, "at least 1")
+
+    @property
+    def name(self) -> str:
+        """``"dual-annealing"``."""
+        return "dual-annealing"
+
+    def run(self, run: Run) -> str:
+        """Anneal to the end."""
+        from scipy.optimize import dual_annealing
+
+        random = np.random.default_rng(run.seed)
+        starts = run.starts(1, random)
+        start = starts[int(np.argmin(run.values(starts)))]
+
+        asked = itertools.count(1)
+
+        def value(point: FloatArray) -> float:
+            if next(asked) % TOLD == 0:
+                run.step("annealing")
+            return float(finite(run.values(point[None, :]))[0])
+
+        def slope(point: FloatArray) -> FloatArray:
+            steps = np.where(point + DIFFERENCE > 1.0, -DIFFERENCE, DIFFERENCE)
+            around = run.values(np.concatenate((point[None, :], point + np.diag(steps))))
+            rise = (
+                (around[1:] - around[0]) / steps if np.isfinite(around[0]) else np.zeros(run.size)
+            )
+            return np.where(np.isfinite(rise), rise, 0.0)
+
+        box = [(0.0, 1.0)] * run.size
+        dual_annealing(
+            value,
+            box,
+            maxiter=self.iterations,
+            maxfun=10**9,
+            x0=start,
+            rng=random,
+            no_local_search=not self.local,
+            minimizer_kwargs={"method": "L-BFGS-B", "jac": slope, "bounds": box},
+        )
+        return f"{self.iterations} iterations"

@@ -1,0 +1,106 @@
+"""A grid: every combination of evenly spaced values, for landscapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.errors import InputError
+from flexor.optimizers.interface import FloatArray
+from flexor.optimizers.method import Method, Run
+from flexor.optimizers.options import require
+
+LARGEST = 4_000_000
+# Designs of one batch, where the function does not work ahead: enough to keep every core busy, few
+# enough for a progress that moves.
+BATCH = 256
+
+
+@dataclass(frozen=True)
+class Grid(Method):
+    """Evaluates a grid over some of the parameters; the others stay at the start.
+
+    Attributes
+    ----------
+    points : int
+        Along each of them, both bounds included.
+    columns : tuple of int
+        Which parameters, by their place in the set; all of them by default.
+    """
+
+    points: int = 81
+    columns: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises
+        ------
+        InputError
+            If one is out of its range.
+        """
+        require(self.name, "points", self.points, self.points >= 2, "at least 2")
+
+    @property
+    def name(self) -> str:
+        """``"grid"``."""
+        return "grid"
+
+    def run(self, run: Run) -> str:
+        """Evaluate every point, the last column fastest."""
+        start = run.designs(run.starts(1, np.random.default_rng(run.seed))[:1])[0]
+        designs = grid_designs(run.lower, run.upper, start, self.points, self.columns)
+        for done in run.function.stream(designs, BATCH):
+            run.step("grid", len(designs) - done)
+        return f"{len(designs)} designs"
+
+
+def grid_axes(
+    lower: FloatArray, upper: FloatArray, points: int, columns: tuple[int, ...]
+) -> list[FloatArray]:
+    """Return the values along each column of a grid, bounds included, (points,) each."""
+    return [np.linspace(lower[i], upper[i], points) for i in columns or range(lower.size)]
+
+
+def grid_designs(
+    lower: FloatArray,
+    upper: FloatArray,
+    start: FloatArray,
+    points: int,
+    columns: tuple[int, ...],
+) -> FloatArray:
+    """Return the designs of a grid, the last column fastest.
+
+    Parameters
+    ----------
+    lower, upper, start : (k,) arrays
+        Bounds, and the values of the parameters that do not vary.
+    points : int
+        Along each column.
+    columns : tuple of int
+        Which parameters vary; all of them if empty.
+
+    Returns
+    -------
+    (points ** len(columns), k) array
+        Designs.
+
+    Raises
+    ------
+    InputError
+        If they are too many.
+    """
+    axes = grid_axes(lower, upper, points, columns)
+    count = points ** len(axes)
+    if count > LARGEST:
+        raise InputError(
+            f"a grid of {points} points along {len(axes)} parameters has {count:.3g} designs: "
+            f"at most {LARGEST:,} are allowed."
+        )
+    designs = np.tile(start, (count, 1))
+    for i, values in zip(
+        columns or range(lower.size), np.meshgrid(*axes, indexing="ij"), strict=True
+    ):
+        designs[:, i] = values.ravel()
+    return designs

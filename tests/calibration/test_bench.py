@@ -1,0 +1,113 @@
+"""The example with a known answer: constants are recovered from measurements with noise."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import flexor as package
+from flexor.calibration import calibrate, read
+
+FILE = "examples/bench-targets.toml"
+TRUTH = {"E": 1.8e6, "k": 150.0, "K_1": 0.055}
+NAMES = {"E": "exosuit.young_modulus", "k": "skin.stiffness", "K_1": "ph_1.joint.stiffness"}
+
+
+@pytest.fixture(scope="module")
+def bench():
+    changes = {
+        "exosuit.young_modulus": "1.8 MPa",
+        "skin.stiffness": "150 N/m",
+        "ph_1.joint.stiffness": "0.055 N*m/rad",
+    }
+    return package.load("finger", changes=changes).equilibrium([2, 4, 6, 8, 10])
+
+
+@pytest.fixture(scope="module")
+def found():
+    return calibrate(package.load("finger"), FILE, samples=256, starts=4)
+
+
+def test_the_file_holds_what_its_first_lines_say(bench) -> None:
+    file, _ = read(FILE)
+    noise = np.random.default_rng(2024).normal(0.0, 0.5, bench.joint_angles.shape)
+    measured = np.degrees(bench.joint_angles) + noise
+    for joint in range(3):
+        written = [float(value.removesuffix(" deg")) for value in file.target[joint].value]
+        np.testing.assert_allclose(written, measured[:, joint], atol=0.0501)
+    height = 100.0 * bench.frames(-1)["exosuit"][-1, 2, 3]
+    assert file.target[3].value == f"{height:.2f} cm"
+
+
+def test_the_constants_are_recovered_within_their_likely_ranges(found) -> None:
+    for i, constant in enumerate(found.knowledge.constants):
+        low, high = found.knowledge.interval(i)
+        assert low < TRUTH[constant.name] < high
+        assert high / low < 2.0
+    assert found.best.constants["E"] == pytest.approx(TRUTH["E"], rel=0.02)
+    assert found.best.constants["K_1"] == pytest.approx(TRUTH["K_1"], rel=0.06)
+    # Neither overfitted nor missed: residuals are as large as the noise.
+    assert 0.4 < found.best.misfit / found.spare < 2.0
+
+
+def test_what_was_held_out_is_predicted(found, bench) -> None:
+    height = bench.frames(-1)["exosuit"][-1, 2, 3]
+    assert found.best.values[3][0] == pytest.approx(height, abs=1e-3)
+
+
+def test_the_fit_does_not_see_what_is_held_out(found) -> None:
+    assert len(found.best.minimum.residuals) == 15
+
+
+def test_the_likely_ranges_are_those_of_repeated_measurements(bench, tmp_path) -> None:
+    """Measured and fitted again and again, the constants scatter as the first fit said."""
+    text = read(FILE)[1]
+    rng, scatter, told = np.random.default_rng(7), [], []
+    for turn in range(6):
+        lines = text
+        again = np.degrees(bench.joint_angles) + rng.normal(0.0, 0.5, bench.joint_angles.shape)
+        file, _ = read(FILE)
+        for joint in range(3):
+            old = ", ".join(f'"{value}"' for value in file.target[joint].value)
+            new = ", ".join(f'"{angle:.4f} deg"' for angle in again[:, joint])
+            assert old in lines
+            lines = lines.replace(old, new)
+        path = tmp_path / f"{turn}.toml"
+        path.write_text(lines)
+        once = calibrate(package.load("finger"), path, samples=64, starts=2)
+        deviation = once.knowledge.deviation
+        u = once.best.minimum.u
+        truth = [c.fraction(TRUTH[c.name]) for c in once.knowledge.constants]
+        scatter.append((u - truth) / deviation)
+        told.append(deviation)
+    # Six draws of three constants: chi-squared with 18 degrees of freedom, 99.9 % of it.
+    assert 4.9 < float(np.sum(np.square(scatter))) < 42.3
+
+
+def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) -> None:
+    ran = flexor("calibrate", "finger", FILE, "--samples", 64, "--starts", 2, "--name", "bench")
+    assert ran.code == 0
+    assert ran.err == ""
+    for words in ("first joint", "K_1", "N*m/rad", "held out", "pinned down", "evaluations in"):
+        assert words in ran.out
+    folder = tmp_path / "calibrations" / "finger-bench-targets"
+    for name in ("calibration.png", "calibration.svg"):
+        assert (folder / name).stat().st_size > 10_000
+    snippet = (folder / "constants.toml").read_text()
+    assert "[constants.bench]" in snippet
+    told = json.loads((folder / "calibration.json").read_text())
+    model = tmp_path / "pasted.toml"
+    text = package.load("finger").file.to_toml()
+    model.write_text(f"{text.split('[constants')[0].replace('use =', '# use =')}\n{snippet}")
+    pasted = package.load(model, constants="bench")
+    for name, field in NAMES.items():
+        part, _, key = field.rpartition(".")
+        slot = {"young_modulus": "exosuit.young_modulus", "stiffness": f"{part}.stiffness"}[key]
+        slot = "ph_1.joint_stiffness" if name == "K_1" else slot
+        wanted = told["fits"][0]["constants"][name]
+        assert pasted.slot(slot)[0] == pytest.approx(wanted, rel=1e-8)
+    rows = (folder / "targets.csv").read_text().splitlines()
+    assert len(rows) == 1 + 15 + 1
+    assert rows[1].startswith("first joint,soft,2,deg,4.5,")

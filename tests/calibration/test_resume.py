@@ -1,0 +1,212 @@
+"""A calibration that is killed and resumed ends as one that never was."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+import pytest
+
+import flexor as package
+from flexor.calibration import calibrate
+
+FILE = """
+[search]
+samples = 256
+starts = 4
+[[constant]]
+name = "E"
+fields = ["exosuit.young_modulus"]
+range = ["500 kPa", "8 MPa"]
+scale = "log"
+[[constant]]
+name = "k"
+fields = ["skin.stiffness"]
+range = ["10 N/m", "1000 N/m"]
+scale = "log"
+[[target]]
+name = "bend"
+observable = "angle"
+of = "ph_1"
+force = "1:6:1"
+value = ["0.1 rad", "0.2 rad", "0.35 rad", "0.5 rad", "0.65 rad", "0.8 rad"]
+tolerance = "0.02 rad"
+[[target]]
+name = "best"
+observable = "optimum"
+parameters = "L"
+of = "L"
+value = "10 cm"
+weight = "held-out"
+options = { starts = 2, tolerance = 0.05 }
+"""
+COMMAND = [sys.executable, "-c", "from flexor.cli.app import main; main()", "calibrate"]
+COARSE = ["--set", "exosuit.elements=4", "--set", "exosuit.gauss_points=2"]
+
+
+@pytest.fixture
+def file(targets):
+    return targets(FILE)
+
+
+@pytest.fixture
+def whole(file, coarse):
+    return calibrate(coarse, file, threads=1)
+
+
+def same(first, second) -> bool:
+    return first.best.constants == second.best.constants and all(
+        a.tolist() == b.tolist() for a, b in zip(first.best.values, second.best.values, strict=True)
+    )
+
+
+def test_the_same_seed_gives_the_same_on_any_number_of_threads(file, coarse, whole) -> None:
+    again = calibrate(coarse, file, threads=2)
+    assert same(whole, again)
+    assert whole.evaluations == again.evaluations
+    assert not same(whole, calibrate(coarse, file, seed=1, starts=1)) or whole.best.misfit == 0.0
+
+
+def test_all_is_replayed_and_nothing_evaluated_again(file, coarse, tmp_path, whole) -> None:
+    folder = tmp_path / "out"
+    first = calibrate(coarse, file, folder=folder)
+    told = []
+    second = calibrate(coarse, file, folder=folder, resume=True, progress=told.append)
+    assert same(first, second) and same(first, whole)
+    assert told[-1].evaluated == 0
+    assert told[-1].replayed > 200
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGKILL")
+def test_killed_and_resumed_it_ends_in_the_same_report(file, tmp_path) -> None:
+    def started(folder: str, *more: str) -> subprocess.Popen[bytes]:
+        words = ["finger", file.name, "--out", folder, *COARSE, *more]
+        return subprocess.Popen(
+            [*COMMAND, *words], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+
+    undisturbed = started("whole")
+    assert undisturbed.wait(timeout=300) == 0
+    rows, turn = 0, 0
+    while True:
+        process = started("parts", *(["--resume"] if turn else []))
+        record = tmp_path / "parts" / "record.sqlite"
+        until = time.monotonic() + 300.0
+        # Killed as soon as there is something new, each time a little later.
+        while process.poll() is None and time.monotonic() < until:
+            time.sleep(0.02)
+            if turn < 2 and record.exists() and counted(record) > rows + 100 * turn:
+                process.send_signal(signal.SIGKILL)
+        if process.wait() == 0:
+            break
+        rows, turn = counted(record), turn + 1
+        assert turn <= 3
+    assert turn == 2
+    for name in ("constants.toml", "targets.csv", "calibration.json"):
+        ended, wanted = ((tmp_path / folder / name).read_text() for folder in ("parts", "whole"))
+        assert ended == wanted
+
+
+def counted(record) -> int:
+    try:
+        with sqlite3.connect(f"{record.as_uri()}?mode=ro", uri=True, timeout=10) as sql:
+            return int(sql.execute("SELECT count(*) FROM evaluations").fetchone()[0])
+    except sqlite3.Error:
+        return 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
+    words = ["finger", file.name, "--out", "my folder", "--samples", "4096"]
+    process = subprocess.Popen(
+        [*COMMAND, *words],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "COLUMNS": "200"},
+    )
+    record = tmp_path / "my folder" / "record.sqlite"
+    until = time.monotonic() + 100.0
+    while process.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+        if record.exists() and counted(record) > 0:
+            break
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=100)
+    assert process.returncode == 130
+    assert out == "" and "Traceback" not in err
+    assert err.splitlines()[-1].strip() == (
+        "flexor calibrate finger made-targets.toml --out 'my folder' --resume"
+    )
+
+
+@pytest.fixture
+def folder(file, coarse, tmp_path):
+    calibrate(coarse, file, folder=tmp_path / "out")
+    return tmp_path / "out"
+
+
+def test_other_settings_are_refused(flexor, folder, file) -> None:
+    words = ("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    for more, changed in (
+        (["--seed", "3"], "seed"),
+        (["--samples", "9"], "samples"),
+        (["--set", "exosuit.length=9 cm"], "models"),
+    ):
+        ran = flexor(*words, *more)
+        assert ran.code == 2
+        assert ran.err.count("\n") == 1
+        assert f"was made with other {changed}" in ran.err
+    file.write_text(FILE.replace("0.8 rad", "0.7 rad"))
+    assert "was made with other targets" in flexor(*words).err
+
+
+def test_a_folder_is_not_written_over(flexor, folder, file) -> None:
+    ran = flexor("calibrate", "finger", file, "--out", folder, *COARSE)
+    assert ran.code == 2
+    assert "holds a calibration already" in ran.err
+
+
+def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:
+    words = ("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    settings = (folder / "settings.json").read_text()
+    (folder / "settings.json").write_text("{")
+    assert "is damaged" in flexor(*words).err
+    (folder / "settings.json").write_text(json.dumps({**json.loads(settings), "format": 9}))
+    assert "reads format 1" in flexor(*words).err
+    (folder / "settings.json").write_text(settings)
+    (folder / "record.sqlite").write_bytes(b"this is no database" * 100)
+    ran = flexor(*words)
+    assert ran.code == 2 and "cannot be used" in ran.err
+    assert ran.err.count("\n") == 1
+
+
+def test_a_record_that_no_longer_holds_is_refused(flexor, folder, file) -> None:
+    with sqlite3.connect(folder / "record.sqlite") as sql:
+        sql.execute("UPDATE evaluations SET observed = zeroblob(length(observed)) WHERE haste = 0")
+    ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    assert ran.code == 2
+    assert "no longer reproduces" in ran.err
+
+
+def test_only_one_process_at_a_time(flexor, folder, file) -> None:
+    from flexor.study.lock import Lock
+
+    lock = Lock(folder)
+    try:
+        ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    finally:
+        lock.release()
+    assert ran.code == 2
+    assert "in use by another process" in ran.err
+
+
+def test_in_memory_it_cannot_be_resumed(file, coarse) -> None:
+    with pytest.raises(package.InputError, match="needs its folder"):
+        calibrate(coarse, file, resume=True)
