@@ -16,10 +16,12 @@ mod description;
 mod error;
 mod layout;
 mod points;
+mod structure;
 
 pub use description::*;
 pub use error::ModelError;
 pub use layout::Layout;
+pub use structure::{JointStructure, Structure};
 
 pub(crate) use actuators::{Actuator, Tendon};
 pub(crate) use blocks::CoordinateBlocks;

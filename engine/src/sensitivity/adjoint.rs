@@ -2,7 +2,7 @@
 
 use super::local::Thread;
 use crate::data::Data;
-use crate::equilibrium::Solver;
+use crate::equilibrium::System;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::{Model, Shape};
@@ -161,16 +161,16 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     }
 
     /// Total derivatives of every joint coordinate and of the tip force with respect to the wanted
-    /// parameters, row by row into `out`, at the equilibrium the solver holds.
+    /// parameters, row by row into `out`, at the equilibrium the system is in.
     ///
     /// The row of the tip force is zero while nothing touches the tip.
     pub fn outputs<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        solver: &Solver<G, D, P>,
+        system: &System<G, D, P>,
         out: &mut [f64],
     ) {
-        let (data, q, load) = (solver.data(), solver.state(), solver.load());
+        let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
         self.prepare(model, data, q, load);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
@@ -184,7 +184,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 lambda.fill(0.0);
                 lambda[model.joints[output].dof] = 1.0;
             }
-            solver.solve_transposed(&mut lambda);
+            system.solve_transposed(&mut lambda);
             self.virtual_work(model, data, q, load, &lambda);
             self.gradient.iter_mut().for_each(|g| *g = -*g);
             if explicit {

@@ -1,7 +1,7 @@
 //! Whether a derivative means anything.
 
 use crate::data::Data;
-use crate::equilibrium::{Solver, Status};
+use crate::equilibrium::{Status, System};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::{Contact, Model};
@@ -52,18 +52,18 @@ const SINGULAR: f64 = 1e-9;
 const THRESHOLD: f64 = 1e-7;
 
 impl Regularity {
-    /// Judges the equilibrium that the solver holds.
+    /// Judges the equilibrium that the system is in.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
-        solver: &Solver<G, D, P>,
+        system: &System<G, D, P>,
         status: Status,
         snapped: bool,
     ) -> Self {
         if status != Status::Converged {
             Self::NoEquilibrium
-        } else if solver.pivot_ratio() < SINGULAR {
+        } else if system.pivot_ratio() < SINGULAR {
             Self::NearlySingular
-        } else if at_threshold(model, solver.data()) {
+        } else if at_threshold(model, system.data()) {
             Self::ContactThreshold
         } else if snapped {
             Self::Snapped

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from flexor.errors import unknown_name
 from flexor.model.fault import fault
 from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.points import Attachment, Contact, Station
-
-if TYPE_CHECKING:
-    from flexor.model.schema.model_file import ModelFile
+from flexor.model.schema.tables import Tables
 
 _NAME = re.compile(r"[A-Za-z]\w*(-\w+)*", re.ASCII)
 _TABLES = ("bodies", "spheres", "contacts", "actuators", "springs", "wrenches")
@@ -20,7 +17,7 @@ _TABLES = ("bodies", "spheres", "contacts", "actuators", "springs", "wrenches")
 _SHARED = ("bodies", "contacts", "actuators", "springs", "wrenches")
 
 
-def check_names(file: ModelFile) -> None:
+def check_names(file: Tables) -> None:
     """Demand plain names, and different ones where one thing could be taken for another."""
     for table in _TABLES:
         for name in getattr(file, table):
@@ -35,7 +32,7 @@ def check_names(file: ModelFile) -> None:
             owner[name] = table
 
 
-def check_tree(file: ModelFile) -> None:
+def check_tree(file: Tables) -> None:
     """Demand that every parent exists and that no body descends from itself."""
     for name, body in file.bodies.items():
         if body.parent is not None:
@@ -54,7 +51,7 @@ def check_tree(file: ModelFile) -> None:
             line.append(parent)
 
 
-def check_references(file: ModelFile) -> None:
+def check_references(file: Tables) -> None:
     """Demand that every name used is the name of something."""
     for name, group in file.spheres.items():
         for body in group.bodies:
@@ -77,7 +74,7 @@ def check_references(file: ModelFile) -> None:
         _demand_rod(file, file.design.rod, "design.rod")
 
 
-def _check_shape(file: ModelFile, name: str, contact: Contact) -> None:
+def _check_shape(file: Tables, name: str, contact: Contact) -> None:
     if contact.shape == "spheres":
         return
     for other, spheres in file.contacts.items():
@@ -101,14 +98,14 @@ def _demand(name: str, kind: str, allowed: Iterable[str], path: str, verb: str =
         raise fault(f"{verb} the {unknown_name(kind, name, names)}", path=path)
 
 
-def _demand_rod(file: ModelFile, name: str, path: str) -> None:
+def _demand_rod(file: Tables, name: str, path: str) -> None:
     _demand(name, "body", file.bodies, path)
     if not isinstance(file.bodies[name], Rod):
         rods = ", ".join(f'"{n}"' for n, body in file.bodies.items() if isinstance(body, Rod))
         raise fault(f'is "{name}", which is a link: rods are {rods or "none"}', path=path)
 
 
-def _check_station(file: ModelFile, station: Station, path: str) -> None:
+def _check_station(file: Tables, station: Station, path: str) -> None:
     _demand(station.body, "body", file.bodies, f"{path}.body")
     body, name = file.bodies[station.body], station.body
     if isinstance(body, Link):
