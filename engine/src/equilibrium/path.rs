@@ -170,7 +170,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         let first = self.iterations;
-        let longest = if model.contacts.is_empty() { LONGEST } else { LONGEST_WITH_CONTACT };
+        let longest = if model.has_switches() { LONGEST_WITH_CONTACT } else { LONGEST };
         // The factor at hand belongs to the equilibrium just found.
         self.set_velocity(model, rate, 0);
         let mut lambda = 0.0;

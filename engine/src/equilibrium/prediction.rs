@@ -9,10 +9,10 @@
 
 use super::factor::Factor;
 use super::solver::{Solver, dot, norm};
+use crate::forces::element::Switch;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
-use crate::potential::touch;
 
 /// Changes of contact that are followed.
 const CHANGES: usize = 5;
@@ -86,7 +86,7 @@ pub(super) struct Prediction<const D: usize, const P: usize> {
 impl<const D: usize, const P: usize> Prediction<D, P> {
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
         let n = model.dof;
-        let changes = if model.contacts.is_empty() { 0 } else { CHANGES };
+        let changes = if model.has_switches() { CHANGES } else { 0 };
         let piece = Piece { end: 0.0, velocity: vec![0.0; n] };
         let update = Update { gradient: vec![0.0; n], solved: vec![0.0; n], factor: 0.0 };
         Self {
@@ -165,7 +165,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         ahead.pieces[0].velocity.copy_from_slice(&self.velocity[0]);
         let mut speed = norm(&self.velocity[0]);
         let mut limit = h.min(longest / speed);
-        if !model.contacts.is_empty() {
+        if model.has_switches() {
             self.data.complete_columns(model);
             self.move_points(model, &mut ahead);
             self.find_pairs(model, &mut ahead, limit);
@@ -233,36 +233,23 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Solver<G, D, P> {
         let fastest = squares.fold(0.0, f64::max).sqrt();
         // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
         let margin = fastest * h;
-        for contact in &model.contacts {
-            let k = self.data.design.parameters[contact.stiffness];
-            let kinematics = &self.data.kinematics;
-            touch::for_each_near(model, &self.data.design, kinematics, contact, margin, |touch| {
-                let points = touch.points(model);
-                if touch.weight < 0.0 {
-                    // The sphere that two round cones share: one of them is enough.
-                    if ahead.pairs.last().is_some_and(|last| last.points == points) {
-                        ahead.pairs.pop();
-                    }
-                    return;
+        self.data.for_each_switch(model, &self.q, &self.load, margin, |switch| {
+            if switch.stiffness.is_sign_negative() {
+                // The sphere that two round cones share: one of them is enough.
+                if ahead.pairs.last().is_some_and(|last| last.points == switch.points) {
+                    ahead.pairs.pop();
                 }
-                let depth = touch.overlap;
-                let rate = touch.closing(&touch.motion(model, &ahead.points));
-                // Far off, and not even slowly on its way.
-                if -depth > (SURPRISE * rate.max(0.0) + DRIFT * fastest) * h {
-                    return;
-                }
-                ahead.pairs.push(Pair {
-                    points,
-                    t: touch.t,
-                    normal: touch.normal,
-                    depth,
-                    rate,
-                    stiffness: k * touch.weight,
-                    touching: depth > 0.0,
-                    changed: false,
-                });
-            });
-        }
+                return;
+            }
+            let rate = switch.rate(&ahead.points);
+            let Switch { points, t, normal, depth, stiffness } = switch;
+            // Far off, and not even slowly on its way.
+            if -depth > (SURPRISE * rate.max(0.0) + DRIFT * fastest) * h {
+                return;
+            }
+            let (touching, changed) = (depth > 0.0, false);
+            ahead.pairs.push(Pair { points, t, normal, depth, rate, stiffness, touching, changed });
+        });
     }
 
     /// Starts the piece that follows the change of pair `i`; `false` when the branch ends there.
@@ -338,8 +325,8 @@ mod tests {
         solver.load[0] = load;
         assert_eq!(solver.settle(model, 0.1, 0.0), Status::Converged);
         solver.set_velocity(model, &[1.0], 0);
-        let of = |force: crate::data::ContactForce<2>| [force.first, force.second[0], force.second[1]];
-        solver.data().touches(model).into_iter().map(of).collect()
+        let of = |force: crate::ContactForce<2>| [force.first, force.second[0], force.second[1]];
+        solver.data().contact_forces(model).into_iter().map(of).collect()
     }
 
     #[test]
