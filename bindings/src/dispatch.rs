@@ -78,7 +78,7 @@ impl AnyModel {
                 lengths: data.actuator_lengths(model, q),
                 frames: data.homogeneous_frames(),
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
-                touches: data.touches(model).iter().map(|t| Touch {
+                touches: data.contact_forces(model).iter().map(|t| Touch {
                     first: t.first,
                     second: t.nearest,
                     cone: t.cone,

@@ -2,22 +2,18 @@
 
 use super::options::PredictorOptions;
 use super::system::System;
+use crate::forces::element::Switch;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
-use crate::potential::touch;
 
 /// A sphere that touches another body or may come to.
 #[derive(Clone, Debug)]
 struct Pair<const P: usize> {
-    /// Points p, a, b; the contact is at (1 − t) a + t b.
-    points: [usize; 3],
-    t: f64,
-    normal: Vector<P>,
-    /// Overlap, negative while they are apart, and its rate.
-    depth: f64,
+    /// The contact, with its overlap as it changes; negative while they are apart.
+    switch: Switch<P>,
+    /// Rate of the overlap.
     rate: f64,
-    stiffness: f64,
     touching: bool,
     /// Whether it has changed already; once is enough for a first-order prediction.
     changed: bool,
@@ -67,35 +63,22 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
         let margin = fastest * h;
         let [rate_margin, speed_margin] = [options.closing_rate_margin, options.point_speed_margin];
-        for contact in &model.contacts {
-            let k = data.design.parameters[contact.stiffness];
-            touch::for_each_near(model, &data.design, &data.kinematics, contact, margin, |touch| {
-                let ends = touch.points(model);
-                if touch.weight < 0.0 {
-                    // The sphere that two round cones share: one of them is enough.
-                    if self.pairs.last().is_some_and(|last| last.points == ends) {
-                        self.pairs.pop();
-                    }
-                    return;
+        data.for_each_switch(model, system.state(), system.load(), margin, |switch| {
+            if switch.stiffness.is_sign_negative() {
+                // The sphere that two round cones share: one of them is enough.
+                if self.pairs.last().is_some_and(|last| last.switch.points == switch.points) {
+                    self.pairs.pop();
                 }
-                let depth = touch.overlap;
-                let rate = touch.closing(&touch.motion(model, points));
-                // Far off, and not even slowly on its way.
-                if -depth > (rate_margin * rate.max(0.0) + speed_margin * fastest) * h {
-                    return;
-                }
-                self.pairs.push(Pair {
-                    points: ends,
-                    t: touch.t,
-                    normal: touch.normal,
-                    depth,
-                    rate,
-                    stiffness: k * touch.weight,
-                    touching: depth > 0.0,
-                    changed: false,
-                });
-            });
-        }
+                return;
+            }
+            let rate = switch.rate(points);
+            // Far off, and not even slowly on its way.
+            if -switch.depth > (rate_margin * rate.max(0.0) + speed_margin * fastest) * h {
+                return;
+            }
+            let touching = switch.depth > 0.0;
+            self.pairs.push(Pair { switch, rate, touching, changed: false });
+        });
     }
 
     /// When the next pair changes after `start`, not later than `limit`, and which.
@@ -104,7 +87,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         let mut nearest = limit - start;
         for (i, pair) in self.pairs.iter().enumerate() {
             let (way, speed) =
-                if pair.touching { (pair.depth, -pair.rate) } else { (-pair.depth, pair.rate) };
+                if pair.touching { (pair.switch.depth, -pair.rate) } else { (-pair.switch.depth, pair.rate) };
             if speed > 0.0 && !pair.changed && way < nearest * speed {
                 nearest = (way / speed).max(0.0);
                 first = Some(i);
@@ -115,15 +98,14 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
 
     /// Lets the overlaps change over `h`.
     pub fn advance(&mut self, h: f64) {
-        self.pairs.iter_mut().for_each(|p| p.depth += h * p.rate);
+        self.pairs.iter_mut().for_each(|p| p.switch.depth += h * p.rate);
     }
 
     /// Goes on with another velocity of the coordinates.
     pub fn set_velocity<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
         self.move_points(system, velocity);
         for pair in &mut self.pairs {
-            let [p, a, b] = pair.points.map(|i| self.points[i]);
-            pair.rate = -pair.normal.dot(&(p - a * (1.0 - pair.t) - b * pair.t));
+            pair.rate = pair.switch.rate(&self.points);
         }
     }
 
@@ -137,13 +119,14 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
     ) -> f64 {
         let (model, data) = (system.model(), system.data());
         let pair = &mut self.pairs[pair];
-        let stiffness = if pair.touching { -pair.stiffness } else { pair.stiffness };
+        let Switch { points, t, normal, stiffness, .. } = &pair.switch;
+        let stiffness = if pair.touching { -stiffness } else { *stiffness };
         pair.touching = !pair.touching;
         pair.changed = true;
         self.wrenches.fill(Vector::ZERO);
-        for (point, share) in pair.points.into_iter().zip([-1.0, 1.0 - pair.t, pair.t]) {
+        for (&point, share) in points.iter().zip([-1.0, 1.0 - t, *t]) {
             let jacobian = G::point_jacobian(&data.kinematics.points[point]);
-            self.wrenches[model.points[point].frame] += jacobian.transpose_times(&pair.normal) * share;
+            self.wrenches[model.points[point].frame] += jacobian.transpose_times(normal) * share;
         }
         gradient.fill(0.0);
         data.assembly.add_forces(model, &mut self.wrenches, gradient);

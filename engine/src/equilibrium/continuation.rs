@@ -121,7 +121,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             return Status::Converged;
         }
         let first = self.system.iterations();
-        let max_displacement = if self.system.model().contacts.is_empty() {
+        let max_displacement = if !self.system.model().has_switches() {
             self.options.max_displacement
         } else {
             self.options.max_displacement_with_contact

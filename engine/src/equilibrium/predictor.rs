@@ -51,7 +51,7 @@ pub(super) struct Predictor<const D: usize, const P: usize> {
 impl<const D: usize, const P: usize> Predictor<D, P> {
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, options: PredictorOptions) -> Self {
         let n = model.dof;
-        let changes = if model.contacts.is_empty() { 0 } else { options.max_contact_changes };
+        let changes = if model.has_switches() { options.max_contact_changes } else { 0 };
         let piece = Piece { end: 0.0, velocity: vec![0.0; n] };
         let update = Update { gradient: vec![0.0; n], solved: vec![0.0; n], factor: 0.0 };
         Self {
@@ -82,7 +82,7 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         self.pieces[0].velocity.copy_from_slice(velocity);
         let mut speed = norm(velocity);
         let mut limit = h.min(longest / speed);
-        if !system.model().contacts.is_empty() {
+        if system.model().has_switches() {
             system.complete_columns();
             self.contacts.start(system, velocity, limit, &self.options);
         }

@@ -2,7 +2,7 @@
 
 use super::vector::norm;
 use super::{Continuation, ContinuationOptions, Status};
-use crate::data::ContactForce;
+use crate::ContactForce;
 use crate::lie::SE2;
 use crate::model::Model;
 use crate::systems::finger;
@@ -15,7 +15,7 @@ fn go_to(path: &mut Planar, load: f64) -> Vec<[usize; 3]> {
     assert_eq!(path.find_stable(0.1, 0.0), Status::Converged);
     path.system.velocity(&[1.0], &mut path.velocity[0]);
     let of = |force: ContactForce<2>| [force.first, force.second[0], force.second[1]];
-    path.system.data().touches(path.system.model()).into_iter().map(of).collect()
+    path.system.data().contact_forces(path.system.model()).into_iter().map(of).collect()
 }
 
 fn predict(path: &mut Planar, h: f64) {

@@ -1,8 +1,9 @@
 //! What a built model consists of, by name: for those who read its arrays.
 
-use super::{Description, JointKind, Model, Motion};
+use super::{Description, JointKind, Model};
 use crate::lie::LieGroup;
 use crate::strain::Mode;
+use crate::tree::{Motion, Tree};
 use std::ops::Range;
 
 /// A coordinate of a joint.
@@ -61,7 +62,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Whether the models are the same but for the values of their parameters.
     pub fn has_structure_of(&self, other: &Self) -> bool {
         // A model without parameters shows all that is constant, to the last bit.
-        let text = |model: &Self| format!("{:?}", Self { parameters: vec![], ..model.clone() });
+        let text = |model: &Self| {
+            let tree = Tree { parameters: vec![], ..model.tree.clone() };
+            format!("{:?}", Self { tree, ..model.clone() })
+        };
         text(self) == text(other)
     }
 }

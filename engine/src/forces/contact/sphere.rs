@@ -1,30 +1,28 @@
 //! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
-use super::enclosure;
-use super::touch::Touch;
-use crate::design::Design;
-use crate::kinematics::Kinematics;
+use super::super::element::State;
+use super::definition::Contact;
+use super::enclosure::{self, Ball};
+use super::pair::ContactPair;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-use crate::model::{Contact, Model};
 
 /// Visits the pairs of spheres of a contact that touch or lack less than `margin` of it, in the order
 /// of the first group.
 #[inline]
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    design: &Design<G, D, P>,
-    kinematics: &Kinematics<G, D, P>,
+    at: &State<G, D, P>,
+    balls: &[Ball<P>],
     contact: &Contact,
     margin: f64,
-    mut visit: impl FnMut(Touch<P>),
+    mut visit: impl FnMut(ContactPair<P>),
 ) {
-    let points = &kinematics.points;
-    let balls = &kinematics.balls[contact.balls.clone()];
-    let centres = contact.second_centres(&model.spheres, points);
-    let radii = &design.radii[contact.second.clone()];
+    let (points, spheres) = (&at.kinematics.points, &at.tree.spheres);
+    let balls = &balls[contact.balls.clone()];
+    let centres = contact.second_centres(spheres, points);
+    let radii = &at.geometry.radii[contact.second.clone()];
     for first in contact.first.clone() {
-        let (p, radius) = (points[model.spheres[first].point], design.radii[first]);
+        let (p, radius) = (points[spheres[first].point], at.geometry.radii[first]);
         // A pair of a group with itself counts once.
         let ahead = if contact.is_self() {
             (first + contact.skip.max(1) - contact.second.start).min(centres.len())
@@ -55,7 +53,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                         if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
                     let distance = distance.max(1e-12 * reach);
                     let pair = [first, contact.second.start + i];
-                    visit(Touch::of_spheres(pair, normal, reach, distance, 1.0));
+                    visit(ContactPair::of_spheres(pair, normal, reach, distance, 1.0));
                 }
             }
         }

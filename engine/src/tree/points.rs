@@ -1,4 +1,4 @@
-//! Material points: sphere centres, masses, ends of springs.
+//! Material points: sphere centres, masses, points of attachment.
 
 use crate::linalg::Vector;
 
@@ -36,21 +36,4 @@ pub(crate) enum SphereRadius {
     Parameter(usize),
     /// The link's radius at the sphere's place.
     Link(usize, Place),
-}
-
-/// A point mass of a rod's Gauss point or a link's centroid.
-#[derive(Clone, Debug)]
-pub(crate) enum Mass {
-    /// (point, rod, Gauss point)
-    Rod(usize, usize, usize),
-    /// (point, body)
-    Link(usize, usize),
-}
-
-impl Mass {
-    pub fn point(&self) -> usize {
-        match self {
-            Mass::Rod(point, ..) | Mass::Link(point, _) => *point,
-        }
-    }
 }

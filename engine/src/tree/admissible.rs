@@ -1,11 +1,10 @@
-//! Which vectors of parameters make physical sense.
+//! Which parameters of bodies make physical sense.
 
-use super::{Model, Shape};
+use super::{Shape, Tree};
 use crate::lie::LieGroup;
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
-    /// Whether all parameters are finite, lengths, radii and moduli positive, and stiffnesses and
-    /// densities not negative.
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
+    /// Whether all parameters are finite and those of the bodies in their range.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
         let p = parameters;
         if p.len() != self.parameters.len() || !p.iter().all(|x| x.is_finite()) {
@@ -23,9 +22,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 [l.length, l.radius_base, l.radius_tip].iter().all(|i| p[*i] > 0.0) && p[l.density] >= 0.0
             }
         });
-        let joints = self.joints.iter().map(|j| j.stiffness);
-        let contacts = self.contacts.iter().map(|c| c.stiffness);
-        let springs = self.springs.iter().flat_map(|s| [s.stiffness, s.rest_length]);
-        rods && links && joints.chain(contacts).chain(springs).all(|i| p[i] >= 0.0)
+        rods && links && self.joints.iter().all(|j| p[j.stiffness] >= 0.0)
     }
 }

@@ -4,12 +4,11 @@
 //! shared sphere is taken off, so that a bent chain is touched as one solid. Every term has a
 //! continuous gradient.
 
-use super::touch::Touch;
-use super::{Coupling, FrameTerms};
-use crate::design::Design;
+use super::super::element::State;
+use super::definition::{Contact, RoundCone};
+use super::pair::ContactPair;
 use crate::lie::LieGroup;
-use crate::linalg::{Matrix, Vector};
-use crate::model::{Contact, Model, RoundCone};
+use crate::linalg::Vector;
 
 /// The point of a round cone's axis whose sphere comes closest to a point.
 #[derive(Clone, Debug)]
@@ -52,78 +51,19 @@ pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radi
     Closest { t, unbounded, normal, distance, across, slip, radius }
 }
 
-/// One frame's part in a touch.
-struct Side<const D: usize, const P: usize> {
-    frame: usize,
-    /// How its twist moves p against c(t).
-    relative: Matrix<P, D>,
-    /// How its twist changes the derivative along t.
-    slide: Vector<D>,
-    curvature: Matrix<D, D>,
-}
-
-/// The second derivative of a touch between the ends of a round cone: up to three frames, each coupled
-/// with the others.
-pub(crate) fn add_sliding<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    points: &[Vector<P>],
-    touch: &Touch<P>,
-    k: f64,
-    out: &mut FrameTerms<D, P>,
-) {
-    let n = &touch.normal;
-    let force = *n * (-k * touch.overlap);
-    let along = touch.across * (1.0 / touch.distance);
-    let side = |point: usize, share: f64, turn: f64| {
-        let p = &points[point];
-        let jacobian = G::point_jacobian(p);
-        Side {
-            frame: model.points[point].frame,
-            relative: jacobian * share,
-            slide: jacobian.transpose_times(&(*n * turn - along * share)),
-            curvature: G::point_curvature(p, &(force * share)),
-        }
-    };
-    let [p, a, b] = touch.points(model);
-    let mut sides = [side(p, 1.0, 0.0), side(a, touch.t - 1.0, 1.0), side(b, -touch.t, -1.0)];
-    let mut count = 3;
-    if sides[1].frame == sides[2].frame {
-        // A rigid link: its two ends move as one.
-        let [_, a, b] = &mut sides;
-        a.relative += b.relative;
-        a.slide += b.slide;
-        a.curvature += b.curvature;
-        count = 2;
-    }
-    let tangential = -k * touch.overlap / touch.distance;
-    let hessian = n.outer(n) * (k - tangential) + Matrix::diagonal(tangential);
-    let slip = k * touch.overlap * touch.slip;
-    for (i, side) in sides[..count].iter().enumerate() {
-        let row = side.relative.transpose() * hessian;
-        out.stiffness[side.frame] +=
-            row * side.relative + side.slide.outer(&side.slide) * slip + side.curvature;
-        for other in &sides[i + 1..count] {
-            let form = row * other.relative + side.slide.outer(&other.slide) * slip;
-            out.couplings.push(Coupling { row: side.frame, column: other.frame, form });
-        }
-    }
-}
-
 /// Visits what the first group's spheres touch, or lack less than `margin` of touching: round cones,
 /// and, with negative weight, the spheres that two of them share.
 #[inline]
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    design: &Design<G, D, P>,
-    points: &[Vector<P>],
+    at: &State<G, D, P>,
     contact: &Contact,
     margin: f64,
-    mut visit: impl FnMut(Touch<P>),
+    mut visit: impl FnMut(ContactPair<P>),
 ) {
-    let centre = |sphere: usize| &points[model.spheres[sphere].point];
+    let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
     for first in contact.first.clone() {
-        let (p, own) = (centre(first), design.radii[first]);
-        let weight = contact.weight(&design.parameters, first);
+        let (p, own) = (centre(first), at.geometry.radii[first]);
+        let weight = contact.weight(at.parameters(), first);
         if weight == 0.0 {
             continue;
         }
@@ -132,7 +72,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 continue;
             }
             let ends = cone.ends.map(centre);
-            let radii = cone.ends.map(|s| design.radii[s]);
+            let radii = cone.ends.map(|s| at.geometry.radii[s]);
             if is_far(p, ends, own + radii[0].max(radii[1]) + margin) {
                 continue;
             }
@@ -148,7 +88,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
             };
             let Closest { t, normal, distance, across, slip, .. } = found;
             let overlap = reach - distance;
-            visit(Touch { first, second, t, normal, overlap, distance, across, slip, weight });
+            visit(ContactPair { first, second, t, normal, overlap, distance, across, slip, weight });
             if !cone.joined || !counts(contact, first, &contact.cones[c - 1]) {
                 continue;
             }
@@ -161,7 +101,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let inside = distance <= smallest;
                 let normal = if inside { Vector::unit(P - 1) } else { r * (1.0 / distance) };
                 let pair = [first, cone.ends[0]];
-                visit(Touch::of_spheres(pair, normal, reach, distance.max(smallest), -weight));
+                visit(ContactPair::of_spheres(pair, normal, reach, distance.max(smallest), -weight));
             }
         }
     }

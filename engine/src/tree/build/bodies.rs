@@ -1,16 +1,17 @@
 //! Bodies and joints.
 
-use super::super::error::{finite, not_negative, positive};
-use super::super::points::{Mass, Place, Point};
+use super::super::description::{
+    BodyDescription, JointDescription, JointKind, LinkDescription, ShapeDescription,
+};
 use super::super::{
-    Body, BodyDescription, Frame, Joint, JointColumn, JointCoordinate, JointDescription, JointKind, Link,
-    LinkDescription, Model, ModelError, Motion, Shape, ShapeDescription,
+    Body, Frame, Joint, JointColumn, JointCoordinate, Link, ModelError, Motion, Shape, Tree, finite,
+    not_negative, positive,
 };
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::strain::Mode;
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     pub(super) fn add_body(&mut self, body: &BodyDescription) -> Result<(), ModelError> {
         let name = &body.name;
         let field = |f: &str| format!("{name}.{f}");
@@ -259,28 +260,5 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             radius_tip: one("radius_tip", radius_tip),
             density: one("density", density),
         })
-    }
-
-    /// One mass per Gauss point and link, in case there is gravity.
-    pub(super) fn add_masses(&mut self) {
-        if self.gravity == Vector::ZERO {
-            return;
-        }
-        for (b, body) in self.bodies.iter().enumerate() {
-            match &body.shape {
-                Shape::Rod(r) => {
-                    for (g, gauss) in self.rods[*r].gauss.iter().enumerate() {
-                        let frame = body.base_frame + gauss.point;
-                        self.masses.push(Mass::Rod(self.points.len(), *r, g));
-                        self.points.push(Point { frame, place: Place::Frame, offset: Vector::ZERO });
-                    }
-                }
-                Shape::Link(_) => {
-                    self.masses.push(Mass::Link(self.points.len(), b));
-                    let place = Place::Centroid(b);
-                    self.points.push(Point { frame: body.base_frame, place, offset: Vector::ZERO });
-                }
-            }
-        }
     }
 }

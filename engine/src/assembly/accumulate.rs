@@ -1,10 +1,11 @@
 //! Outward along the tree, each coordinate's column is paired with all columns before it.
 
 use super::Assembly;
-use crate::design::Design;
+use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};
-use crate::model::{Chain, Model};
+use crate::model::Model;
+use crate::tree::Chain;
 
 /// Sums over one run of frames that share their coordinates, in blocks of columns.
 #[derive(Clone, Debug)]
@@ -41,17 +42,17 @@ impl<const D: usize> Run<D> {
 impl<const D: usize, const P: usize> Assembly<D, P> {
     /// The frames of one rod element move with the same coordinates; such a run meets the columns
     /// before it once, with its rows summed, and pairs its own columns among themselves.
-    pub(super) fn march<G: LieGroup<D, P>>(
+    pub(super) fn accumulate_tangent<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
+        geometry: &Geometry<G, D, P>,
         coupled: bool,
     ) {
         let size = D * model.dof;
         let mut f = 1;
         while f < model.frames.len() {
             let frame = &model.frames[f];
-            if !self.frames.loaded[f] {
+            if !self.terms.frames.loaded[f] {
                 f += 1;
                 continue;
             }
@@ -63,7 +64,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             }
             let end = frame.run_end;
             if !frame.blocks.is_empty() {
-                self.sum_run(model, design, f..end, coupled);
+                self.sum_run(model, geometry, f..end, coupled);
                 match self.chain.of(model) {
                     None => self.pair_run(model, f, |_, path| path),
                     Some(chain) => self.pair_run_of_chain(model, chain, f),
@@ -78,19 +79,19 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     fn sum_run<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
+        geometry: &Geometry<G, D, P>,
         frames: std::ops::Range<usize>,
         coupled: bool,
     ) {
         let width = model.coupled.len();
         let count = model.frames[frames.start].blocks.len();
-        let unloaded = frames.clone().find(|f| !self.frames.loaded[*f]);
+        let unloaded = frames.clone().find(|f| !self.terms.frames.loaded[*f]);
         let frames = frames.start..unloaded.unwrap_or(frames.end);
         self.run.clear(count, width);
         if count == 1 {
-            self.sum_block(model, design, frames.clone());
+            self.sum_block(model, geometry, frames.clone());
         } else {
-            self.sum_blocks(model, design, frames.clone());
+            self.sum_blocks(model, geometry, frames.clone());
         }
         if coupled {
             self.couple_run(model, frames);
@@ -102,14 +103,14 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     fn sum_block<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
+        geometry: &Geometry<G, D, P>,
         frames: std::ops::Range<usize>,
     ) {
         let (mut columns, mut rows, mut own) = (Matrix::ZERO, Matrix::ZERO, Matrix::ZERO);
         for f in frames {
             let block = model.frames[f].blocks.start;
             let (column, motion) = (&self.columns[block], &self.motions[block]);
-            let [phi1, phi2] = &design.strain_maps[block];
+            let [phi1, phi2] = &geometry.strain_maps[block];
             let [row, curved, bracketed] = self.forms::<G>(f, column, motion, phi1);
             own += pair([&row, &curved, &bracketed], [&(columns + *column * 0.5), motion, phi2]);
             rows += row;
@@ -123,14 +124,14 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     fn sum_blocks<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
+        geometry: &Geometry<G, D, P>,
         frames: std::ops::Range<usize>,
     ) {
         for f in frames {
             let own = model.frames[f].blocks.clone();
             let columns = &self.columns[own.clone()];
             let motions = &self.motions[own.clone()];
-            let maps = &design.strain_maps[own];
+            let maps = &geometry.strain_maps[own];
             for (i, [phi1, _]) in maps.iter().enumerate() {
                 let [row, curved, bracketed] = self.forms::<G>(f, &columns[i], &motions[i], phi1);
                 self.run.rows[i] += row;
@@ -156,7 +157,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         motion: &Matrix<D, LANES>,
         phi1: &Matrix<D, LANES>,
     ) -> [Matrix<D, LANES>; 3] {
-        let form = self.frames.stiffness[f] + G::bracket_form(&self.frames.wrench[f]) * 0.5;
+        let form = self.terms.frames.stiffness[f] + G::bracket_form(&self.terms.frames.wrench[f]) * 0.5;
         [form * *column, self.curvature[f] * *motion, self.bracket[f].transpose() * *phi1]
     }
 
@@ -196,7 +197,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         let run = &self.run;
         for (m, dof) in dofs.iter().enumerate() {
             let (block, lane) = (m / LANES, m % LANES);
-            let row = &mut self.coordinates.half_tangent[dof * n..(dof + 1) * n];
+            let row = &mut self.terms.coordinates.half_tangent[dof * n..(dof + 1) * n];
             let y: [f64; D] = std::array::from_fn(|d| run.rows[block].0[d][lane]);
             let before: [&[f64]; D] = std::array::from_fn(|d| &prefix[d * n..(d + 1) * n]);
             for i in partners(*dof, path.clone()) {

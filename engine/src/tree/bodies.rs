@@ -1,13 +1,13 @@
-//! Bodies, joints and rods of the built model.
+//! Bodies, joints and rods of the tree.
 
-use super::Section;
+use super::description::Section;
 use std::ops::Range;
 
 /// A body of the tree.
 #[derive(Clone, Debug)]
 pub(crate) struct Body<const P: usize> {
     pub name: String,
-    /// Index in `design.rigid` of its placement.
+    /// Index in `geometry.rigid` of its placement.
     pub placement: usize,
     /// Parameters of the placement.
     pub translation: Range<usize>,
@@ -21,7 +21,7 @@ pub(crate) struct Body<const P: usize> {
 
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// Index in `model.rods`.
+    /// Index in `tree.rods`.
     Rod(usize),
     Link(Link),
 }
@@ -29,7 +29,7 @@ pub(crate) enum Shape {
 /// A rigid link: where its numbers are in the parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
-    /// Index in `design.rigid` of the step from joint to tip.
+    /// Index in `geometry.rigid` of the step from joint to tip.
     pub tip: usize,
     pub length: usize,
     pub radius_base: usize,
@@ -96,7 +96,7 @@ pub(crate) struct GaussPoint {
 pub(crate) struct SectionEntry {
     pub gauss: usize,
     pub mode: usize,
-    /// Index in `model.stiffness_pattern`.
+    /// Index in `tree.stiffness_pattern`.
     pub entry: usize,
     pub value: f64,
 }

@@ -1,9 +1,9 @@
 //! Rods: bases at Gauss points, Magnus steps between sample points.
 
-use super::super::bodies::GaussPoint;
-use super::super::error::{finite, not_negative, positive};
+use super::super::description::{RodDescription, Section};
 use super::super::{
-    MagnusStep, Model, ModelError, Motion, Rod, RodDescription, Section, SectionEntry, StrainColumn,
+    GaussPoint, MagnusStep, ModelError, Motion, Rod, SectionEntry, StrainColumn, Tree, finite, not_negative,
+    positive,
 };
 use crate::lie::LieGroup;
 use crate::strain::{Basis, Mode, gauss_legendre, sample_points};
@@ -11,7 +11,7 @@ use crate::strain::{Basis, Mode, gauss_legendre, sample_points};
 /// Collocation points of the 4th-order (Zanna) step on [0, 1].
 const ZANNA: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     /// Adds the rod's coordinates, parameters and frames; returns its tip frame.
     pub(super) fn add_rod(
         &mut self,

@@ -1,6 +1,6 @@
 //! The longest rod as a chain of nodes, each of which bends only what lies beyond it.
 
-use super::{Model, Motion};
+use super::{Motion, Tree};
 use crate::lie::LieGroup;
 
 /// With a shorter chain a dense factorisation is as fast,
@@ -28,23 +28,23 @@ pub(crate) struct Chain {
 impl Chain {
     /// Of the rod with most coordinates; `None` where its coordinates reach over more than two runs, as
     /// polynomials along the whole rod do.
-    pub fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(model: &Model<G, D, P>) -> Option<Self> {
-        let longest = (0..model.rods.len()).max_by_key(|r| model.rods[*r].dofs.len())?;
-        let rod = &model.rods[longest];
-        let own = |f: usize| match model.frames[f].motion {
-            Motion::Strain(step) => model.steps[step].rod == longest,
+    pub fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(tree: &Tree<G, D, P>) -> Option<Self> {
+        let longest = (0..tree.rods.len()).max_by_key(|r| tree.rods[*r].dofs.len())?;
+        let rod = &tree.rods[longest];
+        let own = |f: usize| match tree.frames[f].motion {
+            Motion::Strain(step) => tree.steps[step].rod == longest,
             Motion::Joint(_) | Motion::Rigid(_) => false,
         };
-        let mut node = vec![None; model.dof];
-        let mut last = vec![0; model.dof];
-        let mut moved = vec![false; model.frames.len()];
+        let mut node = vec![None; tree.dof];
+        let mut last = vec![0; tree.dof];
+        let mut moved = vec![false; tree.frames.len()];
         let (mut run, mut f) = (0, 1);
-        while f < model.frames.len() {
-            let frame = &model.frames[f];
+        while f < tree.frames.len() {
+            let frame = &tree.frames[f];
             let moves = own(f) || moved[frame.parent];
             moved[f..frame.run_end].fill(moves);
             if own(f) {
-                for &dof in &model.column_dofs[frame.columns.clone()] {
+                for &dof in &tree.column_dofs[frame.columns.clone()] {
                     node[dof].get_or_insert(run);
                     last[dof] = run;
                 }
@@ -55,12 +55,12 @@ impl Chain {
         let of = |dof: usize| node[dof].unwrap_or(usize::MAX);
         let neighbours = |i: usize, j: usize| of(i).abs_diff(of(j)) <= 1;
         let local = rod.dofs.clone().all(|i| node[i].is_some_and(|first| last[i] <= first + 1))
-            && model.stiffness_pattern.iter().all(|&(i, j)| !rod.dofs.contains(&i) || neighbours(i, j));
-        let mut order: Vec<usize> = (0..model.dof).collect();
+            && tree.stiffness_pattern.iter().all(|&(i, j)| !rod.dofs.contains(&i) || neighbours(i, j));
+        let mut order: Vec<usize> = (0..tree.dof).collect();
         order.sort_by_key(|dof| of(*dof));
         let start = |k: usize| order.partition_point(|dof| of(*dof) < k);
         let starts = (0..run).map(start).chain([rod.dofs.len()]).collect();
-        let chain = Self { order, starts, moved, neighbours: vec![vec![]; model.dof] };
+        let chain = Self { order, starts, moved, neighbours: vec![vec![]; tree.dof] };
         local.then(|| chain.with_neighbours())
     }
 

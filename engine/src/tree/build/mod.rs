@@ -1,28 +1,19 @@
-//! From a description to a model, checking everything on the way.
+//! From descriptions of bodies to their tree, checking everything on the way.
 
-mod interactions;
+mod attachments;
+mod bodies;
 mod rod;
-mod tree;
 
 use super::blocks::CoordinateBlocks;
-use super::error::finite;
-use super::{Chain, Description, Frame, Layout, Model, ModelError, Motion};
+use super::description::{BodyDescription, SphereGroupDescription};
+use super::{Frame, Layout, ModelError, Motion, Tree};
 use crate::lie::LieGroup;
 use std::ops::Range;
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
-    /// Builds the model.
-    ///
-    /// # Errors
-    /// [`ModelError`] names the first field that makes no sense and says what is allowed.
-    pub fn new(description: &Description) -> Result<Self, ModelError> {
-        if description.planar != (D == 3) {
-            return Err(ModelError::new("planar", "a planar system needs SE(2), a spatial one SE(3)"));
-        }
-        finite("gravity", &description.gravity)?;
-        let gravity = G::point_from_spatial(&description.gravity)
-            .ok_or_else(|| ModelError::new("gravity", "a planar system has no gravity along y"))?;
-        let mut model = Self {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
+    /// Builds the tree, before any force acts on it.
+    pub fn new(bodies: &[BodyDescription], spheres: &[SphereGroupDescription]) -> Result<Self, ModelError> {
+        let mut tree = Self {
             dof: 0,
             frames: vec![Frame {
                 parent: 0,
@@ -45,16 +36,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             stiffness_pattern: vec![],
             points: vec![],
             spheres: vec![],
-            masses: vec![],
-            contacts: vec![],
-            actuators: vec![],
-            springs: vec![],
-            wrenches: vec![],
+            sphere_groups: vec![],
             jacobian_slot: vec![],
             leads_to_kept: vec![],
             coupled: 0..0,
-            chain: None,
-            gravity,
             layout: Layout::default(),
             parameters: vec![],
             coordinates: vec![],
@@ -62,40 +47,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             frame_names: vec!["world".into()],
             group: std::marker::PhantomData,
         };
-        if description.bodies.is_empty() {
+        if bodies.is_empty() {
             return Err(ModelError::new("bodies", "a system needs at least one body"));
         }
-        for body in &description.bodies {
-            model.add_body(body)?;
+        for body in bodies {
+            tree.add_body(body)?;
         }
-        model.find_runs();
-        model.add_masses();
-        model.jacobian_slot = vec![None; model.frames.len()];
-        model.leads_to_kept = vec![false; model.frames.len()];
-        let groups = model.add_spheres(&description.spheres)?;
-        for contact in &description.contacts {
-            model.add_contact(contact, &groups)?;
-        }
-        for actuator in &description.actuators {
-            model.add_actuator(actuator)?;
-        }
-        for spring in &description.springs {
-            model.add_spring(spring)?;
-        }
-        for wrench in &description.wrenches {
-            model.add_wrench(wrench)?;
-        }
-        model.chain = Chain::of(&model).filter(|chain| chain.pays() && model.is_conservative());
-        Ok(model)
+        tree.find_runs();
+        tree.jacobian_slot = vec![None; tree.frames.len()];
+        tree.leads_to_kept = vec![false; tree.frames.len()];
+        tree.add_spheres(spheres)?;
+        Ok(tree)
     }
 
     /// Appends a parameter slot.
-    fn slot(&mut self, name: String, defaults: &[f64]) -> Range<usize> {
+    pub(crate) fn slot(&mut self, name: String, defaults: &[f64]) -> Range<usize> {
         self.layout.push(&mut self.parameters, name, defaults)
     }
 
     /// Keeps the Jacobian of `frame`, on whose coordinates a coupling between bodies will depend.
-    fn keep_jacobian(&mut self, frame: usize) {
+    pub(crate) fn keep_jacobian(&mut self, frame: usize) {
         if frame != 0 && self.jacobian_slot[frame].is_none() {
             let next = self.jacobian_slot.iter().flatten().count();
             self.jacobian_slot[frame] = Some(next);
