@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.systems import Json, build, rod, vector
+from .comparison import compare
+from .report import Case
+from .systems import Json, build, rod, vector
 
+FAMILY = "Closed forms"
 LENGTH, RADIUS, YOUNG, RATIO = 0.1, 0.008, 1e6, 1.7
 SHEAR = YOUNG / 3.0
 TWIST, SLIDE = 0.01, (3.0, -5.0)  # N m; N along y and z
@@ -33,8 +34,14 @@ def rectangle(width: float, height: float) -> float:
     return float(256.0 * width * height / np.pi**6 * terms.sum())
 
 
-def torsion_and_shear() -> Outcome:
-    """Twist rods of three sections about their axis, and shear them across it."""
+def test_torsion_and_shear(case: Case) -> None:
+    """Torsion and shear of every section.
+
+    A moment about the axis twists a rod by ML/GJ, a force across the tip of a rod that can only
+    shear shifts it by FL/GA, without a shear correction. J is Saint-Venant's: πS⁴/2, πa³b³/(a² +
+    b²), and for the rectangle the double sine series of Prandtl's stress function (Flexor sums 20
+    terms of another series, to 3·10⁻⁸). Sections are 1.7 times as wide as high.
+    """
     a, b = RATIO * RADIUS, RADIUS
     sections = {
         "circular": ({"kind": "circular"}, np.pi / 2.0 * b**4, np.pi * b * b),
@@ -69,19 +76,4 @@ def torsion_and_shear() -> Outcome:
                 f"{name}: shift y, z [m]", np.array(SLIDE) * LENGTH / (SHEAR * area), shift, 1e-12
             ),
         ]
-    return Outcome(tuple(comparisons))
-
-
-CASES = (
-    Case(
-        "torsion-and-shear",
-        "Torsion and shear of every section",
-        CLOSED_FORM,
-        "A moment about the axis twists a rod by ML/GJ, a force across the tip of a rod that can "
-        "only shear shifts it by FL/GA, without a shear correction. J is Saint-Venant's: "
-        "πS⁴/2, πa³b³/(a² + b²), and for the rectangle the double sine series of Prandtl's stress "
-        "function (Flexor sums 20 terms of another series, to 3·10⁻⁸). Sections are 1.7 times as "
-        "wide as high.",
-        torsion_and_shear,
-    ),
-)
+    case.check(comparisons)

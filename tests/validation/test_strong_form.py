@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pytest
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexor.model import Model
 from flexor.plot.style import shades
-from flexor.validate.boundary_value import Solution, StrongForm
-from flexor.validate.case import OTHER_LIBRARY, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.drawing import SERIES, dots
-from flexor.validate.states import newton
-from flexor.validate.systems import build, rod, sample_points, si, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .boundary_value import Solution, StrongForm
+from .comparison import compare
+from .drawing import SERIES, dots
+from .report import Case
+from .states import newton
+from .systems import build, rod, sample_points, si, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Other libraries"
 LENGTH, RADII, YOUNG, DENSITY = 0.25, (0.012, 0.006), 2e5, 1000.0
 GRAVITY = np.array([0.0, 0.0, -9.81])
 HELIX, TURN = 0.004, 2.0  # m, rad
@@ -82,8 +81,16 @@ def _states(model: Model) -> Array:
     return np.stack([*states[: len(dead)], states[-1]])
 
 
-def tendon_arm() -> Outcome:
-    """Compare poses along the rod."""
+@pytest.mark.slow
+def test_tendon_arm(case: Case) -> None:
+    """A tendon-driven rod in space.
+
+    A tapered rod with all six strains under gravity, a helical tendon, and a force and a moment at
+    its tip. Reference: the strong form n′ = −f, m′ = n × r′ with the law of the section inverted
+    at every place, solved by collocation (`scipy.integrate.solve_bvp`, tolerance 10⁻⁸). Flexor has
+    24 quadratic elements and follows gravity, tendon and force; the moment, which in space has no
+    potential, is added by Newton's method.
+    """
     strong = _strong_form()
     solutions: list[Solution] = []
     for tension, force, moment in LOADS:
@@ -102,7 +109,7 @@ def tendon_arm() -> Outcome:
         compare("positions along the rod / L", theirs, places, 1e-7, 1.0),
         compare("rotations along the rod", other, turns, 3e-5, 1.0),
     )
-    return Outcome(
+    case.check(
         comparisons,
         lambda figure: _draw(figure, solutions, found, states),
         "The rod under all loads from the side and from above, and its curvatures under the last: "
@@ -130,18 +137,3 @@ def _draw(figure: Figure, solutions: list[Solution], found: Array, states: Array
         dots(strains, np.linspace(0.0, 1.0, len(values))[::4], values[::4])
     strains.set(xlabel="X", ylabel="torsion and bending")
     strains.legend()
-
-
-CASES = (
-    Case(
-        "tendon-arm",
-        "A tendon-driven rod in space",
-        OTHER_LIBRARY,
-        "A tapered rod with all six strains under gravity, a helical tendon, and a force and a "
-        "moment at its tip. Reference: the strong form n′ = −f, m′ = n × r′ with the law of the "
-        "section inverted at every place, solved by collocation (`scipy.integrate.solve_bvp`, "
-        "tolerance 10⁻⁸). Flexor has 24 quadratic elements and follows gravity, tendon and force; "
-        "the moment, which in space has no potential, is added by Newton's method.",
-        tendon_arm,
-    ),
-)

@@ -1,4 +1,4 @@
-"""One number of Flexor against one that Flexor had no part in."""
+"""A value of Flexor against one that Flexor had no part in."""
 
 from __future__ import annotations
 
@@ -11,21 +11,11 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Comparison:
-    """A quantity, its reference and Flexor's value.
+    """A quantity with its unit, its reference and Flexor's value.
 
-    Attributes
-    ----------
-    quantity : str
-        What is compared, with its unit.
-    reference, ours : float or str
-        The two values; of an array the entries that differ most. Words where a verdict is compared.
-    error : float
-        Largest deviation divided by the scale of the quantity (NaN if one value is NaN); for words
-        0 if they agree and infinity if not.
-    tolerance : float
-        The largest error allowed.
-    count : int
-        How many numbers were compared.
+    Of arrays, `reference` and `ours` are the entries that differ most, and `count` is their size.
+    `error` is the largest deviation over the scale of the quantity; for words it is 0 if they
+    agree and infinite if not.
     """
 
     quantity: str
@@ -40,6 +30,23 @@ class Comparison:
         """Whether the error is within the tolerance; NaN is not."""
         return self.error <= self.tolerance
 
+    @property
+    def share(self) -> float:
+        """How much of the tolerance is used."""
+        if self.tolerance > 0.0:
+            return self.error / self.tolerance
+        return 0.0 if self.passed else math.inf
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Reference, Flexor's value, error and tolerance as the report shows them."""
+        if isinstance(self.reference, str):
+            return self.reference, str(self.ours), "", ""
+        reference, ours = (
+            "0" if value == 0.0 else f"{float(value):.10g}" for value in (self.reference, self.ours)
+        )
+        return reference, ours, f"{self.error:.1e}", f"{self.tolerance:.2g}"
+
 
 def compare(
     quantity: str,
@@ -48,23 +55,10 @@ def compare(
     tolerance: float,
     scale: float | None = None,
 ) -> Comparison:
-    """Compare numbers or arrays.
+    """Compare numbers, or arrays of the same shape.
 
-    Parameters
-    ----------
-    quantity
-        What is compared, with its unit.
-    reference, ours
-        Numbers, or arrays of the same shape.
-    tolerance
-        The largest deviation allowed, in units of `scale`.
-    scale
-        What deviations are measured by; the largest reference value unless given.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ or there is no scale: a comparison that could not fail.
+    Deviations are divided by `scale`, the largest reference value unless given. Raises ValueError
+    if shapes differ or there is no scale: a comparison that could not fail.
     """
     wanted, found = np.asarray(reference, dtype=float), np.asarray(ours, dtype=float)
     if wanted.shape != found.shape or wanted.size == 0:
@@ -86,30 +80,12 @@ def compare(
 
 
 def verdict(quantity: str, reference: str, ours: str) -> Comparison:
-    """Compare words, such as "stable" with "unstable".
-
-    Parameters
-    ----------
-    quantity
-        What is judged.
-    reference, ours
-        Both verdicts.
-    """
+    """Compare words, such as "stable" with "unstable"."""
     return Comparison(quantity, reference, ours, 0.0 if reference == ours else math.inf, 0.0)
 
 
 def at_least(quantity: str, expected: float, found: float, slack: float) -> Comparison:
-    """Demand that a number, such as an order of convergence, does not fall short.
-
-    Parameters
-    ----------
-    quantity
-        What it is.
-    expected, found
-        What theory gives, and what was observed.
-    slack
-        By how much it may be missed.
-    """
+    """Demand that a number, such as an order of convergence, is not below `expected - slack`."""
     short = expected - found
     error = short if math.isnan(short) else max(short, 0.0)
     return Comparison(f"{quantity}, at least", expected, float(found), error, slack)

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import csv
 import json
-from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.case import TOOLBOX, Case, Outcome, Unavailable
-from flexor.validate.comparison import Comparison, compare, verdict
-from flexor.validate.drawing import SERIES, dots
-from flexor.validate.systems import build, link, rod, si
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import Comparison, compare, verdict
+from .drawing import SERIES, dots
+from .report import Case
+from .systems import build, link, rod, si
 
 Array = NDArray[np.float64]
-FOLDER = FilePath(__file__).resolve().parents[3] / "tests" / "reference"
+FAMILY = "The toolbox of the paper"
+FOLDER = Path(__file__).resolve().parents[1] / "reference"
 # Length, radii and joint stiffness of each link; the last is fixed.
 LINKS = (
     ("ph_1", 0.045, (0.0216, 0.0139), 0.04),
@@ -28,12 +28,6 @@ LINKS = (
     ("ph_3", 0.0236, (0.0102, 0.0087), 0.02),
     ("tip", 0.001, (0.0087, 0.008), None),
 )
-
-
-def _file(name: str) -> FilePath:
-    if not (FOLDER / name).is_file():
-        raise Unavailable(f"tests/reference/{name} is in Flexor's repository, not in its package")
-    return FOLDER / name
 
 
 def finger() -> Model:
@@ -82,7 +76,7 @@ def arm() -> Model:
 
 def _states(model: Model, body: str, file: str, sign: float, tolerance: float) -> list[Comparison]:
     """Compare residuals, and the pose of the rod's tip, at given states."""
-    reference: dict[str, Any] = json.loads(_file(file).read_text(encoding="utf-8"))
+    reference: dict[str, Any] = json.loads((FOLDER / file).read_text(encoding="utf-8"))
     states, inputs = np.array(reference["q"]), sign * np.array(reference["u"])
     wanted = np.array(reference["residual"])
     engine, p = model.engine, model.parameters
@@ -109,24 +103,38 @@ def _states(model: Model, body: str, file: str, sign: float, tolerance: float) -
     return comparisons
 
 
-def finger_states() -> Outcome:
-    """Compare the finger at twelve states."""
-    return Outcome(tuple(_states(finger(), "exosuit", "sorosim_finger.json", 1.0, 1e-7)))
+def test_toolbox_finger(case: Case) -> None:
+    """Residuals of finger and exosuit.
+
+    Residual of (9), tip pose and touching pairs at twelve states of the paper's planar model with
+    25 degrees of freedom, from the public MATLAB toolbox SoRoSim under GNU Octave. SoRoSim's
+    `Equilibrium` cuts the exponential after Ω̂³/6 where θ ≤ 0.01 (its forward kinematics does
+    not), which moves its residuals in contact by up to 4·10⁻⁸ of the largest; Flexor's exponential
+    is exact. With the cut repeated they agree to 10⁻⁹ (`engine/tests/toolbox_reference.rs`).
+    """
+    case.check(tuple(_states(finger(), "exosuit", "sorosim_finger.json", 1.0, 1e-7)))
 
 
-def arm_states() -> Outcome:
-    """Compare the spatial rod at six states."""
-    return Outcome(tuple(_states(arm(), "arm", "sorosim_spatial.json", -1.0, 1e-9)))
+def test_toolbox_arm(case: Case) -> None:
+    """Residuals of a spatial rod.
+
+    The same for a tapered rod with six quadratic strain modes, a helical tendon and gravity, at
+    six states.
+    """
+    case.check(tuple(_states(arm(), "arm", "sorosim_spatial.json", -1.0, 1e-9)))
 
 
-def finger_path() -> Outcome:
-    """Compare joint angles from 0 to 5 N."""
-    with _file("sorosim_static.csv").open(encoding="utf-8") as lines:
+def test_toolbox_path(case: Case) -> None:
+    """Equilibria of finger and exosuit.
+
+    Joint angles of the default design from 0 to 5 N, found by SoRoSim with `fsolve`.
+    """
+    with (FOLDER / "sorosim_static.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
     forces = np.array([float(row["u"]) for row in rows])
     wanted = np.array([[float(row[f"th{i}"]) for i in (1, 2, 3)] for row in rows])
     path = finger().equilibrium(forces)
-    return Outcome(
+    case.check(
         (
             compare("joint angles [rad]", wanted, path.joint_angles, 1e-7),
             verdict("events on the way", "none", str(len(path.events)) if path.events else "none"),
@@ -143,38 +151,3 @@ def _draw(figure: Figure, forces: Array, wanted: Array, found: Array) -> None:
         dots(axes, forces, found[:, i])
     axes.set(xlabel="force / N", ylabel="angle / rad")
     axes.legend()
-
-
-_CUT = (
-    " SoRoSim's `Equilibrium` cuts the exponential after Ω̂³/6 where θ ≤ 0.01 (its forward "
-    "kinematics does not), which moves its residuals in contact by up to 4·10⁻⁸ of the largest; "
-    "Flexor's exponential is exact. With the cut repeated they agree to 10⁻⁹ "
-    "(`engine/tests/toolbox_reference.rs`)."
-)
-
-CASES = (
-    Case(
-        "toolbox-finger",
-        "Residuals of finger and exosuit",
-        TOOLBOX,
-        "Residual of (9), tip pose and touching pairs at twelve states of the paper's planar model "
-        "with 25 degrees of freedom, from the public MATLAB toolbox SoRoSim under GNU Octave."
-        + _CUT,
-        finger_states,
-    ),
-    Case(
-        "toolbox-arm",
-        "Residuals of a spatial rod",
-        TOOLBOX,
-        "The same for a tapered rod with six quadratic strain modes, a helical tendon and gravity, "
-        "at six states.",
-        arm_states,
-    ),
-    Case(
-        "toolbox-path",
-        "Equilibria of finger and exosuit",
-        TOOLBOX,
-        "Joint angles of the default design from 0 to 5 N, found by SoRoSim with `fsolve`.",
-        finger_path,
-    ),
-)

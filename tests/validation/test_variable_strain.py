@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.case import OTHER_LIBRARY, Case, Library, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.systems import build, rod, si, vector
+
+from .comparison import compare
+from .report import Case, load
+from .systems import build, rod, si, vector
 
 Array = NDArray[np.float64]
-LIBRARY = Library("soromox", "soromox")
+FAMILY = "Other libraries"
 GRAVITY, YOUNG, DENSITY = (1.0, -2.0, -9.0), 2e5, 1000.0
 MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
 SOROMOX_MODES = ("kappa_x", "kappa_y", "kappa_z", "sigma_x", "sigma_y", "sigma_z")
@@ -62,7 +63,7 @@ def _ours(gravity: tuple[float, float, float]) -> Model:
 
 def _points(N_GQ: int, a: Any = 0.0, b: Any = 1.0) -> tuple[Any, Any, int]:
     """Gauss points on [a, b] between its ends, as soromox lists them."""
-    numpy = Library("jax", "jax").load("numpy")
+    numpy = load("soromox", "jax.numpy")
     x, w = np.polynomial.legendre.leggauss(N_GQ)
     points = np.concatenate([[-1.0], x, [1.0]])
     weights = np.concatenate([[0.0], w, [0.0]])
@@ -70,11 +71,11 @@ def _points(N_GQ: int, a: Any = 0.0, b: Any = 1.0) -> tuple[Any, Any, int]:
 
 
 def _theirs() -> Any:
-    LIBRARY.load()
-    Library("jax", "jax").load().config.update("jax_enable_x64", True)
+    load("soromox", "soromox")
+    load("soromox", "jax").config.update("jax_enable_x64", True)
     # soromox (0.5) stops its search for Gauss points at single precision, an error of 1e-8 that
     # would hide smaller ones; NumPy's points take their place.
-    places = [LIBRARY.load(f"systems.gvs.{part}") for part in ("core", "construction")]
+    places = [load("soromox", f"soromox.systems.gvs.{part}") for part in ("core", "construction")]
     with ExitStack() as patched:
         for place in places:
             patched.enter_context(patch.object(place, "gauss_quadrature", _points))
@@ -82,8 +83,11 @@ def _theirs() -> Any:
 
 
 def _robot() -> Any:
-    gvs, parts = LIBRARY.load("systems.gvs"), LIBRARY.load("systems.components")
-    threads = LIBRARY.load("actuation.threadlike")
+    gvs, parts = (
+        load("soromox", "soromox.systems.gvs"),
+        load("soromox", "soromox.systems.components"),
+    )
+    threads = load("soromox", "soromox.actuation.threadlike")
     segments = []
     for length, radii, basis, order, points, modes in RODS:
         segments.append(
@@ -121,8 +125,14 @@ def _robot() -> Any:
     )
 
 
-def shared_configuration() -> Outcome:
-    """Compare every term of the statics at random states."""
+def test_variable_strain(case: Case) -> None:
+    """Geometric variable strain.
+
+    Three tapered rods in a row with Legendre, monomial and Chebyshev strains in six, three and
+    three modes, a tendon in each, under gravity, at five random states: every term of the statics
+    from soromox's GVS, which has the same Gauss points and 4th-order Magnus steps. (Its Gauss
+    points are accurate to 10⁻⁸ only; NumPy's replace them.)
+    """
     robot, model, weightless = _theirs(), _ours(GRAVITY), _ours((0.0, 0.0, 0.0))
     engine, p = model.engine, model.parameters
     random = np.random.default_rng(5)
@@ -155,7 +165,7 @@ def shared_configuration() -> Outcome:
     jacobians = loads[:, [model.inputs.index(row) for row in rows]]
     ours_stiffness = weightless.engine.tangent(weightless.parameters, np.zeros(model.dof), none)
     thread = robot.actuators[0]
-    return Outcome(
+    case.check(
         (
             compare(
                 "frames at the rods' tips", theirs(robot.forward_kinematics_tips), poses, 1e-12, 1.0
@@ -184,18 +194,3 @@ def shared_configuration() -> Outcome:
             ),
         )
     )
-
-
-CASES = (
-    Case(
-        "variable-strain",
-        "Geometric variable strain",
-        OTHER_LIBRARY,
-        "Three tapered rods in a row with Legendre, monomial and Chebyshev strains in six, three "
-        "and three modes, a tendon in each, under gravity, at five random states: every term of "
-        "the statics from soromox's GVS, which has the same Gauss points and 4th-order Magnus "
-        "steps. (Its Gauss points are accurate to 10⁻⁸ only; NumPy's replace them.)",
-        shared_configuration,
-        LIBRARY,
-    ),
-)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.drawing import SERIES, dots
-from flexor.validate.systems import build, link, si, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import compare
+from .drawing import SERIES, dots
+from .report import Case
+from .systems import build, link, si, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 LENGTHS = (0.045, 0.025, 0.02)  # m
 STIFFNESS = (0.04, 0.03, 0.02)  # N m/rad
 RESTS = (0.1, 0.0, -0.05)  # rad
@@ -58,8 +56,13 @@ def _angle(moment: float, i: int) -> float:
     return float(bound + sign * (quadratic if quadratic <= WIDTH else linear))
 
 
-def limits() -> Outcome:
-    """Compare angles, fingertip and energy over moments in both directions."""
+def test_joint_limits(case: Case) -> None:
+    """A finger against its limits.
+
+    A moment at the tip of three hinged links loads each hinge alike: K (θ − rest) + V′(θ) = M,
+    with the documented energy V beyond a limit by s, k s³/6w up to the width w and k (s²/2 − w s/2
+    + w²/6) from there on. The equation is quadratic within the width and linear elsewhere.
+    """
     path = _finger().equilibrium(MOMENTS)
     wanted = np.array([[_angle(moment, i) for i in range(3)] for moment in MOMENTS])
     inside = np.abs(wanted - RESTS - MOMENTS[:, None] / STIFFNESS) < 1e-12
@@ -81,8 +84,8 @@ def limits() -> Outcome:
         compare("fingertip x, z [m]", tip, found, 1e-9),
         compare("potential [J]", energy, path.energy, 1e-9),
     ]
-    return Outcome(
-        tuple(comparisons),
+    case.check(
+        comparisons,
         lambda figure: _draw(figure, wanted, path.joint_angles),
         "Joint angles over the moment: closed form (lines) and Flexor (dots).",
     )
@@ -102,17 +105,3 @@ def _draw(figure: Figure, wanted: Array, found: Array) -> None:
         dots(axes, 1e3 * MOMENTS[::2], found[::2, i])
     axes.set(xlabel="moment / N mm", ylabel="angle / rad")
     axes.legend()
-
-
-CASES = (
-    Case(
-        "joint-limits",
-        "A finger against its limits",
-        CLOSED_FORM,
-        "A moment at the tip of three hinged links loads each hinge alike: "
-        "K (θ − rest) + V′(θ) = M, with the documented energy V beyond a limit by s, k s³/6w up to "
-        "the width w and k (s²/2 − w s/2 + w²/6) from there on. The equation is quadratic within "
-        "the width and linear elsewhere.",
-        limits,
-    ),
-)

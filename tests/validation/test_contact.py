@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.systems import build, link, si, vector
+
+from .comparison import compare
+from .report import Case
+from .systems import build, link, si, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 Fields = dict[str, Any]
 RADII = (0.012, 0.008)  # m
 CONTACT, SPRING, REST = 1000.0, 50.0, 0.01  # N/m, N/m, m
@@ -73,8 +75,13 @@ def _cone(where: str) -> tuple[Model, Array]:
     return _pressed(where, "cone", still, spheres, contact)
 
 
-def pressed_spheres() -> Outcome:
-    """Compare distance, overlap and forces."""
+def test_pressed_spheres(case: Case) -> None:
+    """Two spheres pressed by a spring.
+
+    A sphere on a slide is pulled against a fixed one by a spring and pushed by a force. The
+    contact law (8) is linear in the overlap, so the distance x solves k (R₁ + R₂ − x) = k_s (x + a
+    − ℓ₀) + P. In space and in the plane, along oblique lines.
+    """
     comparisons = []
     for where in LINES:
         model, line = _spheres(where)
@@ -95,11 +102,17 @@ def pressed_spheres() -> Outcome:
             ),
             compare(f"{where}: potential [J]", stored, path.energy, 1e-10),
         ]
-    return Outcome(tuple(comparisons))
+    case.check(comparisons)
 
 
-def pressed_cone() -> Outcome:
-    """Compare place, overlap and forces."""
+def test_pressed_cone(case: Case) -> None:
+    """A sphere pressed against a round cone by a spring.
+
+    A sphere on a slide is pulled and pushed against the side of a fixed round cone. Seen from the
+    sphere, the side of a cone of half-angle α is a plane, so the overlap is linear in the distance
+    and k c (R + r − c x) = k_s (x + a − ℓ₀) + P, c being the cosine between the slide and the
+    side's normal. In space and in the plane, along oblique lines.
+    """
     comparisons = []
     taper = CONE[1] - CONE[0]
     sine = -taper / CONE_LENGTH
@@ -128,27 +141,4 @@ def pressed_cone() -> Outcome:
             ),
             compare(f"{where}: where it acts [m]", middle, points, 1e-9),
         ]
-    return Outcome(tuple(comparisons))
-
-
-CASES = (
-    Case(
-        "pressed-spheres",
-        "Two spheres pressed by a spring",
-        CLOSED_FORM,
-        "A sphere on a slide is pulled against a fixed one by a spring and pushed by a force. The "
-        "contact law (8) is linear in the overlap, so the distance x solves "
-        "k (R₁ + R₂ − x) = k_s (x + a − ℓ₀) + P. In space and in the plane, along oblique lines.",
-        pressed_spheres,
-    ),
-    Case(
-        "pressed-cone",
-        "A sphere pressed against a round cone by a spring",
-        CLOSED_FORM,
-        "A sphere on a slide is pulled and pushed against the side of a fixed round cone. Seen "
-        "from the sphere, the side of a cone of half-angle α is a plane, so the overlap is linear "
-        "in the distance and k c (R + r − c x) = k_s (x + a − ℓ₀) + P, c being the cosine between "
-        "the slide and the side's normal. In space and in the plane, along oblique lines.",
-        pressed_cone,
-    ),
-)
+    case.check(comparisons)

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from flexor.model import Model
-from flexor.validate.cantilever import LENGTH, cantilever, elliptic
-from flexor.validate.case import CONVERGENCE, Case, Outcome
-from flexor.validate.comparison import at_least, compare
-from flexor.validate.drawing import SERIES, order, refinement
-from flexor.validate.systems import build, legendre, rod, sample_points
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import at_least, compare
+from .drawing import SERIES, order, refinement
+from .report import Case
+from .systems import build, legendre, rod, sample_points
+from .test_cantilever import LENGTH, cantilever, elliptic
 
 Array = NDArray[np.float64]
+FAMILY = "Convergence"
 ALPHA = 2.0  # P L² / EI
 ELEMENTS = (4, 8, 16, 32, 64)
 # Gauss points, and the orders of the error at the tip and of the largest error of the angle.
@@ -47,8 +45,13 @@ def _order(sizes: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(sizes[-3:]), np.log(errors[-3:]), 1)[0])
 
 
-def elements() -> Outcome:
-    """Refine the mesh."""
+def test_convergence_elements(case: Case) -> None:
+    """Finer meshes.
+
+    The cantilever at PL²/EI = 2 against elliptic integrals on 4 to 64 elements. Every basis gives
+    the tip to the order of the Magnus steps, 4 or 2; smoother ones have smaller errors, and
+    Hermite elements give the angle to 4th order too.
+    """
     sizes = 1.0 / np.array(ELEMENTS)
     errors = {
         basis: np.array(
@@ -72,8 +75,8 @@ def elements() -> Outcome:
         tips = np.array([_errors(model)[0] for model in models])
         name = f"{basis}, 2nd-order steps: order of the tip"
         comparisons.append(at_least(name, 2.0, _order(sizes, tips), 0.15))
-    return Outcome(
-        tuple(comparisons),
+    case.check(
+        comparisons,
         lambda figure: _draw_elements(figure, errors),
         "Error of the cantilever over the number of elements: of the tip's position (left) and of "
         "the angle along the rod (right).",
@@ -94,12 +97,16 @@ def _draw_elements(figure: Figure, errors: dict[str, Array]) -> None:
     tip.legend(loc="lower left")
 
 
-def degree() -> Outcome:
-    """Raise the degree of polynomials along the whole rod."""
+def test_convergence_degree(case: Case) -> None:
+    """Polynomials of higher degree.
+
+    The same with Legendre polynomials along the whole rod: the error falls geometrically with the
+    degree, down to that of 256 Magnus steps.
+    """
     models = [cantilever(legendre(d), elements=64, gauss_points=3) for d in DEGREES]
     errors = np.array([_errors(model)[0] for model in models])
     digits = np.log10(errors[0] / errors[6]) / 6.0
-    return Outcome(
+    case.check(
         (
             at_least("digits gained per degree up to 6", 1.5, digits, 0.0),
             compare("degree 7: tip / L", 0.0, errors[-1], 1e-10, 1.0),
@@ -144,8 +151,12 @@ def _integrated() -> Array:
     return np.asarray(found.y[:, -1]).reshape(3, 4)
 
 
-def magnus() -> Outcome:
-    """Refine the steps along a rod of known strain."""
+def test_convergence_magnus(case: Case) -> None:
+    """Shorter Magnus steps.
+
+    Pose of the tip of a rod whose six strains are given cubics, against `solve_ivp` of SciPy
+    (DOP853, 10⁻¹³): steps of order 2 and 4.
+    """
     wanted = _integrated()
     strain = {mode: {"basis": "monomial", "order": 3} for mode in MODES}
     errors: dict[int, Array] = {}
@@ -158,7 +169,7 @@ def magnus() -> Outcome:
             found.append(np.max(np.abs(frames[-1, :3] - wanted)))
         errors[level] = np.array(found)
     sizes = 1.0 / np.array(STEPS)
-    return Outcome(
+    case.check(
         (
             at_least("order of 2nd-order steps", 2.0, _order(sizes, errors[2]), 0.1),
             at_least("order of 4th-order steps", 4.0, _order(sizes, errors[4]), 0.1),
@@ -177,32 +188,3 @@ def _draw_magnus(figure: Figure, errors: dict[int, Array]) -> None:
         order(axes, STEPS[2:5], 3.0 * found[2], slope, above=True)
     axes.set_ylabel("error of the tip's pose")
     axes.legend()
-
-
-CASES = (
-    Case(
-        "convergence-elements",
-        "Finer meshes",
-        CONVERGENCE,
-        "The cantilever at PL²/EI = 2 against elliptic integrals on 4 to 64 elements. Every "
-        "basis gives the tip to the order of the Magnus steps, 4 or 2; smoother ones have smaller "
-        "errors, and Hermite elements give the angle to 4th order too.",
-        elements,
-    ),
-    Case(
-        "convergence-degree",
-        "Polynomials of higher degree",
-        CONVERGENCE,
-        "The same with Legendre polynomials along the whole rod: the error falls geometrically "
-        "with the degree, down to that of 256 Magnus steps.",
-        degree,
-    ),
-    Case(
-        "convergence-magnus",
-        "Shorter Magnus steps",
-        CONVERGENCE,
-        "Pose of the tip of a rod whose six strains are given cubics, against `solve_ivp` of SciPy "
-        "(DOP853, 10⁻¹³): steps of order 2 and 4.",
-        magnus,
-    ),
-)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import brentq
@@ -13,17 +13,16 @@ from scipy.special import ellipj, ellipk
 
 from flexor.model import Model
 from flexor.plot.style import shades
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import Comparison, compare, verdict
-from flexor.validate.drawing import SERIES, dots
-from flexor.validate.elliptic import second
-from flexor.validate.states import newton, stability
-from flexor.validate.systems import build, rod, sample_points, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import Comparison, compare, verdict
+from .drawing import SERIES, dots
+from .elliptic import second
+from .report import Case
+from .states import newton, stability
+from .systems import build, rod, sample_points, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 LENGTH, RADIUS, YOUNG = 0.2, 0.004, 1e6
 EULER = 0.25 * np.pi**2 * YOUNG * np.pi / 4.0 * RADIUS**4 / LENGTH**2  # N
 TIP_ANGLES = np.radians([20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0, 160.0])
@@ -72,8 +71,13 @@ def _column(strain: Mapping[str, object], radius: float = RADIUS, elements: int 
     return build("column", {"rod": body}, wrenches={"load": load})
 
 
-def buckling() -> Outcome:
-    """Compare the critical loads of the straight column."""
+def test_buckling_load(case: Case) -> None:
+    """Euler's buckling loads.
+
+    A straight inextensible column, clamped at one end, has the critical loads (2n−1)² P_E with P_E
+    = π² EI/4L²: there Flexor's tangent is singular, and beyond the first one not positive
+    definite. A thick column that shortens and shears buckles where P (1 + P/GA − P/EA) = P_E.
+    """
     model = _column({"bend_y": "nodal_quadratic"})
     q = np.zeros(model.dof)
     tangents = [model.engine.tangent(model.parameters, q, np.array([u])) for u in (0.0, 1.0)]
@@ -87,7 +91,7 @@ def buckling() -> Outcome:
         found = stability(model, q, np.array([load]))
         comparisons.append(verdict(f"straight column at {load:g} P_E", expected, found))
     comparisons.append(_thick_column())
-    return Outcome(tuple(comparisons))
+    case.check(comparisons)
 
 
 def _thick_column() -> Comparison:
@@ -110,8 +114,15 @@ def _thick_column() -> Comparison:
     return compare("thick column that shortens and shears, P / P_E", wanted, found, 1e-8)
 
 
-def post_buckling() -> Outcome:
-    """Compare the buckled column with the elastica, up to a tip bent back by 160°."""
+def test_elastica(case: Case) -> None:
+    """The buckled column.
+
+    Beyond P_E the column follows the elastica sin(θ/2) = k sn(s√(P/EI)) with elliptic integrals
+    from `scipy.special` (Love, *Mathematical Theory of Elasticity*, § 263). The path from zero
+    load must leave the straight state, which stays an equilibrium but is unstable, for the stable
+    shape. The shape of three quarter waves, found by Newton's method alone, must be reported
+    unstable.
+    """
     model = _column({"bend_y": "nodal_quadratic"})
     X = sample_points(model, "rod")
     solved = [elastica(tip, X) for tip in TIP_ANGLES]
@@ -134,8 +145,8 @@ def post_buckling() -> Outcome:
         name = f"straight column at {load:.3g} P_E"
         comparisons.append(verdict(name, "unstable", found_straight))
     comparisons += _second_shape(model, X)
-    return Outcome(
-        tuple(comparisons),
+    case.check(
+        comparisons,
         lambda figure: _draw(figure, loads, straight, buckled, found),
         "The column under rising load: the elastica (lines) and Flexor (dots). Right: deflection "
         "of the tip over the load; the straight column (dashed) is unstable beyond Euler's load.",
@@ -175,28 +186,3 @@ def _draw(figure: Figure, loads: Array, straight: Array, buckled: Array, found: 
     branch.plot([load for load, _, _ in dense], [p[0, 1] for _, p, _ in dense], SERIES[0])
     dots(branch, loads, found[:, -1, 1])
     branch.set(xlabel="P / P$_E$", ylabel="deflection of the tip / L")
-
-
-CASES = (
-    Case(
-        "buckling-load",
-        "Euler's buckling loads",
-        CLOSED_FORM,
-        "A straight inextensible column, clamped at one end, has the critical loads (2n−1)² P_E "
-        "with P_E = π² EI/4L²: there Flexor's tangent is singular, and beyond the first one not "
-        "positive definite. A thick column that shortens and shears buckles where "
-        "P (1 + P/GA − P/EA) = P_E.",
-        buckling,
-    ),
-    Case(
-        "elastica",
-        "The buckled column",
-        CLOSED_FORM,
-        "Beyond P_E the column follows the elastica sin(θ/2) = k sn(s√(P/EI)) with elliptic "
-        "integrals from `scipy.special` (Love, *Mathematical Theory of Elasticity*, § 263). The "
-        "path from zero load must leave the straight state, which stays an equilibrium but is "
-        "unstable, for the stable shape. The shape of three quarter waves, found by Newton's "
-        "method alone, must be reported unstable.",
-        post_buckling,
-    ),
-)

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.validate.case import Library
+from .report import load
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
-LIBRARY = Library("pinocchio", "pin")
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,7 @@ class PinocchioTree:
     """
 
     def __init__(self, bodies: Sequence[RigidBody], gravity: Triple, density: float) -> None:
-        pin = self.pin = LIBRARY.load()
+        pin = self.pin = load("pin", "pinocchio")
         self.bodies = {body.name: body for body in bodies}
         self.model = pin.Model()
         self.model.gravity.linear = np.array(gravity)

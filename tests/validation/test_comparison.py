@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flexor.validate.comparison import at_least, compare, verdict
+from .comparison import at_least, compare, verdict
 
 
 def test_the_largest_deviation_is_shown_over_the_scale() -> None:

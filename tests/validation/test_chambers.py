@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from flexor.model import Model
 from flexor.plot.style import shades
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.drawing import dots
-from flexor.validate.systems import build, legendre, rod
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import compare
+from .drawing import dots
+from .report import Case
+from .systems import build, legendre, rod
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 LENGTH, RADIUS, YOUNG = 0.1, 0.008, 1e6
 FORCES = np.array([0.0, 2.0, 5.0, 10.0])
 SPATIAL = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
@@ -45,8 +45,12 @@ def _strain(model: Model, q: Array, mode: str) -> Array:
     return q[[i for i, name in enumerate(names) if name.startswith(f"rod.{mode}[")]]
 
 
-def extension() -> Outcome:
-    """Push a rod along its axis."""
+def test_extension(case: Case) -> None:
+    """A chamber on the axis.
+
+    A chamber along the axis extends a cylinder by ε = u/EA and does nothing else. Circular,
+    elliptic and rectangular sections, all six strains free.
+    """
     comparisons = []
     for kind, (area, _, _) in SECTIONS.items():
         section = {"kind": kind} if kind == "circular" else {"kind": kind, "ratio": 1.5}
@@ -60,11 +64,15 @@ def extension() -> Outcome:
             compare(f"{kind}: ε", np.repeat(wanted[:, None], 4, axis=1), found, 1e-12),
             compare(f"{kind}: tip x [m]", LENGTH * (1.0 + wanted), tips, 1e-12),
         ]
-    return Outcome(tuple(comparisons))
+    case.check(comparisons)
 
 
-def eccentric() -> Outcome:
-    """Bend and extend cylinders by a chamber off their axis, in two directions at once."""
+def test_eccentric_chamber(case: Case) -> None:
+    """A chamber off the axis of a cylinder.
+
+    A chamber at (y, z) = (0.4 S, S) gives the uniform strains κ_y = u z/EI_y, κ_z = −u y/EI_z, ε =
+    u/EA; the tip's pose is their matrix exponential.
+    """
     comparisons = []
     y, z = 0.4, 1.0  # levers, in units of S
     for kind, (area, inertia_y, inertia_z) in SECTIONS.items():
@@ -89,7 +97,7 @@ def eccentric() -> Outcome:
         comparisons.append(
             compare(f"{kind}: tip pose (lengths / L)", poses, _over(found), 1e-11, 1.0)
         )
-    return Outcome(tuple(comparisons))
+    case.check(comparisons)
 
 
 def _screw(kappa_y: float, kappa_z: float, epsilon: float) -> Array:
@@ -110,8 +118,14 @@ BASE, TIP = 0.012, 0.006
 LEVER = 1.5
 
 
-def tapered() -> Outcome:
-    """Bend and extend a cone by a chamber that follows its surface."""
+def test_tapered_chamber(case: Case) -> None:
+    """A chamber on the surface of a cone.
+
+    Where the chamber follows a sloping surface at the distance d = 1.5 S(X), only the part cos α
+    of its force along the axis acts: EI κ = u d cos α, EA ε = u cos α, tan α = d′/(1 + ε + κ d),
+    at every X for itself (root by bisection). Flexor has Legendre polynomials of degree 14 for
+    both strains.
+    """
     strain = {"bend_y": legendre(14), "extend_x": legendre(14)}
     model = _model(strain, {"z": LEVER}, radius=(BASE, TIP), elements=8, gauss_points=8)
     forces = FORCES / 2.0
@@ -127,8 +141,8 @@ def tapered() -> Outcome:
     for column, label in enumerate(("L κ", "ε")):
         ours, theirs = (np.stack(values)[:, :, column] for values in (found, wanted))
         comparisons.append(compare(f"{label} along the rod", theirs, ours, 1e-8))
-    return Outcome(
-        tuple(comparisons),
+    case.check(
+        comparisons,
         lambda figure: _draw(figure, X, forces, wanted, found),
         "Curvature and extension of a cone under a chamber on its surface: pointwise closed form "
         "(lines) and Flexor (dots).",
@@ -159,33 +173,3 @@ def _draw(figure: Figure, X: Array, forces: Array, wanted: list[Any], found: lis
             dots(axes, X[::4], values[::4, column])
         axes.set(xlabel="X", ylabel=label)
     panels[0].legend()
-
-
-CASES = (
-    Case(
-        "extension",
-        "A chamber on the axis",
-        CLOSED_FORM,
-        "A chamber along the axis extends a cylinder by ε = u/EA and does nothing else. Circular, "
-        "elliptic and rectangular sections, all six strains free.",
-        extension,
-    ),
-    Case(
-        "eccentric-chamber",
-        "A chamber off the axis of a cylinder",
-        CLOSED_FORM,
-        "A chamber at (y, z) = (0.4 S, S) gives the uniform strains κ_y = u z/EI_y, "
-        "κ_z = −u y/EI_z, ε = u/EA; the tip's pose is their matrix exponential.",
-        eccentric,
-    ),
-    Case(
-        "tapered-chamber",
-        "A chamber on the surface of a cone",
-        CLOSED_FORM,
-        "Where the chamber follows a sloping surface at the distance d = 1.5 S(X), only the part "
-        "cos α of its force along the axis acts: EI κ = u d cos α, EA ε = u cos α, "
-        "tan α = d′/(1 + ε + κ d), at every X for itself (root by bisection). Flexor has Legendre "
-        "polynomials of degree 14 for both strains.",
-        tapered,
-    ),
-)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, ellipkm1
@@ -12,16 +13,15 @@ from scipy.special import ellipj, ellipk, ellipkm1
 from flexor._engine import sample_points
 from flexor.model import Model
 from flexor.plot.style import shades
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.drawing import dots
-from flexor.validate.elliptic import first, second
-from flexor.validate.systems import build, rod, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import compare
+from .drawing import dots
+from .elliptic import first, second
+from .report import Case
+from .systems import build, rod, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 LENGTH, RADIUS, YOUNG = 0.2, 0.004, 1e6
 EI = YOUNG * np.pi / 4.0 * RADIUS**4
 ALPHA = np.array([0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 7.0, 10.0])  # P L² / EI
@@ -125,17 +125,26 @@ def cantilever(strain: object = "nodal_quadratic", frame: str = "world", **field
     return build("cantilever", {"rod": body}, wrenches={"load": load})
 
 
-def large_deflection() -> Outcome:
-    """Compare shape and slope under a load that keeps its direction."""
-    return _compared("world", [elliptic(alpha, X)[:2] for alpha in ALPHA])
+def test_cantilever(case: Case) -> None:
+    """A cantilever at large deflection.
+
+    An inextensible rod, clamped at one end, under a load P across its other end that keeps its
+    direction, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and Drucker,
+    1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.
+    """
+    _compare(case, "world", [elliptic(alpha, X)[:2] for alpha in ALPHA])
 
 
-def following_load() -> Outcome:
-    """Compare shape and slope under a load that turns with the tip."""
-    return _compared("body", [follower(alpha, X) for alpha in ALPHA])
+def test_following_load(case: Case) -> None:
+    """A cantilever under a load that follows its tip.
+
+    The same rod under a load that stays across its tip, which has no potential. Seen from the tip
+    the rod obeys the equation of a pendulum from rest; elliptic integrals of parameter ½ solve it.
+    """
+    _compare(case, "body", [follower(alpha, X) for alpha in ALPHA])
 
 
-def _compared(frame: str, references: list[tuple[Array, Array]]) -> Outcome:
+def _compare(case: Case, frame: str, references: list[tuple[Array, Array]]) -> None:
     path = cantilever(frame=frame).equilibrium(ALPHA, tolerance=1e-12)
     poses = np.stack([path.frames(step)["rod"] for step in range(len(path))])
     shape = np.stack([positions for positions, _ in references])
@@ -148,7 +157,7 @@ def _compared(frame: str, references: list[tuple[Array, Array]]) -> Outcome:
         compare("positions along the rod / L", shape, found, 1e-9, 1.0),
         compare("angle along the rod [rad]", slope, angles, 5e-8, 1.0),
     )
-    return Outcome(
+    case.check(
         comparisons,
         lambda figure: _draw(figure, shape, found),
         "The cantilever under PL²/EI from 0 to 10: elliptic integrals (lines) and Flexor (dots).",
@@ -162,25 +171,3 @@ def _draw(figure: Figure, shape: Array, found: Array) -> None:
         dots(axes, values[::16, 0], -values[::16, 1])
     axes.set(xlabel="x / L", ylabel="z / L", aspect="equal")
     axes.legend(title="PL²/EI", loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-CASES = (
-    Case(
-        "cantilever",
-        "A cantilever at large deflection",
-        CLOSED_FORM,
-        "An inextensible rod, clamped at one end, under a load P across its other end that keeps "
-        "its direction, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and "
-        "Drucker, 1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.",
-        large_deflection,
-    ),
-    Case(
-        "following-load",
-        "A cantilever under a load that follows its tip",
-        CLOSED_FORM,
-        "The same rod under a load that stays across its tip, which has no potential. "
-        "Seen from the tip the rod obeys the equation of a pendulum from rest; elliptic integrals "
-        "of parameter ½ solve it.",
-        following_load,
-    ),
-)

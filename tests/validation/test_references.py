@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from flexor.validate.boundary_value import StrongForm
-from flexor.validate.cantilever import elliptic, follower
-from flexor.validate.elastica import elastica
-from flexor.validate.elliptic import first, second
-from flexor.validate.sections import rectangle
+from .boundary_value import StrongForm
+from .elliptic import first, second
+from .test_cantilever import elliptic, follower
+from .test_elastica import elastica
+from .test_sections import rectangle
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3, 0.7499999999999999, 0.97])

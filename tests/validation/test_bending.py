@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexor.model import Model
 from flexor.plot.style import shades
-from flexor.validate.case import CLOSED_FORM, Case, Outcome
-from flexor.validate.comparison import Comparison, compare
-from flexor.validate.drawing import dots
-from flexor.validate.systems import build, rod, sample_points, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import Comparison, compare
+from .drawing import dots
+from .report import Case
+from .systems import build, rod, sample_points, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Closed forms"
 LENGTH, RADIUS, YOUNG = 0.1, 0.005, 1e6
 EI = YOUNG * np.pi / 4.0 * RADIUS**4
 FULL = 2.0 * np.pi * EI / LENGTH  # N m, closes the circle
@@ -57,8 +57,13 @@ def _positions(label: str, model: Model, states: Array) -> Comparison:
     return compare(f"{label}: positions / L", wanted / LENGTH, found / LENGTH, 1e-12, 1.0)
 
 
-def full_circle() -> Outcome:
-    """Bend by a moment in the plane and in space, and by a chamber without extension."""
+def test_full_circle(case: Case) -> None:
+    """Pure bending to a full circle.
+
+    A rod under a moment M at its tip bends to an arc of curvature κ = M/EI; at M = 2πEI/L it
+    closes. The potential is −½ M² L/EI. The same with all six strains in space, and with a chamber
+    at the distance S from the axis of a rod that cannot extend, where EI κ = u S.
+    """
     plane = _by_moment(PLANAR)
     path = plane.equilibrium(TURNS)
     work = -0.5 * EI / LENGTH * (2.0 * np.pi * TURNS) ** 2
@@ -76,8 +81,8 @@ def full_circle() -> Outcome:
     # EI κ = u S: the chamber's force times its distance from the axis.
     chambers = actuated.equilibrium(TURNS * FULL / RADIUS)
     comparisons.append(_positions("chamber", actuated, chambers.q))
-    return Outcome(
-        tuple(comparisons),
+    case.check(
+        comparisons,
         lambda figure: _draw(figure, path.q, plane),
         "A rod under parts of the moment 2πEI/L: arcs of circles (lines) and Flexor (dots).",
     )
@@ -92,16 +97,3 @@ def _draw(figure: Figure, states: Array, model: Model) -> None:
         dots(axes, found[:, 0], found[:, 2])
     axes.set(xlabel="x / L", ylabel="z / L", aspect="equal")
     axes.legend(title="ML/2πEI", loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-CASES = (
-    Case(
-        "full-circle",
-        "Pure bending to a full circle",
-        CLOSED_FORM,
-        "A rod under a moment M at its tip bends to an arc of curvature κ = M/EI; at M = 2πEI/L it "
-        "closes. The potential is −½ M² L/EI. The same with all six strains in space, and with a "
-        "chamber at the distance S from the axis of a rod that cannot extend, where EI κ = u S.",
-        full_circle,
-    ),
-)

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from scipy.optimize import root
 
 from flexor.model import Model
-from flexor.validate.case import OTHER_LIBRARY, Case, Outcome
-from flexor.validate.comparison import Comparison, compare
-from flexor.validate.pinocchio_tree import LIBRARY, PinocchioTree, PointSpring, RigidBody
-from flexor.validate.systems import build, link, si, vector
+
+from .comparison import Comparison, compare
+from .pinocchio_tree import PinocchioTree, PointSpring, RigidBody
+from .report import Case
+from .systems import build, link, si, vector
 
 Array = NDArray[np.float64]
+FAMILY = "Other libraries"
 GRAVITY, DENSITY = (1.5, -2.0, -9.0), 1200.0  # m/s², kg/m³
 TREE = (
     RigidBody("base", None, 0.12, (0.02, 0.015), (0.01, 0.02, 0.0), (0.2, -0.4, 0.1), "free"),
@@ -113,8 +115,15 @@ def _spring(spring: PointSpring) -> dict[str, Any]:
     }
 
 
-def kinematics() -> Outcome:
-    """Compare tips, Jacobians, gravity torques and their derivatives at random states."""
+def test_rigid_tree(case: Case) -> None:
+    """Kinematics and gravity of rigid trees.
+
+    Two branched trees of frusta with oblique joints at twenty random states: one of revolute and
+    prismatic joints, one of a free, revolute, universal, prismatic and spherical joint. Tips,
+    Jacobians (Flexor's are read off the residual under unit loads), gravity torques, potential
+    energy and the derivative of gravity torques (where the coordinates differ, by central
+    differences) from Pinocchio.
+    """
     random = np.random.default_rng(7)
     comparisons = []
     for label, bodies, ends in (("chain", CHAIN, ("c", "e")), ("tree", TREE, ("elbow", "wrist"))):
@@ -122,7 +131,7 @@ def kinematics() -> Outcome:
         reference = PinocchioTree(bodies, GRAVITY, DENSITY)
         states = [random.uniform(-1.2, 1.2, model.dof) for _ in range(20)]
         comparisons += _compare(label, model, reference, states, ends)
-    return Outcome(tuple(comparisons))
+    case.check(comparisons)
 
 
 def _compare(
@@ -192,8 +201,13 @@ def _tangent(reference: PinocchioTree, q: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def equilibrium() -> Outcome:
-    """Compare the rest position of the tree under gravity, joint stiffness, springs and straps."""
+def test_rigid_tree_equilibrium(case: Case) -> None:
+    """A rigid tree at rest under gravity and springs.
+
+    The second tree with stiff joints, two springs, a taut and a slack strap. Reference: the root,
+    found by `scipy.optimize.root` from the unloaded state, of gravity torques and spring forces
+    assembled with Pinocchio's kinematics.
+    """
     model = _model(TREE, (), loose=False)
     reference = PinocchioTree(TREE, GRAVITY, DENSITY)
     stiffness = np.concatenate([STIFFNESS[body.kind] for body in TREE])
@@ -208,7 +222,7 @@ def equilibrium() -> Outcome:
     tips = np.stack(list(reference.tips(solved.x).values()))[:, :3, 3]
     found = np.stack([path.frames(0)[name][-1, :3, 3] for name in reference.joints])
     weights = np.abs(reference.gravity_torque(solved.x))
-    return Outcome(
+    case.check(
         (
             compare("coordinates [rad, m]", solved.x, q, 1e-8, 1.0),
             compare("tips [m]", tips, found, 1e-9, 1.0),
@@ -221,29 +235,3 @@ def equilibrium() -> Outcome:
             ),
         )
     )
-
-
-CASES = (
-    Case(
-        "rigid-tree",
-        "Kinematics and gravity of rigid trees",
-        OTHER_LIBRARY,
-        "Two branched trees of frusta with oblique joints at twenty random states: one of revolute "
-        "and prismatic joints, one of a free, revolute, universal, prismatic and spherical joint. "
-        "Tips, Jacobians (Flexor's are read off the residual under unit loads), gravity torques, "
-        "potential energy and the derivative of gravity torques (where the coordinates differ, by "
-        "central differences) from Pinocchio.",
-        kinematics,
-        LIBRARY,
-    ),
-    Case(
-        "rigid-tree-equilibrium",
-        "A rigid tree at rest under gravity and springs",
-        OTHER_LIBRARY,
-        "The second tree with stiff joints, two springs, a taut and a slack strap. Reference: the "
-        "root, found by `scipy.optimize.root` from the unloaded state, of gravity torques and "
-        "spring forces assembled with Pinocchio's kinematics.",
-        equilibrium,
-        LIBRARY,
-    ),
-)

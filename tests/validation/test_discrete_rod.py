@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pytest
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.case import OTHER_LIBRARY, Case, Library, Outcome
-from flexor.validate.comparison import compare
-from flexor.validate.drawing import SERIES, dots
-from flexor.validate.systems import build, rod, si, vector
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .comparison import compare
+from .drawing import SERIES, dots
+from .report import Case, load
+from .systems import build, rod, si, vector
 
 Array = NDArray[np.float64]
-LIBRARY = Library("elastica", "pyelastica")
+FAMILY = "Other libraries"
 LENGTH, RADIUS, YOUNG, DENSITY = 1.0, 0.01, 1e6, 1000.0
 AREA = np.pi * RADIUS**2
 EI = YOUNG * np.pi / 4.0 * RADIUS**4
@@ -40,7 +40,7 @@ def relaxed(elements: int) -> Array:
     PyElastica clamps the first element, whose curvature begins at its middle: the rod is made
     longer by half an element, so that the clamp is at x = 0.
     """
-    ea: Any = LIBRARY.load()
+    ea: Any = load("pyelastica", "elastica")
     half = 0.5 * LENGTH / (elements - 0.5)
     parts = (ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Damping)
     simulator = type("Simulator", parts, {})()
@@ -102,13 +102,20 @@ def cantilever(basis: str, elements: int) -> Model:
     )
 
 
-def relaxed_cantilever() -> Outcome:
-    """Compare the tip, extrapolated from two resolutions."""
+@pytest.mark.slow
+def test_relaxed_cantilever(case: Case) -> None:
+    """A cantilever relaxed to rest.
+
+    A slender rod under its weight and an oblique force at its tip, bent and twisted in space.
+    Reference: PyElastica's discrete Cosserat rod with 20 and 40 elements, damped critically until
+    it rests (32 s in 80,000 steps) and extrapolated at 2nd order. Its sections shrink as they are
+    stretched and Flexor's do not: with stretches up to 6·10⁻⁵ here, results may differ by 10⁻⁴.
+    """
     coarse, fine = relaxed(20), relaxed(40)
     extrapolated = (4.0 * fine[:, -1] - coarse[:, -1]) / 3.0
     path = cantilever("nodal_quadratic", 16).equilibrium([0.0, 0.25, 0.5, 0.75, 1.0])
     shape = path.frames(-1)["rod"][:, :3, 3]
-    return Outcome(
+    case.check(
         (compare("tip / L", extrapolated / LENGTH, shape[-1] / LENGTH, 1e-4, 1.0),),
         lambda figure: _draw(figure, fine, shape),
         "The cantilever at rest, from the side and from above: PyElastica with 40 elements (lines) "
@@ -123,19 +130,3 @@ def _draw(figure: Figure, nodes: Array, shape: Array) -> None:
         axes.plot(nodes[0, 1:], nodes[axis, 1:], SERIES[0])
         dots(axes, shape[::4, 0], shape[::4, axis])
         axes.set(xlabel="x / L", ylabel=f"{'xyz'[axis]} / L", aspect="equal")
-
-
-CASES = (
-    Case(
-        "relaxed-cantilever",
-        "A cantilever relaxed to rest",
-        OTHER_LIBRARY,
-        "A slender rod under its weight and an oblique force at its tip, bent and twisted in "
-        "space. Reference: PyElastica's discrete Cosserat rod with 20 and 40 elements, damped "
-        "critically until it rests (32 s in 80,000 steps) and extrapolated at 2nd order. Its "
-        "sections shrink as they are stretched and Flexor's do not: with stretches up to 6·10⁻⁵ "
-        "here, results may differ by 10⁻⁴.",
-        relaxed_cantilever,
-        LIBRARY,
-    ),
-)
