@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import flexor as package
 from flexor.calibration import calibrate, read
-from flexor.calibration.combine import variants
+from flexor.calibration.problem import bind_problem
 from flexor.calibration.reading import parse
 
-FILES = ("examples/paper-targets.toml", "examples/paper-optimum-targets.toml")
+FOLDER = Path(__file__).resolve().parents[2] / "reproduction"
+FILES = (FOLDER / "paper-targets.toml", FOLDER / "paper-optimum-targets.toml")
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_the_ranges_are_neutral(file: str) -> None:
+def test_the_ranges_are_neutral(file: Path) -> None:
     ranges = {constant.name: constant.range for constant in read(file)[0].constant}
     assert ranges["E"] == ("10 kPa", "10 MPa")
     assert ranges["lever"] == (1.0, 10.0)
@@ -25,8 +28,7 @@ def test_the_three_angles_are_met(tmp_path) -> None:
     text = read(FILES[0])[1].split("# --- held out")[0]
     path = tmp_path / "angles.toml"
     path.write_text(text)
-    chosen = {"base": "follows R_0", "merged": "first two"}
-    found = calibrate(package.load("finger"), path, samples=1024, starts=3, chosen=chosen)
+    found = calibrate(package.load("finger"), path, samples=1024, starts=3)
     assert found.best.met
     models = found.best.models()
     three, two = models["finger"], models["finger-2-links"]
@@ -67,9 +69,9 @@ options = { tolerance = 1e-6 }
 
 
 def test_beside_a_known_optimum_the_search_is_short_and_as_good(coarse) -> None:
-    (variant,) = variants(parse(OPTIMUM, "made"), coarse, "made")
-    (run,) = variant.runs
-    here, close = variant.x(np.array([[0.4, 0.5], [0.41, 0.5]]))
+    problem = bind_problem(parse(OPTIMUM, "made"), coarse, "made")
+    (run,) = problem.runs
+    here, close = problem.x(np.array([[0.4, 0.5], [0.41, 0.5]]))
     best = run.evaluate(here[None, :])[0]
     # Where it is known it stays, or finds what the whole search had left open.
     again = run.beside(here[None, :], best)[0]

@@ -1,4 +1,4 @@
-"""What can be observed of a path of equilibria."""
+"""Observables of paths of equilibria."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class ObservedPaths:
     """Paths of n sets of constants over the same s loads.
 
     Attributes
@@ -50,29 +50,20 @@ class Observable:
     kind : Dimension or None
         What it is measured in; None for plain numbers.
     values : callable
-        From `Followed` to SI values (n, s).
+        From `ObservedPaths` to SI values (n, s).
     """
 
     kind: Dimension | None
-    values: Callable[[Followed], Array]
+    values: Callable[[ObservedPaths], Array]
 
 
 def observable(target: Target, model: Model, place: str) -> Observable:
-    """Find the observable of a target.
-
-    Parameters
-    ----------
-    target
-        Any target but an optimum.
-    model
-        Its model.
-    place
-        File and target, for messages.
+    """Return the observable of a target (any but an optimum); messages begin with `place`.
 
     Raises
     ------
     InputError
-        If the model has no such thing to be observed.
+        If the model has nothing of this kind.
     """
     if target.observable in ("bending", "angle"):
         return Observable(ANGLE, _angles(target, model, place))
@@ -92,7 +83,7 @@ def observable(target: Target, model: Model, place: str) -> Observable:
     return Observable(LENGTH, lambda paths: _frames_of(paths, first, count)[:, :, row, axis, 3])
 
 
-def bending(model: Model) -> Callable[[Followed], Array]:
+def bending(model: Model) -> Callable[[ObservedPaths], Array]:
     """Return the sum of all angles of a model's joints [rad]."""
     columns = list(_angular(model).values())
     return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
@@ -106,7 +97,7 @@ def _angular(model: Model) -> dict[str, int]:
     }
 
 
-def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Array]:
+def _angles(target: Target, model: Model, place: str) -> Callable[[ObservedPaths], Array]:
     angular = _angular(model)
     if not angular:
         raise InputError(
@@ -143,7 +134,7 @@ def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:
     return row, count, first
 
 
-def _frames_of(paths: Followed, first: int, count: int) -> Array:
+def _frames_of(paths: ObservedPaths, first: int, count: int) -> Array:
     n, steps = paths.q.shape[:2]
     found = np.full((n, steps, count, 4, 4), np.nan)
     for i in range(n):
@@ -154,7 +145,7 @@ def _frames_of(paths: Followed, first: int, count: int) -> Array:
     return found
 
 
-def _rotation(paths: Followed, first: int, count: int) -> Array:
+def _rotation(paths: ObservedPaths, first: int, count: int) -> Array:
     """Angle about y from the world's x axis to the body's, unwrapped along the body; (n, s, m)."""
     frames = _frames_of(paths, first, count)
     return np.unwrap(np.arctan2(-frames[..., 2, 0], frames[..., 0, 0]), axis=2)

@@ -14,7 +14,7 @@ from flexor.errors import InputError, shortened
 from flexor.model.fault import sentence
 from flexor.model.toml import tables
 
-_ENTRY = re.compile(r"(?P<kind>target|constant|choice)\[(?P<index>\d+)\]")
+_ENTRY = re.compile(r"(?P<kind>target|constant)\[(?P<index>\d+)\]")
 
 
 def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:

@@ -1,4 +1,4 @@
-"""Optima of a design search as observables: where the best design lies, and how far it bends."""
+"""Optimal designs as observables: their parameters and their bending."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _LOCAL = PatternSearch(initial_mesh=0.02, tolerance=2e-3)
 
 @dataclass(frozen=True, eq=False)
 class OptimumRun:
-    """The best design of a parameter set on one system, searched for each set of constants.
+    """The optimal design of a parameter set, searched for each set of constants.
 
-    Its values are the parameters of the best design, and its bending.
+    Its values are the parameters of the optimal design, and its bending.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class OptimumRun:
     parameters : ParameterSet
         What is designed.
     objective : Objective
-        What is minimised, judged at the last of its forces.
+        Evaluated at the last of its forces.
     method : Search
         How to search.
     place : str
@@ -47,12 +47,12 @@ class OptimumRun:
 
     @property
     def size(self) -> int:
-        """How many values come out."""
+        """Number of values."""
         return self.parameters.size + 1
 
     @property
     def cost(self) -> float:
-        """About how much work it is, to begin with what is cheap."""
+        """Relative cost, for ordering."""
         return _SEARCH * self.parameters.size
 
     def column(self, part: str) -> slice:
@@ -60,16 +60,16 @@ class OptimumRun:
         labels = (*self.parameters.labels, BENDING)
         return slice(labels.index(part), labels.index(part) + 1)
 
-    def evaluate(self, x: Array, haste: bool = False, threads: int = 1) -> Array:
+    def evaluate(self, x: Array, screening: bool = False, threads: int = 1) -> Array:
         """Observe n sets of constants (n, c); see `PathRun.evaluate`."""
-        del haste
+        del screening
         return np.array([self._searched(row, self.method, None, threads) for row in x])
 
     def beside(self, x: Array, best: Array) -> Array:
         """Observe n sets of constants (n, c) close to one whose values (k + 1,) are known.
 
-        It looks for the best design close to that one only, which takes a small part of the time
-        of a whole search and does not leave its valley.
+        Only the neighbourhood of the known optimum is searched: cheaper than a whole search, and
+        continuous with it.
         """
         return np.array([self._searched(row, _LOCAL, best[:-1], 1) for row in x])
 

@@ -1,4 +1,4 @@
-"""Targets bound to their models: what is observed, what should come out, and how exactly."""
+"""Targets bound to their models: what is observed, its target value and its tolerance."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.calibration.amount import Unit, amount
-from flexor.calibration.follow import PathRun, check_design
 from flexor.calibration.observable import observable
-from flexor.calibration.optimum import BENDING, OptimumRun
+from flexor.calibration.optimum_run import BENDING, OptimumRun
+from flexor.calibration.path_run import PathRun, check_design
+from flexor.calibration.quantity import Unit, parse_quantity
 from flexor.calibration.schema import Target
 from flexor.calibration.system import System
 from flexor.design import ParameterSet, parameter_set
@@ -28,31 +28,30 @@ _KINDS: dict[str, Dimension | None] = {
     **dict.fromkeys(("rad", "deg"), ANGLE),
     "1": None,
 }
-# A hard target is to be met within its tolerance, which then is no standard deviation but a limit:
-# it counts as three of them.
+# The tolerance of a hard target is a limit: it counts as three standard deviations.
 _HARD = 3.0
 _PATTERN_SEARCH = {"starts": 8, "tolerance": 1e-3}
 
 
 @dataclass(frozen=True, eq=False)
-class Goal:
+class BoundTarget:
     """A target bound to its model.
 
     Attributes
     ----------
-    target : Target
-        As the file has it.
+    table : Target
+        The target as written in the file.
     unit : Unit
-        In which its value was written.
+        The unit of its value.
     value : (m,) array
-        What should come out, SI; m loads.
+        Target values at m loads, SI.
     tolerance : (m,) array
         SI; NaN for held-out targets without one.
     force : tuple of m float
         Forces of the first input at which it is observed [N]; empty for optima.
     """
 
-    target: Target
+    table: Target
     unit: Unit
     value: Array
     tolerance: Array
@@ -60,46 +59,39 @@ class Goal:
 
     @property
     def fitted(self) -> bool:
-        """Whether the fit sees it."""
-        return self.target.weight != "held-out"
+        """Whether it takes part in the fit."""
+        return self.table.weight != "held-out"
 
     @property
     def hard(self) -> bool:
-        """Whether it is to be met within its tolerance."""
-        return self.target.weight == "hard"
+        """Whether it must be met within its tolerance."""
+        return self.table.weight == "hard"
 
     @property
     def deviation(self) -> Array:
-        """Standard deviation with which it counts, (m,), SI."""
+        """Standard deviation of its residuals, (m,), SI."""
         return self.tolerance / _HARD if self.hard else self.tolerance
 
 
-def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | OptimumRun, slice]:
-    """Bind a target to the system of its model.
-
-    Parameters
-    ----------
-    target
-        The target.
-    system
-        Its model.
-    place
-        File and target, for messages.
+def bind(
+    target: Target, system: System, place: str
+) -> tuple[BoundTarget, PathRun | OptimumRun, slice]:
+    """Bind a target to the system of its model; messages begin with `place`.
 
     Returns
     -------
-    Goal, PathRun or OptimumRun, slice
-        What should come out, the run of which it does, and where among its values.
+    BoundTarget, PathRun or OptimumRun, slice
+        The target, the run that observes it, and where in the run's values it is.
 
     Raises
     ------
     InputError
-        If nothing of the model matches it, or a value cannot be read.
+        If the model has nothing that matches it, or a value cannot be read.
     """
     if target.observable == "optimum":
         return _optimum(target, system, place)
     model = system.reference
-    seen = observable(target, model, place)
+    quantity = observable(target, model, place)
     steps = _loads(target, system, place)
     many = isinstance(target.value, (list, tuple))
     if many and len(target.value) != len(steps):
@@ -108,15 +100,15 @@ def bound(target: Target, system: System, place: str) -> tuple[Goal, PathRun | O
             "for each force, or a single one for the last."
         )
     chosen = tuple(range(len(steps))) if many else (len(steps) - 1,)
-    value, tolerance, unit = _values(target, seen.kind, place)
+    value, tolerance, unit = _values(target, quantity.kind, place)
     force = tuple(float(u) for u in steps[list(chosen), 0]) if steps.shape[1] else ()
     design, parameters = _design(target, system, place)
-    run = PathRun(system, design, parameters, steps, ((seen, chosen),), place)
-    return Goal(target, unit, value, tolerance, force), run, slice(0, run.size)
+    run = PathRun(system, design, parameters, steps, ((quantity, chosen),), place)
+    return BoundTarget(target, unit, value, tolerance, force), run, slice(0, run.size)
 
 
 def run_key(target: Target) -> str:
-    """Return what tells apart the runs of one model that cannot be one."""
+    """Return a key that is equal for targets of one model that can share a run."""
     if target.observable == "optimum":
         search = f"{target.method} {target.options!r}"
         return f"optimum {target.parameters} {target.objective} {search} {target.force!r}"
@@ -139,7 +131,7 @@ def _values(target: Target, kind: Dimension | None, place: str) -> tuple[Array, 
     many = isinstance(target.value, (list, tuple))
     given: Sequence[Any] = target.value if many else [target.value]
     read = [
-        amount(value, kind, f"{place}.value[{i}]" if many else f"{place}.value")
+        parse_quantity(value, kind, f"{place}.value[{i}]" if many else f"{place}.value")
         for i, value in enumerate(given)
     ]
     value = np.array([number for number, _ in read])
@@ -151,10 +143,10 @@ def _tolerance(given: object, value: Array, kind: Dimension | None, place: str) 
     if given is None:
         return np.full(value.shape, np.nan)
     if isinstance(given, str) and given.rstrip().endswith("%"):
-        share, _ = amount(_number(given.rstrip()[:-1]), None, place)
+        share, _ = parse_quantity(_number(given.rstrip()[:-1]), None, place)
         tolerance = np.abs(value) * share / 100.0
     else:
-        tolerance = np.full(value.shape, amount(given, kind, place)[0])
+        tolerance = np.full(value.shape, parse_quantity(given, kind, place)[0])
     if not np.all(tolerance > 0.0):
         zero = " (a part of zero)" if isinstance(given, str) and "%" in given else ""
         raise InputError(f"{place} is {given!r}{zero}: it must be greater than zero.")
@@ -181,7 +173,7 @@ def _design(target: Target, system: System, place: str) -> tuple[Array | None, P
             raise InputError(f"{place}.design.{label} is missing: {chosen.name} has it.")
     kinds = dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True))
     values = [
-        amount(target.design[label], kinds[label], f"{place}.design.{label}")[0]
+        parse_quantity(target.design[label], kinds[label], f"{place}.design.{label}")[0]
         for label in chosen.labels
     ]
     return np.array(values), chosen
@@ -196,7 +188,7 @@ def _set(name: str, system: System, place: str) -> ParameterSet:
     return chosen
 
 
-def _optimum(target: Target, system: System, place: str) -> tuple[Goal, OptimumRun, slice]:
+def _optimum(target: Target, system: System, place: str) -> tuple[BoundTarget, OptimumRun, slice]:
     chosen = _set(str(target.parameters), system, place)
     kinds: Mapping[str, Dimension | None] = {
         **dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True)),
@@ -211,11 +203,11 @@ def _optimum(target: Target, system: System, place: str) -> tuple[Goal, OptimumR
     value, tolerance, unit = _values(target, kinds[part], place)
     try:
         wanted = objective(target.objective)
-        usual = _PATTERN_SEARCH if target.method == "pattern-search" else {}
-        search = method(target.method, **{**usual, **target.options})
+        defaults = _PATTERN_SEARCH if target.method == "pattern-search" else {}
+        search = method(target.method, **{**defaults, **target.options})
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
     if target.force is not None:
         wanted = wanted.at(_loads(target, system, place)[:, 0])
     run = OptimumRun(system, chosen, wanted, search, place)
-    return Goal(target, unit, value, tolerance, ()), run, run.column(part)
+    return BoundTarget(target, unit, value, tolerance, ()), run, run.column(part)

@@ -1,7 +1,8 @@
-"""Values with units whose kind is known, or is to be seen from the unit."""
+"""Values with units whose kind is known, or follows from the unit."""
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ from flexor.model import units
 from flexor.model.fault import shown
 from flexor.model.units import Dimension
 
-# In this order, because to a computer of units N*m/rad and N*m are the same.
+# In this order: N*m/rad and N*m are one dimension.
 _KINDS = (
     *(units.LENGTH, units.ANGLE, units.MODULUS, units.STIFFNESS, units.ANGULAR_STIFFNESS),
     *(units.FORCE, units.DENSITY, units.CURVATURE, units.ACCELERATION),
@@ -22,7 +23,7 @@ _UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?P<unit>.*?
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit in which a person wrote a value; the empty unit is that of plain numbers.
+    """The unit in which a value was written; empty for plain numbers.
 
     Attributes
     ----------
@@ -44,22 +45,13 @@ class Unit:
         number = "0" if float(number) == 0.0 else number
         return f"{number} {self.text}".rstrip()
 
-    def exactly(self, value: float) -> str | float:
-        """Return an SI value as a model file may have it, with all its digits."""
+    def exact(self, value: float) -> str | float:
+        """Return an SI value for a model file, with all digits."""
         return f"{value!r} {self.si}" if self.si else value
 
 
-def amount(value: object, kind: Dimension | None, place: str) -> tuple[float, Unit]:
-    """Read a value of a known kind.
-
-    Parameters
-    ----------
-    value
-        Text such as ``"10 cm"``, or a number where the kind has no unit.
-    kind
-        The kind of quantity; None for plain numbers.
-    place
-        File and field, for messages.
+def parse_quantity(value: object, kind: Dimension | None, place: str) -> tuple[float, Unit]:
+    """Read a value of a known kind, such as ``"10 cm"``; plain numbers where `kind` is None.
 
     Returns
     -------
@@ -69,40 +61,32 @@ def amount(value: object, kind: Dimension | None, place: str) -> tuple[float, Un
     Raises
     ------
     InputError
-        If it has no unit, or that of something else.
+        If its unit is missing or of another kind; the message begins with `place`.
     """
     if kind is None:
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return _finite(float(value), place), Unit()
-        raise InputError(f"{place} is {shown(value)}: a plain number is needed.")
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            raise InputError(f"{place} is {shown(value)}: a plain number is needed.")
+        if not math.isfinite(value):
+            raise InputError(f"{place} is {float(value)!r}: it must be a finite number.")
+        return float(value), Unit()
     try:
         number = kind.parse(value)
-        text = _unit(number.text)
+        match = _UNIT.fullmatch(number.text)
+        text = match["unit"] if match else ""
         return float(number), Unit(text, float(kind.parse(f"1 {text}")), kind.unit)
     except PydanticCustomError as error:
         raise InputError(f"{place} {error.message()}.") from None
 
 
-def any_amount(value: object, place: str) -> tuple[float, Unit]:
-    """Read a value whose kind its unit says; see `amount`."""
+def infer_quantity(value: object, place: str) -> tuple[float, Unit]:
+    """Read a value whose kind follows from its unit; see `parse_quantity`."""
     if not isinstance(value, str):
-        return amount(value, None, place)
+        return parse_quantity(value, None, place)
     for kind in _KINDS:
         try:
             kind.parse(value)
         except PydanticCustomError:
             continue
-        return amount(value, kind, place)
+        return parse_quantity(value, kind, place)
     example = 'such as "30 kPa", or a plain number for what has none'
     raise InputError(f"{place} is {shown(value)}: write a value with its unit, {example}.")
-
-
-def _unit(text: str) -> str:
-    match = _UNIT.fullmatch(text)
-    return match["unit"] if match else ""
-
-
-def _finite(number: float, place: str) -> float:
-    if abs(number) < float("inf"):
-        return number
-    raise InputError(f"{place} is {number!r}: it must be a finite number.")

@@ -1,4 +1,4 @@
-"""Paths of equilibria that one or more targets look at, for many sets of constants at once."""
+"""Paths of equilibria that targets observe, for many sets of constants at once."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import STATUS
-from flexor.calibration.observable import Followed, Observable
+from flexor.calibration.observable import Observable, ObservedPaths
 from flexor.calibration.system import System
 from flexor.design import Geometry, ParameterSet
 from flexor.errors import InputError
 from flexor.model import Model
 
 Array = NDArray[np.float64]
-# Newton iterations for one load step of the global search. Good models need some ten; the others,
-# curled up or thrown about, would take most of the time to be found far off.
-_HASTE = 200
+# Newton iterations for one load step while screening. Good models need about ten; the others would
+# take most of the time only to be dropped.
+_SCREENING_ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
-class _Start:
-    """What the engine follows: parameters (n, P), of which some columns differ between rows."""
+class _Batch:
+    """Parameters (n, P) for the engine, of which some columns differ between rows."""
 
     model: Model
     parameters: Array
@@ -47,7 +47,7 @@ class PathRun:
     loads : (s, inputs) array
         Loads [N], the first of which is reached from no load.
     observed : tuple of (Observable, tuple of int)
-        What is looked at, and at which loads.
+        Observables, and at which loads.
     place : str
         File and target, for messages.
     """
@@ -61,25 +61,16 @@ class PathRun:
 
     @property
     def size(self) -> int:
-        """How many values come out."""
+        """Number of values."""
         return sum(len(steps) for _, steps in self.observed)
 
     @property
     def cost(self) -> float:
-        """About how much work it is, to begin with what is cheap."""
+        """Relative cost, for ordering."""
         return float(len(self.loads))
 
-    def evaluate(self, x: Array, haste: bool = False, threads: int = 1) -> Array:
-        """Observe n sets of constants.
-
-        Parameters
-        ----------
-        x : (n, c) array
-            Constants, SI.
-        haste : bool
-            Give up early where equilibria are hard to find.
-        threads : int
-            Of the engine.
+    def evaluate(self, x: Array, screening: bool = False, threads: int = 1) -> Array:
+        """Observe n sets of constants x (n, c), SI; give up early while screening.
 
         Returns
         -------
@@ -87,9 +78,9 @@ class PathRun:
             SI values; NaN where the path failed.
         """
         if self.system.rates is None:
-            rows = [self._follow(self._rebuilt(row), haste, 1) for row in x]
+            rows = [self._follow(self._rebuilt(row), screening, 1) for row in x]
             return np.concatenate(rows) if rows else np.empty((0, self.size))
-        return self._follow(self._moved(x), haste, threads)
+        return self._follow(self._moved(x), screening, threads)
 
     @cached_property
     def _base(self) -> tuple[Array, NDArray[np.intp]]:
@@ -109,31 +100,31 @@ class PathRun:
         points = self.system.reference.design.points
         return self.parameters.geometry(self.design[None, :], points)
 
-    def _moved(self, x: Array) -> _Start:
+    def _moved(self, x: Array) -> _Batch:
         rates = self.system.rates
         assert rates is not None
         base, columns = self._base
         parameters = base + (x - self.system.middle) @ rates.T
         values = np.ascontiguousarray(parameters[:, columns])
-        return _Start(self.system.reference, parameters, columns, values)
+        return _Batch(self.system.reference, parameters, columns, values)
 
-    def _rebuilt(self, x: Array) -> _Start:
+    def _rebuilt(self, x: Array) -> _Batch:
         model = self.system.model(x)
         parameters = model.parameters.copy()
         if self._geometry is not None:
             indices, values = model.geometry_slots(self._geometry)
             parameters[indices] = values[0]
         none = np.zeros(0, dtype=np.intp)
-        return _Start(model, parameters[None, :], none, np.zeros((1, 0)))
+        return _Batch(model, parameters[None, :], none, np.zeros((1, 0)))
 
-    def _follow(self, at: _Start, haste: bool, threads: int) -> Array:
+    def _follow(self, at: _Batch, screening: bool, threads: int) -> Array:
         loaded = int(bool(self.loads[0].any())) if self.loads.size else 0
         steps = np.concatenate([np.zeros((loaded, self.loads.shape[1])), self.loads])
-        options = {"max_iterations": _HASTE} if haste else {}
+        options = {"max_iterations": _SCREENING_ITERATIONS} if screening else {}
         found = at.model.engine.path(
             at.columns, at.values, steps, threads, base=at.parameters[0], **options
         )
-        paths = Followed(
+        paths = ObservedPaths(
             at.model,
             at.parameters,
             found["q"][:, loaded:],
@@ -142,29 +133,23 @@ class PathRun:
         )
         good = (found["status"] == STATUS.index("converged"))[:, loaded:]
         parts: list[Array] = []
-        for observable, judged in self.observed:
-            last = max(judged)
+        for observable, steps_seen in self.observed:
+            last = max(steps_seen)
             reached = np.all(good[:, : last + 1], axis=1)
-            seen = observable.values(paths)[:, list(judged)]
+            seen = observable.values(paths)[:, list(steps_seen)]
             parts.append(np.where(reached[:, None], seen, np.nan))
         return np.concatenate(parts, axis=1)
 
 
-def merged(runs: Sequence[PathRun]) -> PathRun:
-    """Join runs of one system, design and loads into one that observes what all of them do."""
+def merge(runs: Sequence[PathRun]) -> PathRun:
+    """Merge runs of one system, design and loads into one with all their observables."""
     first = runs[0]
     observed = tuple(entry for run in runs for entry in run.observed)
     return PathRun(first.system, first.design, first.parameters, first.loads, observed, first.place)
 
 
 def check_design(parameters: ParameterSet, system: System, place: str) -> None:
-    """Refuse a constant that moves what a design sets.
-
-    Raises
-    ------
-    InputError
-        Naming both.
-    """
+    """Raise InputError if a constant sets a field that a design of the set sets as well."""
     rod = system.reference.design.rod
     taken = ["length"] if parameters.length_column is not None else []
     taken += ["radius"] if parameters.profile is not None else []
