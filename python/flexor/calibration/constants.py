@@ -115,12 +115,7 @@ def check_fields(
 def full(field: str, file: ModelFile) -> str | None:
     """Return a dotted field with its table in front, or None if the model has no such thing.
 
-    Parameters
-    ----------
-    field
-        Such as ``"bodies.exosuit.length"`` or ``"exosuit.length"``.
-    file
-        A model file.
+    ``"exosuit.length"`` becomes ``"bodies.exosuit.length"``.
     """
     keys = field.split(".")
     if keys[0] not in ModelFile.model_fields:

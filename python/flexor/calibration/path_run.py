@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexor._engine import STATUS
 from flexor.calibration.observable import Observable, ObservedPaths
 from flexor.calibration.system import System
-from flexor.design import Geometry, ParameterSet
+from flexor.design import ParameterSet
 from flexor.errors import InputError
 from flexor.model import Model
 
@@ -85,20 +85,19 @@ class PathRun:
     @cached_property
     def _base(self) -> tuple[Array, NDArray[np.intp]]:
         """Parameters at the middle constants with the design, and which of them constants move."""
-        model, rates = self.system.reference, self.system.rates
+        rates = self.system.rates
         assert rates is not None
-        base = model.parameters.copy()
-        if self._geometry is not None:
-            indices, values = model.geometry_slots(self._geometry)
-            base[indices] = values[0]
-        return base, np.flatnonzero(np.any(rates != 0.0, axis=1))
+        return self._parameters(self.system.reference), np.flatnonzero(np.any(rates != 0.0, axis=1))
 
-    @property
-    def _geometry(self) -> Geometry | None:
-        if self.parameters is None or self.design is None:
-            return None
-        points = self.system.reference.design.points
-        return self.parameters.geometry(self.design[None, :], points)
+    def _parameters(self, model: Model) -> Array:
+        """Parameters of a model with the design."""
+        parameters = model.parameters.copy()
+        if self.parameters is not None and self.design is not None:
+            points = self.system.reference.design.points
+            geometry = self.parameters.geometry(self.design[None, :], points)
+            indices, values = model.geometry_slots(geometry)
+            parameters[indices] = values[0]
+        return parameters
 
     def _moved(self, x: Array) -> _Batch:
         rates = self.system.rates
@@ -110,12 +109,8 @@ class PathRun:
 
     def _rebuilt(self, x: Array) -> _Batch:
         model = self.system.model(x)
-        parameters = model.parameters.copy()
-        if self._geometry is not None:
-            indices, values = model.geometry_slots(self._geometry)
-            parameters[indices] = values[0]
         none = np.zeros(0, dtype=np.intp)
-        return _Batch(model, parameters[None, :], none, np.zeros((1, 0)))
+        return _Batch(model, self._parameters(model)[None, :], none, np.zeros((1, 0)))
 
     def _follow(self, at: _Batch, screening: bool, threads: int) -> Array:
         loaded = int(bool(self.loads[0].any())) if self.loads.size else 0

@@ -23,20 +23,9 @@ CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
 
 @dataclass(frozen=True)
 class Row:
-    """One value of one target, in the unit in which it was written.
+    """One value of one target, in the unit in which it was written; NaN where there is none.
 
-    Attributes
-    ----------
-    target : str
-        Name of the target.
-    weight : str
-        ``"hard"``, ``"soft"`` or ``"held-out"``.
-    force : float or None
-        Force of the first input [N]; None for optima.
-    unit : str
-        Unit of the numbers.
-    wanted, found, tolerance : float
-        NaN where there is none.
+    `force` is that of the first input [N], None for optima.
     """
 
     target: str
