@@ -20,6 +20,7 @@ import tomli_w
 
 import flexor
 from flexor.calibration import Calibration, calibrate
+from flexor.model import Model
 from flexor.model.toml import tables
 
 HERE = Path(__file__).resolve().parent
@@ -71,23 +72,30 @@ CHOICES = {
 }
 
 
-def run(name: str, choice: Choice, out: Path, threads: int = 0) -> Calibration:
-    """Calibrate under a choice in a folder below `out`; resume it if it exists."""
-    source = HERE / choice.targets
-    document = tables(source.read_text(encoding="utf-8"), choice.targets)
+def prepare(name: str, choice: Choice, out: Path) -> tuple[Model, Path]:
+    """Return the model under a choice, and its targets file, which is written into `out`."""
+    document = tables((HERE / choice.targets).read_text(encoding="utf-8"), choice.targets)
     document["title"] = f"{document['title']}: {name}"
     document["constant"] = [c for c in document["constant"] if c["name"] not in choice.fixed]
     document["models"] = {
         "finger-2-links": {"file": "finger-2-links", "set": {**choice.both, **choice.two}}
     }
-    slug = re.sub(r"\W+", "-", name)
-    targets = out / f"{slug}.toml"
+    targets = out / f"{slug(name)}.toml"
     out.mkdir(parents=True, exist_ok=True)
     targets.write_text(tomli_w.dumps(document), encoding="utf-8")
-    model = flexor.load("finger", changes={**choice.both, **choice.three})
-    folder = out / slug
-    resume = (folder / "settings.json").is_file()
-    return calibrate(model, targets, folder=folder, resume=resume, threads=threads)
+    return flexor.load("finger", changes={**choice.both, **choice.three}), targets
+
+
+def slug(name: str) -> str:
+    """Return a name as a file name."""
+    return re.sub(r"\W+", "-", name)
+
+
+def run(name: str, choice: Choice, out: Path) -> Calibration:
+    """Calibrate under a choice in a folder below `out`; resume it if it exists."""
+    model, targets = prepare(name, choice, out)
+    folder = out / slug(name)
+    return calibrate(model, targets, folder=folder, resume=(folder / "settings.json").is_file())
 
 
 def table(found: Mapping[str, Calibration]) -> str:

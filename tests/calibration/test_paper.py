@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -84,3 +86,30 @@ def test_beside_a_known_optimum_the_search_is_short_and_as_good(coarse) -> None:
     model = run.system.model(close)
     stayed = package.design.parameter_set("L", model.design).geometry([[best[0]]], model.X)
     assert followed[-1] >= model.equilibrium("0:4:1", design=stayed).joint_angles[-1].sum() - 1e-9
+
+
+@pytest.fixture(scope="module")
+def choices():
+    spec = importlib.util.spec_from_file_location("choices", FOLDER / "choices.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["choices"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_choices_change_models_and_fix_constants(choices, tmp_path) -> None:
+    seen = set()
+    for name, choice in choices.CHOICES.items():
+        model, targets = choices.prepare(name, choice, tmp_path)
+        problem = bind_problem(read(targets)[0], model, str(targets))
+        seen.add((choice.targets, *(s.file.to_toml() for s in problem.systems.values())))
+        fitted = {constant.name for constant in problem.constants}
+        assert fitted == {"E", "lever", "k"} - set(choice.fixed)
+    assert len(seen) == len(choices.CHOICES)  # none is without effect
+    model, targets = choices.prepare("x", choices.CHOICES["chamber on the surface"], tmp_path)
+    problem = bind_problem(read(targets)[0], model, str(targets))
+    for system in problem.systems.values():
+        assert system.reference.slot("chamber.lever")[0] == 1.0
+    model, targets = choices.prepare("x", choices.CHOICES["base stays at 3.32 cm"], tmp_path)
+    placement = model.file.bodies["exosuit"].placement
+    assert (placement.reference, float(placement.z)) == ("axis", 0.0332)

@@ -67,15 +67,6 @@ class StrongForm:
     def strain(self, s: Array, wrench: Array, tension: float) -> Array:
         """Invert the law of the section, cable included.
 
-        Parameters
-        ----------
-        s : (m,) array
-            Places.
-        wrench : (6, m) array
-            Moment and force across the section, in its own frame.
-        tension : float
-            Of the cable [N].
-
         Returns
         -------
         (6, m) array
@@ -108,22 +99,7 @@ class StrongForm:
     def solve(
         self, tension: float, force: Array, moment: Array, near: Solution | None = None
     ) -> Solution:
-        """Solve n′ = -f, m′ = n × r′ with the clamped base and the loaded tip.
-
-        Parameters
-        ----------
-        tension
-            Of the cable [N].
-        force, moment : (3,) arrays
-            At the tip, in the world [N, N m].
-        near
-            Where to start from; the straight rod unless given.
-
-        Raises
-        ------
-        RuntimeError
-            If collocation does not reach its tolerance.
-        """
+        """Solve n′ = -f, m′ = n × r′ with the clamped base and the loaded tip."""
 
         def slope(s: Array, y: Array) -> Array:
             strain = self.strain(s, _section_wrench(y), tension)

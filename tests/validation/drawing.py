@@ -15,30 +15,12 @@ MARKS = ("o-", "s-", "^-", "v--")
 
 
 def dots(axes: Axes, x: ArrayLike, y: ArrayLike) -> None:
-    """Draw Flexor's values on top of the lines of a reference.
-
-    Parameters
-    ----------
-    axes
-        Where.
-    x, y : (m,) arrays
-        The values.
-    """
+    """Draw Flexor's values on top of the lines of a reference."""
     axes.plot(x, y, "k.", markersize=3.0, zorder=3)
 
 
 def refinement(axes: Axes, counts: Sequence[int], errors: dict[str, Array]) -> None:
-    """Draw errors over a number that doubles, in logarithmic scales.
-
-    Parameters
-    ----------
-    axes
-        Where.
-    counts
-        Numbers of elements.
-    errors : dict of (m,) arrays
-        Errors by what they are of.
-    """
+    """Draw errors over a number that doubles, in logarithmic scales."""
     for (label, values), colour, mark in zip(errors.items(), SERIES, MARKS, strict=False):
         axes.loglog(counts, values, mark, markersize=4.0, color=colour, label=label)
     axes.set_xticks(counts, [str(count) for count in counts])
@@ -47,19 +29,7 @@ def refinement(axes: Axes, counts: Sequence[int], errors: dict[str, Array]) -> N
 
 
 def order(axes: Axes, counts: Sequence[int], error: float, slope: int, *, above: bool) -> None:
-    """Draw a line that falls at an order, from an error at the first count on.
-
-    Parameters
-    ----------
-    axes, counts
-        As for `refinement`.
-    error
-        Where the line begins.
-    slope
-        The order.
-    above
-        Whether its name stands above it.
-    """
+    """Draw a line that falls at an order, from an error at the first count on."""
     sizes = np.array(counts, dtype=float)
     line = error * (sizes[0] / sizes) ** slope
     axes.plot(sizes, line, "--", color="0.55", linewidth=0.8)

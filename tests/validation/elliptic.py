@@ -14,30 +14,14 @@ Array = NDArray[np.float64]
 
 
 def first(phi: ArrayLike, m: float) -> Array:
-    """Return F(φ | m) for parameters m < 1.
-
-    Parameters
-    ----------
-    phi
-        Amplitude [rad].
-    m
-        Parameter k².
-    """
+    """Return F(φ | m) for parameters m < 1."""
     turns, sine, squared = _reduced(phi)
     complete = elliprf(0.0, 1.0 - m, 1.0)
     return np.asarray(2.0 * turns * complete + sine * elliprf(squared, 1.0 - m * sine**2, 1.0))
 
 
 def second(phi: ArrayLike, m: float) -> Array:
-    """Return E(φ | m) for parameters m < 1.
-
-    Parameters
-    ----------
-    phi
-        Amplitude [rad].
-    m
-        Parameter k².
-    """
+    """Return E(φ | m) for parameters m < 1."""
     turns, sine, squared = _reduced(phi)
     complete = elliprf(0.0, 1.0 - m, 1.0) - m / 3.0 * elliprd(0.0, 1.0 - m, 1.0)
     other = 1.0 - m * sine**2

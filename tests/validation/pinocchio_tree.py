@@ -81,15 +81,6 @@ class PinocchioTree:
 
     Rotations are measured by rotation vectors and free motions by twists [angular; linear], of
     which Pinocchio knows exponential and Jacobian.
-
-    Parameters
-    ----------
-    bodies
-        Parents first.
-    gravity
-        Acceleration [m/s²].
-    density
-        [kg/m³].
     """
 
     def __init__(self, bodies: Sequence[RigidBody], gravity: Triple, density: float) -> None:

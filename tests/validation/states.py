@@ -15,24 +15,7 @@ Array = NDArray[np.float64]
 
 
 def newton(model: Model, q: Array, load: Array, iterations: int = 50) -> Array:
-    """Return the equilibrium that Newton's method with full steps reaches, stable or not.
-
-    Parameters
-    ----------
-    model
-        The model.
-    q : (dof,) array
-        Where to start.
-    load : (inputs,) array
-        Loads of every input.
-    iterations
-        How many at most.
-
-    Returns
-    -------
-    (dof,) array
-        The state, or NaN if the residual does not vanish.
-    """
+    """Return the equilibrium that Newton's method with full steps reaches, stable or not."""
     engine, parameters = model.engine, model.parameters
     for _ in range(iterations):
         step = np.linalg.solve(
@@ -45,20 +28,7 @@ def newton(model: Model, q: Array, load: Array, iterations: int = 50) -> Array:
 
 
 def stability(model: Model, q: Array, load: Array) -> str:
-    """Judge an equilibrium by the curvature of the potential around it.
-
-    Parameters
-    ----------
-    model
-        The model; its loads must have a potential.
-    q, load : (dof,) and (inputs,) arrays
-        State and loads.
-
-    Returns
-    -------
-    str
-        "stable", or "unstable" if the potential falls in some direction.
-    """
+    """Judge an equilibrium by the curvature of the potential around it."""
     tangent = model.engine.tangent(model.parameters, q, load)
     try:
         np.linalg.cholesky(tangent)

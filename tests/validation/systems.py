@@ -25,21 +25,7 @@ def build(
     gravity: Vector = (0.0, 0.0, 0.0),
     **interactions: Json,
 ) -> Model:
-    """Build a model as from a file.
-
-    Parameters
-    ----------
-    name
-        Its name.
-    bodies
-        Tables of the bodies by name, from `rod` and `link`.
-    planar
-        Whether it stays in the x-z plane.
-    gravity : (3,) sequence
-        Acceleration [m/s²].
-    **interactions
-        Further tables of the file: actuators, springs, wrenches, spheres, contacts.
-    """
+    """Build a model as from a file."""
     document = {
         "name": name,
         "planar": planar,
@@ -90,15 +76,7 @@ def rod(
 
 
 def link(length: float, radius: float | tuple[float, float], **fields: object) -> Json:
-    """Write the table of a link.
-
-    Parameters
-    ----------
-    length, radius
-        Length and radius (or radii of joint and tip) [m].
-    **fields
-        Further fields as in a file.
-    """
+    """Write the table of a link."""
     base, tip = radius if isinstance(radius, tuple) else (radius, radius)
     taper = {"base": si(base, "m"), "tip": si(tip, "m")}
     return {"kind": "link", "length": si(length, "m"), "radius": taper, **fields}
@@ -120,11 +98,5 @@ def vector(components: Vector, unit: str) -> Json:
 
 
 def sample_points(model: Model, name: str) -> Array:
-    """Return the places X in [0, 1] of a rod's frames, (P,).
-
-    Parameters
-    ----------
-    model, name
-        The model and the name of the rod.
-    """
+    """Return the places X in [0, 1] of a rod's frames, (P,)."""
     return points(model.file.rod(name))

@@ -107,17 +107,7 @@ def follower(alpha: float, fractions: Array) -> tuple[Array, Array]:
 
 
 def cantilever(strain: object = "nodal_quadratic", frame: str = "world", **fields: Any) -> Model:
-    """Build the inextensible cantilever; its load along -z is counted in units of EI/L².
-
-    Parameters
-    ----------
-    strain
-        Basis of the curvature.
-    frame
-        In which the load keeps its direction, "world" or "body".
-    **fields
-        Further fields of the rod, such as its ``elements``.
-    """
+    """Build the inextensible cantilever; its load along -z is counted in units of EI/L²."""
     chosen = {"young_modulus": YOUNG, "elements": ELEMENTS, "gauss_points": POINTS, **fields}
     body = rod(LENGTH, RADIUS, {"bend_y": strain}, **chosen)
     force = vector((0.0, 0.0, -EI / LENGTH**2), "N")

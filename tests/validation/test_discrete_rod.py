@@ -30,11 +30,6 @@ MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
 def relaxed(elements: int) -> Array:
     """Positions of PyElastica's nodes at rest, (3, elements + 1) [m].
 
-    Parameters
-    ----------
-    elements
-        How many it has.
-
     Notes
     -----
     PyElastica clamps the first element, whose curvature begins at its middle: the rod is made
@@ -78,13 +73,7 @@ def relaxed(elements: int) -> Array:
 
 
 def cantilever(basis: str, elements: int) -> Model:
-    """Build the same rod; its load is counted in parts of the force.
-
-    Parameters
-    ----------
-    basis, elements
-        Of all six strains.
-    """
+    """Build the same rod; its load is counted in parts of the force."""
     body = rod(
         *(LENGTH, RADIUS, dict.fromkeys(MODES, basis)),
         young_modulus=YOUNG,

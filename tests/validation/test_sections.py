@@ -18,11 +18,6 @@ MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
 def rectangle(width: float, height: float) -> float:
     """Return the torsion constant of a rectangle by the double sine series of Prandtl's function.
 
-    Parameters
-    ----------
-    width, height
-        Of the rectangle [m].
-
     Notes
     -----
     ∇²ψ = -2 with ψ = 0 on the boundary and J = 2 ∫ψ dA give
