@@ -20,6 +20,7 @@ import tomli_w
 
 import flexor
 from flexor.calibration import Calibration, calibrate
+from flexor.errors import InputError
 from flexor.model import Model
 from flexor.model.toml import tables
 
@@ -141,7 +142,11 @@ def main() -> int:
     found = {}
     for name in options.names or CHOICES:
         print(name, file=sys.stderr, flush=True)
-        found[name] = run(name, CHOICES[name], options.out)
+        try:
+            found[name] = run(name, CHOICES[name], options.out)
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
     text = table(found)
     (options.out / "choices.md").write_text(text, encoding="utf-8")
     print(text, end="")
