@@ -7,8 +7,7 @@ from importlib.metadata import version
 import numpy as np
 from _contest import Contest
 from _section import Missing
-
-from flexor.validate import discrete_rod
+from _validation import discrete_rod
 
 
 def contests(quick: bool) -> list[Contest]:

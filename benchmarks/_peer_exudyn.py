@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from _contest import Contest
 from _section import Missing
+from _validation import systems
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.validate.systems import build, link, rod, si, vector
 
 Array = NDArray[np.float64]
 LENGTH, RADIUS, YOUNG, FORCE = 0.2, 0.008, 1e6, 0.05  # m, m, Pa, N
@@ -63,16 +63,23 @@ def contests(quick: bool) -> list[Contest]:
 def _ours() -> Model:
     strain = dict.fromkeys(("bend_y", "extend_x", "shear_z"), "nodal_linear")
     bodies = {
-        "rod": rod(LENGTH, RADIUS, strain, young_modulus=YOUNG, elements=STATIONS, gauss_points=3)
+        "rod": systems.rod(
+            LENGTH, RADIUS, strain, young_modulus=YOUNG, elements=STATIONS, gauss_points=3
+        )
     }
     for i, (x, z, radius) in enumerate(SPHERES):
-        at = {"x": si(x, "m"), "z": si(z, "m")}
-        bodies[f"stop_{i}"] = link(0.001, radius, placement=at)
+        at = {"x": systems.si(x, "m"), "z": systems.si(z, "m")}
+        bodies[f"stop_{i}"] = systems.link(0.001, radius, placement=at)
     stations = [{"body": "rod", "at": (i + 1) / STATIONS} for i in range(STATIONS)]
     stops = [{"body": f"stop_{i}", "at": "base"} for i in range(len(SPHERES))]
-    load = {"body": "rod", "at": "tip", "force": vector((0.0, 0.0, -1.0), "N"), "input": True}
-    contact = {"first": "rod", "second": "stops", "stiffness": si(STIFFNESS, "N/m")}
-    return build(
+    load = {
+        "body": "rod",
+        "at": "tip",
+        "force": systems.vector((0.0, 0.0, -1.0), "N"),
+        "input": True,
+    }
+    contact = {"first": "rod", "second": "stops", "stiffness": systems.si(STIFFNESS, "N/m")}
+    return systems.build(
         "pressed cantilever",
         bodies,
         spheres={"rod": {"points": stations}, "stops": {"points": stops}},

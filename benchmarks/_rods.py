@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from _validation import systems
 
 import flexor
 from flexor.design import Geometry, parameter_set
 from flexor.model import Model
-from flexor.validate.systems import build, rod, si
 
 MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
 LENGTH, RADII, YOUNG, DENSITY = 0.2, (0.012, 0.008), 2e5, 1000.0
@@ -32,15 +32,18 @@ def tendon_rod(
 ) -> Model:
     """A tapered rod in space with a tendon along a straight path."""
     (y0, z0), (y1, z1) = TENDON
-    path = {"y": [si(y0, "m"), si(y1, "m")], "z": [si(z0, "m"), si(z1, "m")]}
-    body = rod(
+    path = {
+        "y": [systems.si(y0, "m"), systems.si(y1, "m")],
+        "z": [systems.si(z0, "m"), systems.si(z1, "m")],
+    }
+    body = systems.rod(
         *(LENGTH, RADII, strain),
         young_modulus=YOUNG,
-        density=si(DENSITY, "kg/m^3"),
+        density=systems.si(DENSITY, "kg/m^3"),
         elements=elements,
         gauss_points=gauss_points,
     )
-    return build(
+    return systems.build(
         "spatial rod",
         {"rod": body},
         planar=False,

@@ -64,7 +64,6 @@ _PACKAGES = (
     "optimizers",
     "study",
     "survey",
-    "validate",
 )
 
 

@@ -113,40 +113,10 @@ DESIGN = {"parameters": '"R01"', "design": '{ R_0 = "1 cm", R_1 = "1 cm" }'}
             constant('["exosuit.radius.base"]', '["1 cm", "2 cm"]') + target(**DESIGN),
             'the constant "c" sets as well',
         ),
-        # models and choices
+        # models
         ('[models]\nother = "fingr"\n' + E + BEND, 'did you mean "finger"'),
         ('[models]\nfinger = "finger"\n' + E + BEND, "the name of the model calibrated"),
-        (E + '[[choice]]\nname = "c"\n' + BEND, "option is missing"),
-        (E + '[[choice]]\nname = "c"\n[[choice.option]]\nnam = 3\n' + BEND, 'did you mean "name"'),
-        (
-            E + '[[choice]]\nname = "c"\n[[choice.option]]\nname = "o"\nhold = { e = 1 }\n' + BEND,
-            'unknown constant "e" (did you mean "E"?)',
-        ),
-        (
-            E + '[[choice]]\nname = "c"\n[[choice.option]]\nname = "o"\nhold = { E = 1 }\n' + BEND,
-            "the range of the constant is in MPa",
-        ),
-        (
-            E
-            + '[[choice]]\nname = "c"\n[[choice.option]]\nname = "o"\n'
-            + 'hold = { E = "1 MPa" }\n'
-            + BEND,
-            "hold every constant",
-        ),
-        (
-            E
-            + '[[choice]]\nname = "c"\n[[choice.option]]\nname = "o"\n'
-            + 'set = { "hand.length" = "1 cm" }\n'
-            + BEND,
-            "no model has hand.length",
-        ),
-        (
-            E
-            + '[[choice]]\nname = "c"\n[[choice.option]]\nname = "o"\n'
-            + 'models = { other = "finger" }\n'
-            + BEND,
-            'unknown model "other"',
-        ),
+        (E + '[[choice]]\nname = "c"\n' + BEND, 'unknown key "choice"'),
         ("[search]\nsamples = 0\n" + E + BEND, "must be at least 1"),
     ],
 )
@@ -173,8 +143,6 @@ def test_a_bad_targets_file_gets_one_sentence(flexor, targets, tmp_path, text, w
         (["finger", "made-targets.toml", "--seed", "-1"], "--seed"),
         (["finger", "made-targets.toml", "--samples", "0"], "--samples"),
         (["finger", "made-targets.toml", "--name", "a b"], "letters, digits"),
-        (["finger", "made-targets.toml", "--choose", "base"], "key=value"),
-        (["finger", "made-targets.toml", "--choose", "base=x"], 'unknown choice "base"'),
         (["exosuit-alone", "made-targets.toml"], "no joint that turns"),
     ],
 )
@@ -187,14 +155,6 @@ def test_bad_use_gets_one_sentence(flexor, targets, tmp_path, arguments, words) 
     assert ran.err.count("\n") == 1
     assert words in ran.err
     assert [place.name for place in tmp_path.iterdir()] == ["made-targets.toml"]
-
-
-def test_an_unknown_option_suggests_the_nearest(flexor, targets) -> None:
-    choice = '[[choice]]\nname = "base"\n[[choice.option]]\nname = "fixed"\n'
-    path = targets(E, choice, BEND)
-    ran = flexor("calibrate", "finger", path, "--choose", "base=fixd")
-    assert ran.code == 2
-    assert 'choice "base" has the unknown option "fixd" (did you mean "fixed"?)' in ran.err
 
 
 def test_a_taken_folder_is_left_alone(flexor, targets, tmp_path) -> None:

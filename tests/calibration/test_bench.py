@@ -41,15 +41,15 @@ def test_the_file_holds_what_its_first_lines_say(bench) -> None:
     assert file.target[3].value == f"{height:.2f} cm"
 
 
-def test_the_constants_are_recovered_within_their_likely_ranges(found) -> None:
-    for i, constant in enumerate(found.knowledge.constants):
-        low, high = found.knowledge.interval(i)
+def test_the_constants_are_recovered_within_their_confidence_intervals(found) -> None:
+    for i, constant in enumerate(found.identifiability.constants):
+        low, high = found.identifiability.interval(i)
         assert low < TRUTH[constant.name] < high
         assert high / low < 2.0
     assert found.best.constants["E"] == pytest.approx(TRUTH["E"], rel=0.02)
     assert found.best.constants["K_1"] == pytest.approx(TRUTH["K_1"], rel=0.06)
     # Neither overfitted nor missed: residuals are as large as the noise.
-    assert 0.4 < found.best.misfit / found.spare < 2.0
+    assert 0.4 < found.best.misfit / found.degrees_of_freedom < 2.0
 
 
 def test_what_was_held_out_is_predicted(found, bench) -> None:
@@ -61,7 +61,7 @@ def test_the_fit_does_not_see_what_is_held_out(found) -> None:
     assert len(found.best.minimum.residuals) == 15
 
 
-def test_the_likely_ranges_are_those_of_repeated_measurements(bench, tmp_path) -> None:
+def test_the_confidence_intervals_are_those_of_repeated_measurements(bench, tmp_path) -> None:
     """Measured and fitted again and again, the constants scatter as the first fit said."""
     text = read(FILE)[1]
     rng, scatter, told = np.random.default_rng(7), [], []
@@ -77,9 +77,9 @@ def test_the_likely_ranges_are_those_of_repeated_measurements(bench, tmp_path) -
         path = tmp_path / f"{turn}.toml"
         path.write_text(lines)
         once = calibrate(package.load("finger"), path, samples=64, starts=2)
-        deviation = once.knowledge.deviation
+        deviation = once.identifiability.deviation
         u = once.best.minimum.u
-        truth = [c.fraction(TRUTH[c.name]) for c in once.knowledge.constants]
+        truth = [c.fraction(TRUTH[c.name]) for c in once.identifiability.constants]
         scatter.append((u - truth) / deviation)
         told.append(deviation)
     # Six draws of three constants: chi-squared with 18 degrees of freedom, 99.9 % of it.
@@ -90,7 +90,7 @@ def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) 
     ran = flexor("calibrate", "finger", FILE, "--samples", 64, "--starts", 2, "--name", "bench")
     assert ran.code == 0
     assert ran.err == ""
-    for words in ("first joint", "K_1", "N*m/rad", "held out", "pinned down", "evaluations in"):
+    for words in ("first joint", "K_1", "N*m/rad", "held out", "identifiable", "evaluations in"):
         assert words in ran.out
     folder = tmp_path / "calibrations" / "finger-bench-targets"
     for name in ("calibration.png", "calibration.svg"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import flexor as package
-from flexor.calibration.combine import variants
+from flexor.calibration.problem import bind_problem
 from flexor.calibration.reading import parse
 
 CONSTANT = """
@@ -24,8 +24,8 @@ def observed(model, given: str, unit: str = "rad", count: int = 2) -> np.ndarray
     value = [{values}]
     tolerance = {f'"1 {unit}"' if unit else "1"}
     """
-    (variant,) = variants(parse(text, "made"), model, "made")
-    return variant.runs[0].evaluate(np.array([[2.2285e6]]))[0]
+    problem = bind_problem(parse(text, "made"), model, "made")
+    return problem.runs[0].evaluate(np.array([[2.2285e6]]))[0]
 
 
 @pytest.fixture(scope="module")
@@ -87,8 +87,8 @@ def test_only_the_last_force_counts_for_a_single_value(coarse, path) -> None:
     value = "1 rad"
     tolerance = "1 rad"
     """
-    (variant,) = variants(parse(text, "made"), coarse, "made")
-    found = variant.runs[0].evaluate(np.array([[2.2285e6]]))
+    problem = bind_problem(parse(text, "made"), coarse, "made")
+    found = problem.runs[0].evaluate(np.array([[2.2285e6]]))
     np.testing.assert_allclose(found, [[path.joint_angles[-1].sum()]], rtol=1e-6)
 
 
@@ -108,11 +108,11 @@ def test_targets_of_one_path_share_it(coarse) -> None:
         value = "1 rad"
         tolerance = "1 rad"
         """
-    (variant,) = variants(parse(text, "made"), coarse, "made")
-    assert [run.size for run in variant.runs] == [2, 1]
+    problem = bind_problem(parse(text, "made"), coarse, "made")
+    assert [run.size for run in problem.runs] == [2, 1]
     x = np.array([[2.2285e6]])
-    runs = [run.evaluate(x)[0] for run in variant.runs]
-    found = [float(runs[run][part][0]) for run, part in variant.places]
+    runs = [run.evaluate(x)[0] for run in problem.runs]
+    found = [float(runs[run][part][0]) for run, part in problem.places]
     two, one = coarse.equilibrium("0:4:2"), coarse.equilibrium("0:4:1")
     wanted = [two.joint_angles[-1, 0], two.joint_angles[-1, 1], one.joint_angles[-1, 0]]
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
@@ -137,15 +137,15 @@ def test_an_optimum_is_that_of_a_search(coarse) -> None:
     tolerance = "1 rad"
     options = {{ starts = 1, tolerance = 0.05 }}
     """
-    (variant,) = variants(parse(text, "made"), coarse, "made")
-    assert len(variant.runs) == 1
-    found = variant.runs[0].evaluate(np.array([[2.2285e6]]))[0]
+    problem = bind_problem(parse(text, "made"), coarse, "made")
+    assert len(problem.runs) == 1
+    found = problem.runs[0].evaluate(np.array([[2.2285e6]]))[0]
     model = package.load(coarse.file, changes={"exosuit.young_modulus": "2.2285 MPa"})
     study = package.optimize(
         model, "R01", "bending", method_options={"starts": 1, "tolerance": 0.05}
     )
-    np.testing.assert_allclose(found[variant.places[0][1]], study.best.parameters["R_0"])
-    np.testing.assert_allclose(found[variant.places[1][1]], study.best.bending)
+    np.testing.assert_allclose(found[problem.places[0][1]], study.best.parameters["R_0"])
+    np.testing.assert_allclose(found[problem.places[1][1]], study.best.bending)
 
 
 def _frame(path, body: str, row: int) -> np.ndarray:

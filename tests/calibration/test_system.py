@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import flexor as package
-from flexor.calibration.amount import any_amount
-from flexor.calibration.combine import variants
 from flexor.calibration.constants import Constant
+from flexor.calibration.problem import bind_problem
+from flexor.calibration.quantity import infer_quantity
 from flexor.calibration.reading import parse
 from flexor.calibration.system import System
 from flexor.design import parameter_set
@@ -36,13 +36,13 @@ def constants(*fields: str) -> tuple[Constant, ...]:
     made = []
     for field in fields:
         low, high = RANGES[field]
-        (least, _), (most, unit) = any_amount(low, "low"), any_amount(high, "high")
+        (least, _), (most, unit) = infer_quantity(low, "low"), infer_quantity(high, "high")
         made.append(Constant(field, (field,), least, most, False, unit))
     return tuple(made)
 
 
 def system(model, *fields: str) -> System:
-    return System("finger", model.file, constants(*fields), {}, "made")
+    return System("finger", model.file, constants(*fields), "made")
 
 
 @pytest.mark.parametrize("field", sorted(set(RANGES) - {"exosuit.poisson_ratio"}))
@@ -103,10 +103,10 @@ SPREAD = np.array([[0.5, 0.5, 0.5, 0.5], [0.1, 0.8, 0.2, 0.9], [0.9, 0.3, 1.0, 0
 )
 def test_paths_are_those_of_the_model_with_these_constants(coarse, field, rebuilt) -> None:
     text = TARGETS.format(limit=f'"{field}"')
-    (variant,) = variants(parse(text, "made"), coarse, "made")
-    x = variant.x(SPREAD)
-    assert [run.system.rates is None for run in variant.runs] == [rebuilt, rebuilt]
-    for run in variant.runs:
+    problem = bind_problem(parse(text, "made"), coarse, "made")
+    x = problem.x(SPREAD)
+    assert [run.system.rates is None for run in problem.runs] == [rebuilt, rebuilt]
+    for run in problem.runs:
         found = run.evaluate(x)
         for row, values in zip(found, x, strict=True):
             model = run.system.model(values)
@@ -134,57 +134,9 @@ def test_one_constant_sets_fields_of_several_models_and_bodies() -> None:
     value = "1 rad"
     tolerance = "1 rad"
     """
-    (variant,) = variants(parse(text, "made"), package.load("finger"), "made")
-    three, two = (system.model([0.05]) for system in variant.systems.values())
+    problem = bind_problem(parse(text, "made"), package.load("finger"), "made")
+    three, two = (system.model([0.05]) for system in problem.systems.values())
     for model, joints in ((three, ("ph_1", "ph_3")), (two, ("ph_12", "ph_3"))):
         for joint in joints:
             assert model.slot(f"{joint}.joint_stiffness").tolist() == [0.05]
     assert three.slot("ph_2.joint_stiffness").tolist() == [0.03]
-
-
-def test_choices_change_models_and_hold_constants() -> None:
-    text = """
-    [models]
-    two = "finger-2-links"
-    [[constant]]
-    name = "lever"
-    fields = ["chamber.lever"]
-    range = [1.0, 10.0]
-    [[constant]]
-    name = "E"
-    fields = ["exosuit.young_modulus"]
-    range = ["10 kPa", "10 MPa"]
-    [[choice]]
-    name = "base"
-    [[choice.option]]
-    name = "follows"
-    [[choice.option]]
-    name = "fixed"
-    set = { "exosuit.placement.reference" = "axis", "exosuit.placement.z" = "3.32 cm" }
-    [[choice]]
-    name = "chamber"
-    [[choice.option]]
-    name = "anywhere"
-    [[choice.option]]
-    name = "surface"
-    hold = { lever = 1 }
-    models = { two = "finger" }
-    [[target]]
-    name = "t"
-    observable = "bending"
-    value = "1 rad"
-    tolerance = "1 rad"
-    """
-    made = variants(parse(text, "made"), package.load("finger"), "made")
-    assert [dict(variant.options) for variant in made] == [
-        {"base": base, "chamber": chamber}
-        for base in ("follows", "fixed")
-        for chamber in ("anywhere", "surface")
-    ]
-    last = made[-1]
-    assert [constant.name for constant in last.free] == ["E"]
-    np.testing.assert_allclose(last.x(np.array([[0.0], [1.0]])), [[1.0, 1e4], [1.0, 1e7]])
-    placement = last.systems["two"].reference.file.bodies["exosuit"].placement
-    assert (placement.reference, float(placement.z)) == ("axis", 0.0332)
-    assert "ph_2" in last.systems["two"].file.bodies
-    assert "ph_2" not in made[0].systems["two"].file.bodies

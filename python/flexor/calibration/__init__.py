@@ -1,24 +1,24 @@
-"""Calibration: constants of models fitted to what was measured or published.
+"""Calibration: constants of models fitted to measured or published values.
 
-`calibrate` fits; what a targets file may say is in `flexor.calibration.schema`.
+`calibrate` fits; `flexor.calibration.schema` is the schema of targets files.
 """
 
 from __future__ import annotations
 
-from flexor.calibration.calibration import Calibration, Fit
 from flexor.calibration.constants import Constant
-from flexor.calibration.knowledge import Direction, Knowledge, Profile
-from flexor.calibration.progress import Progress
+from flexor.calibration.identifiability import Direction, Identifiability, Profile
 from flexor.calibration.reading import parse, read
+from flexor.calibration.result import Calibration, Fit
 from flexor.calibration.run import calibrate
 from flexor.calibration.schema import TargetsFile
+from flexor.calibration.stages import Progress
 
 __all__ = [
     "Calibration",
     "Constant",
     "Direction",
     "Fit",
-    "Knowledge",
+    "Identifiability",
     "Profile",
     "Progress",
     "TargetsFile",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.calibration.amount import Unit, amount, any_amount
+from flexor.calibration.quantity import Unit, infer_quantity
 from flexor.calibration.schema import Constant as Table
 from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
@@ -54,8 +54,8 @@ class Constant:
             If the range has no unit or different ones, or is reversed.
         """
         place = f'{source}: constant "{table.name}"'
-        high, unit = any_amount(table.range[1], f"{place}.range[1]")
-        low, other = any_amount(table.range[0], f"{place}.range[0]")
+        high, unit = infer_quantity(table.range[1], f"{place}.range[1]")
+        low, other = infer_quantity(table.range[0], f"{place}.range[0]")
         listed = f'["{table.range[0]}", "{table.range[1]}"]' if unit.si else f"{list(table.range)}"
         if other.si != unit.si:
             raise InputError(f"{place}.range is {listed}: both must be of one kind.")
@@ -87,21 +87,6 @@ class Constant:
         """Return a value in the unit for display."""
         return self.unit.shown(value, digits)
 
-    def held(self, value: object, place: str) -> float:
-        """Read a value at which an option holds the constant; its range does not matter.
-
-        Raises
-        ------
-        InputError
-            If it is of another kind than the range.
-        """
-        found, unit = any_amount(value, place) if self.unit.si else amount(value, None, place)
-        if unit.si != self.unit.si:
-            raise InputError(
-                f"{place} is {value!r}: the range of the constant is in {self.unit.text}."
-            )
-        return found
-
 
 def check_fields(
     constants: Sequence[Constant], files: Mapping[str, ModelFile], source: str
@@ -130,12 +115,7 @@ def check_fields(
 def full(field: str, file: ModelFile) -> str | None:
     """Return a dotted field with its table in front, or None if the model has no such thing.
 
-    Parameters
-    ----------
-    field
-        Such as ``"bodies.exosuit.length"`` or ``"exosuit.length"``.
-    file
-        A model file.
+    ``"exosuit.length"`` becomes ``"bodies.exosuit.length"``.
     """
     keys = field.split(".")
     if keys[0] not in ModelFile.model_fields:

@@ -1,4 +1,4 @@
-"""The figure of a calibration: how the targets are met, and what they say about the constants."""
+"""The figure of a calibration: how the targets are met, and profiles of the constants."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.calibration.calibration import Calibration
+from flexor.calibration.identifiability import THRESHOLD
 from flexor.calibration.report import Row, rows
+from flexor.calibration.result import Calibration
 from flexor.plot.style import CHAMBER, FORCE, LINE, PAGE, style
 
 if TYPE_CHECKING:
@@ -20,24 +21,16 @@ _MOST = 24  # rows of targets that are drawn one by one
 
 
 def draw(calibration: Calibration) -> Figure:
-    """Draw a calibration.
+    """Draw a calibration, as wide as a page.
 
-    Parameters
-    ----------
-    calibration
-        What was found.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        As wide as a page: left, how far each target is off, in tolerances; right, how the misfit
-        rises as each constant is moved, and how well combinations of them are known.
+    Left, the deviation of each target in tolerances; right, the profile likelihood of each
+    constant, and how well combinations of them are identified.
     """
     from matplotlib.figure import Figure
 
     shown = [row for row in rows(calibration.best) if math.isfinite(row.found)]
-    known = calibration.knowledge
-    count = len(known.constants)
+    found = calibration.identifiability
+    count = len(found.constants)
     height = max(2.6, 0.75 + 0.2 * min(len(shown), _MOST), 1.15 * math.ceil(count / 2) + 1.2)
     with style():
         figure = Figure(figsize=(PAGE, height), layout="constrained")
@@ -78,19 +71,19 @@ def _targets(axes: Axes, shown: list[Row]) -> None:
 
 
 def _profile(axes: Axes, calibration: Calibration, i: int) -> None:
-    known = calibration.knowledge
-    constant, dots = known.constants[i], "o-"
-    if known.profiles:
-        u, rise = known.profiles[i].u, known.profiles[i].rise
+    found = calibration.identifiability
+    constant, dots = found.constants[i], "o-"
+    if found.profiles:
+        u, rise = found.profiles[i].u, found.profiles[i].rise
     else:
-        # Without profiles, what the misfit would do if the model were linear.
-        u, dots = np.clip(known.u[i] + known.deviation[i] * np.linspace(-3.5, 3.5, 29), 0, 1), "--"
-        rise = ((u - known.u[i]) / known.deviation[i]) ** 2
+        # Without profiles, the misfit of the linearised model.
+        u, dots = np.clip(found.u[i] + found.deviation[i] * np.linspace(-3.5, 3.5, 29), 0, 1), "--"
+        rise = ((u - found.u[i]) / found.deviation[i]) ** 2
     values = constant.value(u) / constant.unit.factor
     axes.plot(values, rise, dots, color=FORCE, markersize=2.5, linewidth=0.9)
-    low, high = (end / constant.unit.factor for end in known.interval(i))
+    low, high = (end / constant.unit.factor for end in found.interval(i))
     axes.axvspan(low, high, color="#E3E8EC", zorder=0, linewidth=0)
-    axes.axhline(3.84, color=LINE, linewidth=0.5, linestyle=":")
+    axes.axhline(THRESHOLD, color=LINE, linewidth=0.5, linestyle=":")
     axes.set_ylim(0.0, max(5.0, min(15.0, float(np.nanmax(rise)) * 1.05)))
     axes.set_xlabel(f"{constant.name} / {constant.unit.text}".removesuffix(" / "), labelpad=1)
     axes.locator_params(axis="x", nbins=3)
@@ -101,12 +94,12 @@ def _profile(axes: Axes, calibration: Calibration, i: int) -> None:
 
 
 def _combinations(axes: Axes, calibration: Calibration) -> None:
-    known = calibration.knowledge
-    spread = [direction.deviation for direction in known.directions]
-    for place, direction in enumerate(known.directions):
+    found = calibration.identifiability
+    spread = [direction.deviation for direction in found.directions]
+    for place, direction in enumerate(found.directions):
         axes.barh(place, direction.deviation, color=FORCE, height=0.22)
         axes.annotate(
-            known.told(direction),
+            found.describe(direction),
             (0.0, place - 0.34),
             xycoords=("axes fraction", "data"),
             fontsize=6.5,
@@ -116,7 +109,7 @@ def _combinations(axes: Axes, calibration: Calibration) -> None:
     axes.set_xlim(min(1e-4, 0.5 * min(spread)), 1.0)
     axes.set_ylim(len(spread) - 0.5, -0.7)
     axes.set_yticks([])
-    axes.set_title("combinations, the best known first", loc="left")
+    axes.set_title("combinations, the best identified first", loc="left")
     axes.spines["left"].set_visible(False)
     axes.set_xlabel("standard deviation, in parts of the ranges", labelpad=1)
 

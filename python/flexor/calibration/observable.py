@@ -1,4 +1,4 @@
-"""What can be observed of a path of equilibria."""
+"""Observables of paths of equilibria."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class ObservedPaths:
     """Paths of n sets of constants over the same s loads.
 
     Attributes
@@ -49,29 +49,20 @@ class Observable:
     kind : Dimension or None
         What it is measured in; None for plain numbers.
     values : callable
-        From `Followed` to SI values (n, s).
+        From `ObservedPaths` to SI values (n, s).
     """
 
     kind: Dimension | None
-    values: Callable[[Followed], Array]
+    values: Callable[[ObservedPaths], Array]
 
 
 def observable(target: Target, model: Model, place: str) -> Observable:
-    """Find the observable of a target.
-
-    Parameters
-    ----------
-    target
-        Any target but an optimum.
-    model
-        Its model.
-    place
-        File and target, for messages.
+    """Return the observable of a target (any but an optimum); messages begin with `place`.
 
     Raises
     ------
     InputError
-        If the model has no such thing to be observed.
+        If the model has nothing of this kind.
     """
     if target.observable in ("bending", "angle"):
         return Observable(ANGLE, _angles(target, model, place))
@@ -84,33 +75,24 @@ def observable(target: Target, model: Model, place: str) -> Observable:
         if target.observable == "contacts":
             return Observable(None, lambda paths: paths.touching.astype(np.float64))
         return Observable(FORCE, lambda paths: paths.tip_force)
-    row, count, first = _frames(target, model, place)
+    body, row = _frame(target, model, place)
     if target.observable == "rotation":
-        return Observable(ANGLE, lambda paths: _rotation(paths, first, count)[..., row])
+        return Observable(ANGLE, lambda paths: _rotation(paths, body)[..., row])
     axis = ("x", "y", "z").index(target.observable)
-    return Observable(LENGTH, lambda paths: _frames_of(paths, first, count)[:, :, row, axis, 3])
+    return Observable(LENGTH, lambda paths: _frames(paths, body)[:, :, row, axis, 3])
 
 
-def bending(model: Model) -> Callable[[Followed], Array]:
-    """Return the sum of all angles of a model's joints [rad]."""
-    columns = list(_angular(model).values())
-    return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
-
-
-def _angular(model: Model) -> dict[str, int]:
-    columns = zip(model.joints, model.joint_columns, strict=True)
-    return {name: int(column) for name, column in columns if name in model.angular_joints}
-
-
-def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Array]:
-    angular = _angular(model)
+def _angles(target: Target, model: Model, place: str) -> Callable[[ObservedPaths], Array]:
+    joints = zip(model.joints, model.joint_columns, strict=True)
+    angular = {name: int(column) for name, column in joints if name in model.angular_joints}
     if not angular:
         raise InputError(
             f'{place}.observable is "{target.observable}", but the model "{model.name}" has no '
             "joint that turns."
         )
     if target.of is None:
-        return bending(model)
+        columns = list(angular.values())
+        return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
     short = {name.removesuffix(".theta"): column for name, column in angular.items()}
     if target.of not in short and target.of not in angular:
         raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
@@ -118,13 +100,12 @@ def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Ar
     return lambda paths: np.asarray(paths.q[:, :, column])
 
 
-def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:
-    """Which frame of a body, how many it has, and where they begin among the engine's."""
+def _frame(target: Target, model: Model, place: str) -> tuple[str, int]:
+    """Return the body of a target, and the row of its frame along the body."""
     name = str(target.of)
     if name not in model.file.bodies:
         raise InputError(f"{place}.of is the {unknown_name('body', name, model.file.bodies)}.")
     body = model.file.bodies[name]
-    first, stop = model.body_frames[name]
     at = {"base": 0.0, "tip": 1.0}.get(str(target.at), target.at)
     assert isinstance(at, float)
     row = body.point_at(at) if isinstance(body, Rod) else {0.0: 0, 1.0: 1}.get(at)
@@ -135,21 +116,21 @@ def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:
             else '"base" or "tip" of a link'
         )
         raise InputError(f"{place}.at is {at!r}: it must be {where}.")
-    return row, stop - first, first
+    return name, row
 
 
-def _frames_of(paths: Followed, first: int, count: int) -> Array:
-    n, steps = paths.q.shape[:2]
-    found = np.full((n, steps, count, 4, 4), np.nan)
-    for i in range(n):
-        for step in range(steps):
-            if np.all(np.isfinite(paths.q[i, step])):
-                frames = paths.model.engine.frames(paths.parameters[i], paths.q[i, step])
-                found[i, step] = frames[first : first + count]
+def _frames(paths: ObservedPaths, body: str) -> Array:
+    """Return the m frames along a body, (n, s, m, 4, 4); NaN where there is no equilibrium."""
+    model, (n, steps) = paths.model, paths.q.shape[:2]
+    first, stop = model.body_frames[body]
+    found = np.full((n, steps, stop - first, 4, 4), np.nan)
+    for i, step in np.argwhere(np.isfinite(paths.q).all(axis=2)):
+        q = paths.q[i, step]
+        found[i, step] = model.engine.frames(paths.parameters[i], q)[first:stop]
     return found
 
 
-def _rotation(paths: Followed, first: int, count: int) -> Array:
+def _rotation(paths: ObservedPaths, body: str) -> Array:
     """Angle about y from the world's x axis to the body's, unwrapped along the body; (n, s, m)."""
-    frames = _frames_of(paths, first, count)
-    return np.unwrap(np.arctan2(-frames[..., 2, 0], frames[..., 0, 0]), axis=2)
+    found = _frames(paths, body)
+    return np.unwrap(np.arctan2(-found[..., 2, 0], found[..., 0, 0]), axis=2)

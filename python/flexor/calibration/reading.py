@@ -14,26 +14,21 @@ from flexor.errors import InputError, shortened
 from flexor.model.fault import sentence
 from flexor.model.toml import tables
 
-_ENTRY = re.compile(r"(?P<kind>target|constant|choice)\[(?P<index>\d+)\]")
+_ENTRY = re.compile(r"(?P<kind>target|constant)\[(?P<index>\d+)\]")
 
 
 def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:
-    """Read and check a targets file.
-
-    Parameters
-    ----------
-    path
-        The file; ``examples/NAME.toml`` also finds one that comes with Flexor.
+    """Read and check a targets file; ``examples/NAME.toml`` also finds one that comes with Flexor.
 
     Returns
     -------
     TargetsFile, str
-        What it says, and its text.
+        Its content, and its text.
 
     Raises
     ------
     InputError
-        If it cannot be read, is not TOML, or does not say what is to be fitted to what.
+        If it cannot be read, is not TOML, or is not a valid targets file.
     """
     place = locate(path)
     try:
@@ -48,13 +43,7 @@ def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:
 
 
 def locate(path: str | pathlib.Path) -> pathlib.Path:
-    """Return the file meant: the one given, or one that comes with Flexor.
-
-    Parameters
-    ----------
-    path
-        As for `read`.
-    """
+    """Return the file given, or the one that comes with Flexor."""
     given = pathlib.Path(path)
     shipped = pathlib.Path(__file__).resolve().parent.parent / "examples" / given.name
     if not given.exists() and given.parent.name == "examples" and shipped.is_file():
@@ -63,19 +52,12 @@ def locate(path: str | pathlib.Path) -> pathlib.Path:
 
 
 def parse(text: str, source: str) -> TargetsFile:
-    """Read and check the text of a targets file.
-
-    Parameters
-    ----------
-    text
-        The text.
-    source
-        The file's name, for messages.
+    """Read and check the text of a targets file; messages begin with `source`.
 
     Raises
     ------
     InputError
-        If it is not TOML or does not say what is to be fitted to what.
+        If it is not TOML or not a valid targets file.
     """
     document = tables(text, source)
     try:
@@ -87,7 +69,7 @@ def parse(text: str, source: str) -> TargetsFile:
 
 
 def _named(path: str, document: Mapping[str, Any]) -> str:
-    """Add to an entry's number the name it has, by which a person finds it."""
+    """Replace the index of an entry by its name."""
     match = _ENTRY.match(path)
     if match is None:
         return path

@@ -1,4 +1,4 @@
-"""What a calibration leaves behind: constants to paste, a table, a report for programs."""
+"""Output files of a calibration: constants to paste, a table, and a report in JSON."""
 
 from __future__ import annotations
 
@@ -12,31 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from flexor.calibration.calibration import Calibration, Fit
-from flexor.calibration.goal import Goal
-from flexor.calibration.knowledge import Knowledge
+from flexor.calibration.identifiability import Identifiability
+from flexor.calibration.result import Calibration, Fit
+from flexor.calibration.targets import BoundTarget
 from flexor.errors import InputError
 
-_NOTHING = 1e-9  # of what was wanted
+_ZERO = 1e-9  # relative to the target value
 CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One value of one target, in the unit in which it was written.
+    """One value of one target, in the unit in which it was written; NaN where there is none.
 
-    Attributes
-    ----------
-    target : str
-        Name of the target.
-    weight : str
-        ``"hard"``, ``"soft"`` or ``"held-out"``.
-    force : float or None
-        Force of the first input [N]; None for optima.
-    unit : str
-        Unit of the numbers.
-    wanted, found, tolerance : float
-        NaN where there is none.
+    `force` is that of the first input [N], None for optima.
     """
 
     target: str
@@ -56,44 +45,24 @@ class Row:
 def rows(fit: Fit) -> list[Row]:
     """Return every value of every target of a fit, in the order of the file."""
     made = []
-    for goal, values in zip(fit.variant.goals, fit.values, strict=True):
-        forces: tuple[float | None, ...] = goal.force or (None,) * len(goal.value)
+    for target, values in zip(fit.problem.targets, fit.values, strict=True):
+        forces: tuple[float | None, ...] = target.force or (None,) * len(target.value)
         for i, force in enumerate(forces):
             wanted, found, tolerance = (
-                float(array[i]) / goal.unit.factor for array in (goal.value, values, goal.tolerance)
+                float(array[i]) / target.unit.factor
+                for array in (target.value, values, target.tolerance)
             )
-            if abs(found) < _NOTHING * max(abs(wanted), tolerance):
+            if abs(found) < _ZERO * max(abs(wanted), tolerance):
                 found = 0.0
+            numbers = (wanted, found, tolerance)
             made.append(
-                Row(
-                    goal.target.name,
-                    goal.target.weight,
-                    force,
-                    goal.unit.text,
-                    wanted,
-                    found,
-                    tolerance,
-                )
+                Row(target.table.name, target.table.weight, force, target.unit.text, *numbers)
             )
     return made
 
 
 def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
-    """Write constants, table and report into a folder.
-
-    Parameters
-    ----------
-    calibration
-        What was found.
-    folder
-        Where to.
-    name
-        What to call the set of constants.
-
-    Returns
-    -------
-    list of Path
-        The files.
+    """Write constants (a set called `name`), table and report into a folder; return the files.
 
     Raises
     ------
@@ -115,32 +84,21 @@ def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
 
 
 def constants_toml(calibration: Calibration, name: str) -> str:
-    """Return the best constants as a set to paste into each model file.
-
-    Parameters
-    ----------
-    calibration
-        What was found.
-    name
-        What to call the set.
-    """
-    best, known = calibration.best, calibration.knowledge
+    """Return the best constants as a set called `name`, to paste into each model file."""
+    best, identifiability = calibration.best, calibration.identifiability
     ranges = {
-        constant.name: tuple(constant.shown(end, 4) for end in known.interval(i))
-        for i, constant in enumerate(known.constants)
+        constant.name: tuple(constant.shown(end, 4) for end in identifiability.interval(i))
+        for i, constant in enumerate(identifiability.constants)
     }
     lines = [f"# {calibration.title or 'Calibrated'}: fitted to {calibration.source}."]
-    if best.variant.name:
-        lines.append(f"# With {best.variant.name}.")
     blocks: dict[str, list[str]] = {}
-    for model, system in best.variant.systems.items():
+    for model, system in best.problem.systems.items():
         block = []
         for field, constant in system.fields().items():
             value = constant.unit.shown(best.constants[constant.name], 9)
             text = f'"{value}"' if constant.unit.si else value
-            low, high = ranges.get(constant.name, ("", ""))
-            remark = f"{low} to {high} with 95 % likelihood" if low else "held"
-            block.append(f"{field} = {text}  # {remark}")
+            low, high = ranges[constant.name]
+            block.append(f"{field} = {text}  # 95 % confidence: {low} to {high}")
         blocks.setdefault("\n".join(block), []).append(model)
     for block_text, models in blocks.items():
         lines += ["", f"# for {' and '.join(models)}", f"[constants.{name}]", block_text]
@@ -167,16 +125,17 @@ def targets_csv(fit: Fit) -> str:
 
 
 def to_dict(calibration: Calibration) -> dict[str, Any]:
-    """Return what a calibration found as plain values for JSON; SI units.
+    """Return a calibration as plain values for JSON; SI units.
 
     Returns
     -------
     dict
-        ``fits`` (each with ``options``, ``constants``, ``misfit``, ``met``, ``starts`` that ended
-        there and ``targets``), ``constants`` (what is known of each), ``combinations`` (the best
-        known first) and how it was done.
+        ``fits`` (each with ``constants``, ``misfit``, ``met``, the number of ``starts`` that ended
+        there and ``targets``), ``constants`` (identifiability of each), ``combinations`` (the best
+        identified first), seed and number of evaluations.
     """
-    known = calibration.knowledge
+    found = calibration.identifiability
+    names = [constant.name for constant in found.constants]
     return {
         "title": calibration.title,
         "targets": calibration.source,
@@ -187,58 +146,51 @@ def to_dict(calibration: Calibration) -> dict[str, Any]:
         "constants": {
             constant.name: {
                 "value": calibration.best.constants[constant.name],
-                "likely": list(known.interval(i)),
+                "confidence_interval": list(found.interval(i)),
                 "range": [constant.low, constant.high],
-                "verdict": known.verdict(i),
-                "deviation_of_range": float(known.deviation[i]),
-                "profile": _profile(known, i),
+                "verdict": found.verdict(i),
+                "deviation_of_range": float(found.deviation[i]),
+                "profile": _profile(found, i),
             }
-            for i, constant in enumerate(known.constants)
+            for i, constant in enumerate(found.constants)
         },
         "combinations": [
             {
-                "known": known.told(direction),
-                "weights": dict(
-                    zip(
-                        (constant.name for constant in known.constants),
-                        direction.weights.tolist(),
-                        strict=True,
-                    )
-                ),
+                "description": found.describe(direction),
+                "weights": dict(zip(names, direction.weights.tolist(), strict=True)),
                 "deviation_of_ranges": direction.deviation,
             }
-            for direction in known.directions
+            for direction in found.directions
         ],
     }
 
 
-def _profile(known: Knowledge, i: int) -> dict[str, Any] | None:
-    if not known.profiles:
+def _profile(found: Identifiability, i: int) -> dict[str, Any] | None:
+    if not found.profiles:
         return None
-    value = known.constants[i].value(known.profiles[i].u)
-    return {"value": value.tolist(), "rise": known.profiles[i].rise.tolist()}
+    value = found.constants[i].value(found.profiles[i].u)
+    return {"value": value.tolist(), "rise": found.profiles[i].rise.tolist()}
 
 
 def _fit(fit: Fit) -> dict[str, Any]:
-    goals = zip(fit.variant.goals, fit.values, strict=True)
+    targets = zip(fit.problem.targets, fit.values, strict=True)
     return {
-        "options": dict(fit.variant.options),
         "constants": fit.constants,
         "misfit": _plain(fit.misfit),
         "met": fit.met,
         "starts": fit.minimum.hits,
-        "targets": [_target(goal, values) for goal, values in goals],
+        "targets": [_target(target, values) for target, values in targets],
     }
 
 
-def _target(goal: Goal, values: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
+def _target(target: BoundTarget, values: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
     return {
-        "name": goal.target.name,
-        "weight": goal.target.weight,
-        "force": list(goal.force),
-        "wanted": goal.value.tolist(),
+        "name": target.table.name,
+        "weight": target.table.weight,
+        "force": list(target.force),
+        "wanted": target.value.tolist(),
         "found": [_plain(value) for value in values.tolist()],
-        "tolerance": [_plain(value) for value in goal.tolerance.tolist()],
+        "tolerance": [_plain(value) for value in target.tolerance.tolist()],
     }
 
 

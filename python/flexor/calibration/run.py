@@ -1,23 +1,20 @@
-"""Run a calibration, or go on with one."""
+"""Run a calibration, or resume one."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from flexor.calibration import folder as folders
-from flexor.calibration.calibration import Calibration
-from flexor.calibration.combine import variants
-from flexor.calibration.explore import default_samples
-from flexor.calibration.progress import ProgressCallback
+from flexor.calibration.problem import Problem, bind_problem
 from flexor.calibration.reading import read
 from flexor.calibration.record import Record
-from flexor.calibration.variant import Variant
-from flexor.calibration.work import Work
+from flexor.calibration.result import Calibration
+from flexor.calibration.screening import default_samples
+from flexor.calibration.stages import ProgressCallback, Stages
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.study.lock import Lock
@@ -30,13 +27,12 @@ def calibrate(
     seed: int = 0,
     samples: int | None = None,
     starts: int | None = None,
-    chosen: Mapping[str, str] | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
     threads: int = 0,
     progress: ProgressCallback | None = None,
 ) -> Calibration:
-    """Find the constants with which models meet their targets.
+    """Fit constants of models to targets.
 
     Parameters
     ----------
@@ -45,25 +41,23 @@ def calibrate(
     targets : path
         The targets file.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     samples, starts : int, optional
         Points of the global search and how many of them are refined; the file's, or else by the
         number of constants.
-    chosen : dict, optional
-        Options by choice, where not all are to be tried.
     folder : path, optional
         Where to keep the calibration; in memory by default.
     resume : bool
-        Go on with the calibration in ``folder``, whose settings must be these.
+        Resume the calibration in ``folder``, whose settings must be these.
     threads : int
         0 for one per core. Results do not depend on it.
     progress : callable, optional
-        Told a `Progress` now and then.
+        Called with a `Progress` from time to time.
 
     Returns
     -------
     Calibration
-        The fits, and what the targets say about the constants.
+        The fits, and the identifiability of the constants.
 
     Raises
     ------
@@ -72,17 +66,16 @@ def calibrate(
 
     Notes
     -----
-    For every combination of options an even cover of the ranges (`explore`), bounded least squares
-    from its best places (`refine`), and the different minima of these. For the best of all, the
-    singular directions and the profile of each constant (`knowledge`). Resuming is running again
-    with known evaluations answered from the record; KeyboardInterrupt passes through and leaves a
-    calibration that can be resumed.
+    The ranges are covered evenly (`screening`), the best points start bounded least squares
+    (`local_fit`), and the distinct minima are ranked. For the best, local identifiability and
+    profile likelihoods are computed (`identifiability`). To resume is to run again with known
+    evaluations taken from the record; KeyboardInterrupt leaves a calibration that can be resumed.
     """
     file, text = read(targets)
-    made = variants(file, model, str(targets), chosen)
+    problem = bind_problem(file, model, str(targets))
     starts = starts or file.search.starts
-    counts = [samples or file.search.samples or default_samples(len(v.free)) for v in made]
-    settings = _settings(made, text, seed, counts, starts)
+    samples = samples or file.search.samples or default_samples(len(problem.constants))
+    settings = _settings(problem, text, seed, samples, starts)
     with ExitStack() as stack:
         place = None if folder is None else Path(folder)
         if place is None:
@@ -96,33 +89,28 @@ def calibrate(
             stack.callback(Lock(place).release)
         record = Record(None if place is None else place / folders.RECORD)
         stack.callback(record.close)
-        work = Work(record, made, threads, progress)
+        stages = Stages(problem, record, threads, progress)
         if resume:
-            work.check_reproduces()
-        minima = [work.minima(i, counts[i], starts, seed) for i in range(len(made))]
-        fits, knowledge = work.judged(minima)
+            stages.check_reproduces()
+        fits, identifiability = stages.analyse(stages.minima(samples, starts, seed))
         return Calibration(
             title=file.title,
             source=str(targets),
             fits=tuple(fits),
-            knowledge=knowledge,
+            identifiability=identifiability,
             seed=seed,
             evaluations=len(record),
             folder=place,
         )
 
 
-def _settings(
-    made: Sequence[Variant], text: str, seed: int, counts: list[int], starts: int
-) -> dict[str, Any]:
-    models = [{name: s.reference.hash for name, s in v.systems.items()} for v in made]
+def _settings(problem: Problem, text: str, seed: int, samples: int, starts: int) -> dict[str, Any]:
     return {
         "format": folders.FORMAT,
         "flexor": version("flexor"),
         "targets": hashlib.sha256(text.encode()).hexdigest(),
-        "models": models,
-        "options": [dict(v.options) for v in made],
+        "models": {name: system.reference.hash for name, system in problem.systems.items()},
         "seed": seed,
-        "samples": counts,
+        "samples": samples,
         "starts": starts,
     }

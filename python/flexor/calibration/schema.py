@@ -1,4 +1,4 @@
-"""What a targets file may say: constants with ranges, choices, and targets with tolerances."""
+"""The schema of targets files: constants with ranges, and targets with tolerances."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model.fault import fault, shown
-from flexor.model.schema.table import Choice as OneOf
-from flexor.model.schema.table import Count, Name, Table, Text
+from flexor.model.schema.table import Choice, Count, Name, Table, Text
 
 QUANTITIES = ("bending", "angle", "tip-force", "contacts", "x", "y", "z", "rotation", "optimum")
 _OF = {
@@ -56,33 +55,12 @@ Models = dict[Name, Annotated[ModelFile, BeforeValidator(_file)]]
 
 
 class Constant(Table):
-    """Something that is to be found: fields of the models that share one value."""
+    """A constant to be fitted: fields of the models that share one value."""
 
     name: Name
     fields: Annotated[tuple[Name, ...], Field(min_length=1), BeforeValidator(_list)]
     range: Annotated[tuple[Any, Any], BeforeValidator(_pair)]
-    scale: Annotated[Literal["linear", "log"], OneOf("linear", "log")] = "linear"
-
-
-class Option(Table):
-    """One way a choice may be made: other models, other fields, constants that are held."""
-
-    name: Name
-    models: Models = Field(default_factory=dict)
-    set: dict[Name, Any] = Field(default_factory=dict)
-    hold: dict[Name, Any] = Field(default_factory=dict)
-
-
-class Choice(Table):
-    """Something that is one way or another; every combination of options is fitted."""
-
-    name: Name
-    option: Annotated[tuple[Option, ...], Field(min_length=1)]
-
-    @model_validator(mode="after")
-    def _check(self) -> Choice:
-        _check_different([option.name for option in self.option], "option")
-        return self
+    scale: Annotated[Literal["linear", "log"], Choice("linear", "log")] = "linear"
 
 
 class Target(Table):
@@ -93,7 +71,7 @@ class Target(Table):
 
     name: Name
     model: Name | None = None
-    observable: Annotated[str, OneOf(*QUANTITIES)]
+    observable: Annotated[str, Choice(*QUANTITIES)]
     of: Name | None = None
     at: Annotated[Literal["base", "tip"] | float, BeforeValidator(_at)] = "tip"
     force: Any = None
@@ -104,7 +82,7 @@ class Target(Table):
     options: dict[Name, Any] = Field(default_factory=dict)
     value: Any
     tolerance: Any = None
-    weight: Annotated[Literal["hard", "soft", "held-out"], OneOf("hard", "soft", "held-out")] = (
+    weight: Annotated[Literal["hard", "soft", "held-out"], Choice("hard", "soft", "held-out")] = (
         "soft"
     )
 
@@ -129,7 +107,7 @@ class Target(Table):
 
 
 class Search(Table):
-    """How long to look: points of the global search, and how many of them to refine."""
+    """Effort: points of the global search, and how many of them are refined."""
 
     samples: Count | None = None
     starts: Count = 12
@@ -142,7 +120,6 @@ class TargetsFile(Table):
     models: Models = Field(default_factory=dict)
     search: Search = Search()
     constant: tuple[Constant, ...] = ()
-    choice: tuple[Choice, ...] = ()
     target: tuple[Target, ...] = ()
 
     @model_validator(mode="after")
@@ -153,7 +130,7 @@ class TargetsFile(Table):
             raise fault("has held-out targets only: at least one must be hard or soft")
         if not self.constant:
             raise fault("has no [[constant]]: give at least one that is to be found")
-        for kind in ("constant", "choice", "target"):
+        for kind in ("constant", "target"):
             _check_different([entry.name for entry in getattr(self, kind)], kind)
         return self
 

@@ -1,8 +1,8 @@
-"""One model whose constants vary: through the engine's parameters where it can be, else rebuilt."""
+"""A model as a function of its constants: by the engine's parameters if possible, else rebuilt."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,11 +26,9 @@ class System:
     name : str
         Its name in the targets file.
     file : ModelFile
-        The file, the options of the choices taken.
+        The file.
     constants : tuple of Constant
         All constants of the calibration, in order; those that are no field of it leave it alone.
-    held : dict
-        Values at which options hold constants, by name, SI.
     source : str
         The targets file, for messages.
     """
@@ -38,7 +36,6 @@ class System:
     name: str
     file: ModelFile
     constants: tuple[Constant, ...]
-    held: Mapping[str, float]
     source: str
 
     def model(self, x: Sequence[float] | Array) -> Model:
@@ -52,7 +49,7 @@ class System:
         changes: dict[str, object] = {}
         for constant, value in zip(self.constants, x, strict=True):
             for field in self._fields(constant):
-                changes[field] = constant.unit.exactly(float(value))
+                changes[field] = constant.unit.exact(float(value))
         try:
             return load(self.file, changes=changes)
         except InputError as error:
@@ -67,7 +64,7 @@ class System:
             If a field cannot have such a value.
         """
         for end in ("low", "high"):
-            self.model([self.held.get(c.name, getattr(c, end)) for c in self.constants])
+            self.model([getattr(constant, end) for constant in self.constants])
 
     def fields(self) -> dict[str, Constant]:
         """Fields of this model that constants set."""
@@ -75,10 +72,8 @@ class System:
 
     @cached_property
     def middle(self) -> Array:
-        """Constants in the middle of their ranges, or held, (c,)."""
-        return np.array(
-            [self.held.get(c.name, float(c.value(np.array(0.5)))) for c in self.constants]
-        )
+        """Constants in the middle of their ranges, (c,)."""
+        return np.array([float(c.value(np.array(0.5))) for c in self.constants])
 
     @cached_property
     def reference(self) -> Model:
@@ -126,8 +121,7 @@ class System:
         for i, constant in enumerate(self.constants):
             other = self.middle.copy()
             other[i] = constant.high
-            free = constant.name not in self.held and any(self._fields(constant))
-            moved.append(self.model(other) if free else None)
+            moved.append(self.model(other) if self._fields(constant) else None)
         return tuple(moved)
 
     def _fields(self, constant: Constant) -> list[str]:

@@ -19,7 +19,6 @@ from flexor.cli import (
     rerun,
     sets,
     simulate,
-    validate,
 )
 from flexor.cli.console import complain
 from flexor.cli.studies import LOST
@@ -44,7 +43,6 @@ app.command("reproduce")(reproduce.reproduce)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)
-app.command("validate")(validate.validate)
 
 
 # What a disk or a folder refuses, and no code can mend.

@@ -1,4 +1,4 @@
-"""`flexor calibrate`: find the constants with which a model meets its targets."""
+"""`flexor calibrate`: fit constants of a model to targets."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Seed, Set, Threads
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show
-from flexor.cli.values import assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,10 +41,6 @@ def calibrate(
     seed: Seed = 0,
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
-    choose: Annotated[
-        list[str] | None,
-        typer.Option(metavar="CHOICE=OPTION", help="Try this option only; may be repeated."),
-    ] = None,
     name: Annotated[
         str, typer.Option(help="What to call the set of constants that is written.")
     ] = "calibrated",
@@ -56,18 +51,18 @@ def calibrate(
         bool, typer.Option("--json", help="Print one JSON object instead of the tables.")
     ] = False,
 ) -> int:
-    """Find the constants with which a model meets its targets.
+    """Fit constants of a model to measured or published values.
 
-    TARGETS says which fields of the model may vary within which ranges, and what should come out:
-    measured or published angles, forces, positions. The folder gets the constants, ready to be
-    pasted into the model file, a table, a report and a figure. Everything that is evaluated is kept
-    at once: Ctrl-C, and `--resume` goes on.
+    TARGETS says which fields of the model may vary within which ranges, and the values to fit:
+    angles, forces, positions. The folder gets the constants, ready to be pasted into the model
+    file, a table, a report and a figure. Every evaluation is recorded at once; after Ctrl-C,
+    `--resume` continues.
 
     For example:
 
     * `flexor calibrate finger examples/bench-targets.toml`
-    * `flexor calibrate finger examples/paper-targets.toml --out paper`
-    * `flexor calibrate finger examples/paper-targets.toml --out paper --resume`
+    * `flexor calibrate finger examples/bench-targets.toml --out bench`
+    * `flexor calibrate finger examples/bench-targets.toml --out bench --resume`
 
     Exit code 1: hard targets were not met.
     """
@@ -83,14 +78,13 @@ def calibrate(
     place = folder or _free(loaded.name, targets)
     began = time.monotonic()
     try:
-        with _Shown() as progress:
+        with _Live() as progress:
             found = calibration.calibrate(
                 loaded,
                 targets,
                 seed=seed,
                 samples=samples,
                 starts=starts,
-                chosen=assignments("--choose", choose or [], "base=fixed"),
                 folder=place,
                 resume=resume,
                 threads=threads,
@@ -111,7 +105,7 @@ def calibrate(
     if as_json:
         print(json.dumps(report.to_dict(found), allow_nan=False))
     else:
-        _tell(found, time.monotonic() - began, files)
+        _show(found, time.monotonic() - began, files)
     return 0 if found.best.met else 1
 
 
@@ -121,25 +115,20 @@ def _free(model: str, targets: str) -> FilePath:
     return CALIBRATIONS / next(n for n in names if not (CALIBRATIONS / n).exists())
 
 
-def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
+def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:
     from flexor.calibration.report import rows
 
-    best, known = found.best, found.knowledge
-    if best.variant.name:
-        out.print(best.variant.name, markup=False, soft_wrap=True)
+    best, identifiability = found.best, found.identifiability
     cells: list[tuple[str, str, str, str]] = []
-    for i, constant in enumerate(known.constants):
-        low, high = (constant.shown(end, 4) for end in known.interval(i))
+    for i, constant in enumerate(identifiability.constants):
+        low, high = (constant.shown(end, 4) for end in identifiability.interval(i))
         value = constant.shown(best.constants[constant.name])
-        cells.append((constant.name, value, f"{low} to {high}", known.verdict(i)))
-    for constant in best.variant.constants:
-        if constant.name in best.variant.held:
-            cells.append((constant.name, constant.shown(best.constants[constant.name]), "", "held"))
-    show(("constant", "found", "likely (95 %)", ""), cells)
+        cells.append((constant.name, value, f"{low} to {high}", identifiability.verdict(i)))
+    show(("constant", "fitted", "95 % confidence", ""), cells)
     lines = []
     for row in rows(best):
         met = abs(row.off) <= row.tolerance
-        judged = {"hard": "met" if met else "MISSED", "soft": "", "held-out": "held out"}
+        verdict = {"hard": "met" if met else "MISSED", "soft": "", "held-out": "held out"}
         lines.append(
             (
                 row.target,
@@ -149,15 +138,15 @@ def _tell(found: Calibration, seconds: float, files: list[FilePath]) -> None:
                 number(row.found) if math.isfinite(row.found) else "-",
                 _off(row),
                 number(row.tolerance, 2) if math.isfinite(row.tolerance) else "",
-                judged[row.weight],
+                verdict[row.weight],
             )
         )
     headings = ("target", "force / N", "unit", "wanted", "found", "off", "tolerance", "")
     show(headings, lines)
-    out.print("Known, the best known combination first:", soft_wrap=True)
-    for direction in known.directions:
-        out.print(f"  {known.told(direction)}", markup=False, soft_wrap=True)
-    _tell_others(found)
+    out.print("Combinations of constants, the best identified first:", soft_wrap=True)
+    for direction in identifiability.directions:
+        out.print(f"  {identifiability.describe(direction)}", markup=False, soft_wrap=True)
+    _show_others(found)
     out.print(_sentence(found, seconds), markup=False, soft_wrap=True)
     for file in files:
         out.print(str(file), markup=False, soft_wrap=True)
@@ -170,7 +159,7 @@ def _off(row: Row) -> str:
     return "0" if abs(row.off) < nothing else number(row.off, 2)
 
 
-def _tell_others(found: Calibration) -> None:
+def _show_others(found: Calibration) -> None:
     others = found.fits[1:]
     if not others:
         return
@@ -178,9 +167,9 @@ def _tell_others(found: Calibration) -> None:
     for fit in others:
         values = ", ".join(
             f"{constant.name} {constant.shown(fit.constants[constant.name], 4)}"
-            for constant in fit.variant.constants
+            for constant in fit.problem.constants
         )
-        cells.append((fit.variant.name or "another minimum", values, _met(fit), number(fit.misfit)))
+        cells.append(("another minimum", values, _met(fit), number(fit.misfit)))
     show(("other fits", "constants", "", "misfit"), cells, left=3)
 
 
@@ -190,19 +179,19 @@ def _met(fit: Fit) -> str:
 
 def _sentence(found: Calibration, seconds: float) -> str:
     best = found.best
-    hard = sum(goal.hard for goal in best.variant.goals)
+    hard = sum(target.hard for target in best.problem.targets)
     said = f"All {hard} hard targets are met" if best.met else "Not every hard target is met"
     said = said if hard else "Fitted"
     noise = ""
-    if found.spare > 0:
-        ratio = math.sqrt(best.misfit / found.spare)
+    if found.degrees_of_freedom > 0:
+        ratio = math.sqrt(best.misfit / found.degrees_of_freedom)
         noise = f"; the residuals are {number(ratio, 2)} times their tolerances"
-    elif found.spare <= 0:
-        noise = "; as many constants as values, so the fit proves nothing by itself"
+    else:
+        noise = "; there are as many constants as values, so the fit alone proves nothing"
     return f"{said}{noise}. {found.evaluations:,} evaluations in {duration(seconds)}."
 
 
-class _Shown:
+class _Live:
     """The live line of a running calibration."""
 
     def __init__(self) -> None:
@@ -219,7 +208,7 @@ class _Shown:
         )
         self._task = self._bar.add_task("reading", total=None, known="")
 
-    def __enter__(self) -> _Shown:
+    def __enter__(self) -> _Live:
         if err.is_interactive:
             self._bar.start()
         return self

@@ -1,0 +1,156 @@
+"""Paths of equilibria that targets observe, for many sets of constants at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor._engine import STATUS
+from flexor.calibration.observable import Observable, ObservedPaths
+from flexor.calibration.system import System
+from flexor.design import ParameterSet
+from flexor.errors import InputError
+from flexor.model import Model
+
+Array = NDArray[np.float64]
+# Newton iterations for one load step while screening. Good models need about ten; the others would
+# take most of the time only to be dropped.
+_SCREENING_ITERATIONS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Parameters (n, P) for the engine, of which some columns differ between rows."""
+
+    model: Model
+    parameters: Array
+    columns: NDArray[np.intp]
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PathRun:
+    """The path of one system with one design through one list of loads.
+
+    Attributes
+    ----------
+    system : System
+        The model.
+    design : (k,) array or None
+        Parameters of the design, SI; None for the model's own.
+    parameters : ParameterSet or None
+        Their set.
+    loads : (s, inputs) array
+        Loads [N], the first of which is reached from no load.
+    observed : tuple of (Observable, tuple of int)
+        Observables, and at which loads.
+    place : str
+        File and target, for messages.
+    """
+
+    system: System
+    design: Array | None
+    parameters: ParameterSet | None
+    loads: Array
+    observed: tuple[tuple[Observable, tuple[int, ...]], ...]
+    place: str
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return sum(len(steps) for _, steps in self.observed)
+
+    @property
+    def cost(self) -> float:
+        """Relative cost, for ordering."""
+        return float(len(self.loads))
+
+    def evaluate(self, x: Array, screening: bool = False, threads: int = 1) -> Array:
+        """Observe n sets of constants x (n, c), SI; give up early while screening.
+
+        Returns
+        -------
+        (n, size) array
+            SI values; NaN where the path failed.
+        """
+        if self.system.rates is None:
+            rows = [self._follow(self._rebuilt(row), screening, 1) for row in x]
+            return np.concatenate(rows) if rows else np.empty((0, self.size))
+        return self._follow(self._moved(x), screening, threads)
+
+    @cached_property
+    def _base(self) -> tuple[Array, NDArray[np.intp]]:
+        """Parameters at the middle constants with the design, and which of them constants move."""
+        rates = self.system.rates
+        assert rates is not None
+        return self._parameters(self.system.reference), np.flatnonzero(np.any(rates != 0.0, axis=1))
+
+    def _parameters(self, model: Model) -> Array:
+        """Parameters of a model with the design."""
+        parameters = model.parameters.copy()
+        if self.parameters is not None and self.design is not None:
+            points = self.system.reference.design.points
+            geometry = self.parameters.geometry(self.design[None, :], points)
+            indices, values = model.geometry_slots(geometry)
+            parameters[indices] = values[0]
+        return parameters
+
+    def _moved(self, x: Array) -> _Batch:
+        rates = self.system.rates
+        assert rates is not None
+        base, columns = self._base
+        parameters = base + (x - self.system.middle) @ rates.T
+        values = np.ascontiguousarray(parameters[:, columns])
+        return _Batch(self.system.reference, parameters, columns, values)
+
+    def _rebuilt(self, x: Array) -> _Batch:
+        model = self.system.model(x)
+        none = np.zeros(0, dtype=np.intp)
+        return _Batch(model, self._parameters(model)[None, :], none, np.zeros((1, 0)))
+
+    def _follow(self, at: _Batch, screening: bool, threads: int) -> Array:
+        loaded = int(bool(self.loads[0].any())) if self.loads.size else 0
+        steps = np.concatenate([np.zeros((loaded, self.loads.shape[1])), self.loads])
+        options = {"max_iterations": _SCREENING_ITERATIONS} if screening else {}
+        found = at.model.engine.path(
+            at.columns, at.values, steps, threads, base=at.parameters[0], **options
+        )
+        paths = ObservedPaths(
+            at.model,
+            at.parameters,
+            found["q"][:, loaded:],
+            found["tip_force"][:, loaded:],
+            found["touching"][:, loaded:],
+        )
+        good = (found["status"] == STATUS.index("converged"))[:, loaded:]
+        parts: list[Array] = []
+        for observable, steps_seen in self.observed:
+            last = max(steps_seen)
+            reached = np.all(good[:, : last + 1], axis=1)
+            seen = observable.values(paths)[:, list(steps_seen)]
+            parts.append(np.where(reached[:, None], seen, np.nan))
+        return np.concatenate(parts, axis=1)
+
+
+def merge(runs: Sequence[PathRun]) -> PathRun:
+    """Merge runs of one system, design and loads into one with all their observables."""
+    first = runs[0]
+    observed = tuple(entry for run in runs for entry in run.observed)
+    return PathRun(first.system, first.design, first.parameters, first.loads, observed, first.place)
+
+
+def check_design(parameters: ParameterSet, system: System, place: str) -> None:
+    """Raise InputError if a constant sets a field that a design of the set sets as well."""
+    rod = system.reference.design.rod
+    taken = ["length"] if parameters.length_column is not None else []
+    taken += ["radius"] if parameters.profile is not None else []
+    for part in taken:
+        if (name := system.mover(f"{rod}.{part}")) is not None:
+            raise InputError(
+                f'{place}: a design of {parameters.name} sets the {part} of "{rod}", which the '
+                f'constant "{name}" sets as well: one of them must leave it.'
+            )

@@ -1,0 +1,92 @@
+"""Values with units whose kind is known, or follows from the unit."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from pydantic_core import PydanticCustomError
+
+from flexor.errors import InputError
+from flexor.model import units
+from flexor.model.fault import shown
+from flexor.model.units import Dimension
+
+# In this order: N*m/rad and N*m are one dimension.
+_KINDS = (
+    *(units.LENGTH, units.ANGLE, units.MODULUS, units.STIFFNESS, units.ANGULAR_STIFFNESS),
+    *(units.FORCE, units.DENSITY, units.CURVATURE, units.ACCELERATION),
+)
+_UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?P<unit>.*?)\s*")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit in which a value was written; empty for plain numbers.
+
+    Attributes
+    ----------
+    text : str
+        As written, such as ``"MPa"``.
+    factor : float
+        Its SI value.
+    si : str
+        The SI unit of its kind.
+    """
+
+    text: str = ""
+    factor: float = 1.0
+    si: str = ""
+
+    def shown(self, value: float, digits: int = 5) -> str:
+        """Return an SI value in this unit, with so many significant digits."""
+        number = f"{value / self.factor:.{digits}g}"
+        number = "0" if float(number) == 0.0 else number
+        return f"{number} {self.text}".rstrip()
+
+    def exact(self, value: float) -> str | float:
+        """Return an SI value for a model file, with all digits."""
+        return f"{value!r} {self.si}" if self.si else value
+
+
+def parse_quantity(value: object, kind: Dimension | None, place: str) -> tuple[float, Unit]:
+    """Read a value of a known kind, such as ``"10 cm"``; plain numbers where `kind` is None.
+
+    Returns
+    -------
+    float, Unit
+        SI value, and the unit it was written in.
+
+    Raises
+    ------
+    InputError
+        If its unit is missing or of another kind; the message begins with `place`.
+    """
+    if kind is None:
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            raise InputError(f"{place} is {shown(value)}: a plain number is needed.")
+        if not math.isfinite(value):
+            raise InputError(f"{place} is {float(value)!r}: it must be a finite number.")
+        return float(value), Unit()
+    try:
+        number = kind.parse(value)
+        match = _UNIT.fullmatch(number.text)
+        text = match["unit"] if match else ""
+        return float(number), Unit(text, float(kind.parse(f"1 {text}")), kind.unit)
+    except PydanticCustomError as error:
+        raise InputError(f"{place} {error.message()}.") from None
+
+
+def infer_quantity(value: object, place: str) -> tuple[float, Unit]:
+    """Read a value whose kind follows from its unit; see `parse_quantity`."""
+    if not isinstance(value, str):
+        return parse_quantity(value, None, place)
+    for kind in _KINDS:
+        try:
+            kind.parse(value)
+        except PydanticCustomError:
+            continue
+        return parse_quantity(value, kind, place)
+    example = 'such as "30 kPa", or a plain number for what has none'
+    raise InputError(f"{place} is {shown(value)}: write a value with its unit, {example}.")

@@ -1,0 +1,102 @@
+"""The result of a calibration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.calibration.identifiability import Identifiability
+from flexor.calibration.local_fit import Minimum
+from flexor.calibration.problem import Problem
+from flexor.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Fitted constants.
+
+    Attributes
+    ----------
+    problem : Problem
+        What was fitted.
+    minimum : Minimum
+        Where the local fit ended.
+    values : tuple of (m,) arrays
+        Values of each target, SI; NaN for held-out ones that were not evaluated.
+    """
+
+    problem: Problem
+    minimum: Minimum
+    values: tuple[Array, ...]
+
+    @cached_property
+    def x(self) -> Array:
+        """The constants, (c,), SI."""
+        return np.asarray(self.problem.x(self.minimum.u[None, :])[0])
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The constants by name, SI."""
+        names = (constant.name for constant in self.problem.constants)
+        return dict(zip(names, self.x.tolist(), strict=True))
+
+    @property
+    def misfit(self) -> float:
+        """Sum of the squared residuals of the fitted targets, in standard deviations."""
+        return self.minimum.misfit
+
+    @cached_property
+    def met(self) -> bool:
+        """Whether every hard target is met within its tolerance."""
+        return all(
+            bool(np.all(np.abs(value - target.value) <= target.tolerance))
+            for target, value in zip(self.problem.targets, self.values, strict=True)
+            if target.hard
+        )
+
+    def models(self) -> dict[str, Model]:
+        """Build the models with these constants, by name."""
+        return {name: system.model(self.x) for name, system in self.problem.systems.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The result of a calibration.
+
+    Attributes
+    ----------
+    title, source : str
+        Title and name of the targets file.
+    fits : tuple of Fit
+        The best first: those that meet every hard target before the others, then by misfit.
+    identifiability : Identifiability
+        Of the constants of the best fit.
+    seed, evaluations : int
+        The random seed; how many paths and optima were evaluated.
+    folder : Path or None
+        Where it is kept.
+    """
+
+    title: str
+    source: str
+    fits: tuple[Fit, ...]
+    identifiability: Identifiability
+    seed: int
+    evaluations: int
+    folder: Path | None
+
+    @property
+    def best(self) -> Fit:
+        """The best fit."""
+        return self.fits[0]
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of fitted values minus number of constants."""
+        return len(self.best.minimum.residuals) - len(self.best.problem.constants)

@@ -1,0 +1,96 @@
+"""The global search: an even cover of the ranges, whose best points become starts of local fits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.calibration.evaluator import Evaluator
+from flexor.errors import InputError
+
+Array = NDArray[np.float64]
+_CHUNK = 256
+_APART = 0.05  # of a range, by which starts must differ in at least one constant
+_SPARE = 4  # times the number of starts are evaluated fully, so that different ones are among them
+
+
+def default_samples(constants: int) -> int:
+    """Return how many points to try for so many constants."""
+    return int(min(4096, 256 * 2**constants))
+
+
+def screen(
+    evaluator: Evaluator,
+    samples: int,
+    starts: int,
+    seed: int,
+    report: Callable[[int, float], None],
+) -> Array:
+    """Find good starts in the unit cube.
+
+    Parameters
+    ----------
+    evaluator : Evaluator
+        Of the problem.
+    samples : int
+        Points to try, a Sobol sequence scrambled by `seed`.
+    starts : int
+        Points to return at most.
+    report : callable
+        Called with the number of points tried and the lowest misfit.
+
+    Returns
+    -------
+    (s, c) array
+        Points that differ, the best first.
+
+    Raises
+    ------
+    InputError
+        If no point gives equilibria for all targets.
+
+    Notes
+    -----
+    Paths are evaluated one after the other, and a point is dropped as soon as its misfit exceeds
+    that of the points that can still become starts; no start is lost by this.
+    """
+    problem = evaluator.problem
+    points = _sobol(samples, len(problem.constants), seed)
+    paths = problem.path_runs
+    optima = [run for run in problem.fitted_runs if run not in paths]
+    misfit = np.full(samples, np.inf)
+    for first in range(0, samples, _CHUNK):
+        rows = slice(first, first + _CHUNK)
+        known = np.sort(misfit[:first])[: _SPARE * starts]
+        worst = float(known[-1]) if len(known) == _SPARE * starts else np.inf
+        misfit[rows] = evaluator.misfit(points[rows], paths, worst)
+        report(min(first + _CHUNK, samples), float(misfit.min()))
+    if optima:  # searched for at the points that are best without; the others are dropped
+        order = np.argsort(misfit, kind="stable")[: 2 * starts]
+        without, misfit = misfit, np.full(samples, np.inf)
+        for row in order[np.isfinite(without[order])]:
+            misfit[row] = without[row] + evaluator.misfit(points[[row]], optima)[0]
+            report(samples, float(misfit.min()))
+    order = np.argsort(misfit, kind="stable")
+    chosen: list[int] = []
+    for row in order[np.isfinite(misfit[order])]:
+        if all(np.max(np.abs(points[row] - points[other])) > _APART for other in chosen):
+            chosen.append(int(row))
+        if len(chosen) == starts:
+            break
+    if not chosen:
+        raise InputError(
+            f"none of {samples} points in the ranges of the constants gives equilibria for all "
+            "targets: change the ranges or try more samples."
+        )
+    return points[chosen]
+
+
+def _sobol(samples: int, dimensions: int, seed: int) -> Array:
+    from scipy.stats import qmc
+
+    power = int(np.ceil(np.log2(max(samples, 1))))
+    sobol = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed))
+    return np.asarray(sobol.random_base2(power)[:samples])

@@ -1,0 +1,168 @@
+"""The stages of a calibration: screening, local fits, identifiability, predictions."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.calibration.evaluator import Evaluator
+from flexor.calibration.identifiability import (
+    Identifiability,
+    local_identifiability,
+    profile_likelihood,
+)
+from flexor.calibration.local_fit import Minimum, distinct, fit_locally
+from flexor.calibration.problem import Problem
+from flexor.calibration.record import Record
+from flexor.calibration.result import Fit
+from flexor.calibration.screening import screen
+from flexor.errors import InputError
+
+Array = NDArray[np.float64]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+_FITS = 8  # that are reported
+_PREDICTED = 4  # for which held-out targets are evaluated
+_REPEATS = 3  # of the analysis, when a profile finds a better fit
+_APART = 0.02  # parts of a range by which reported fits differ
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a running calibration.
+
+    Attributes
+    ----------
+    stage : str
+        The current stage.
+    done, total : int
+        How much of it is done.
+    misfit : float
+        The lowest so far.
+    evaluated, replayed : int
+        Paths and optima evaluated now, and taken from the record of an earlier run.
+    """
+
+    stage: str
+    done: int
+    total: int
+    misfit: float
+    evaluated: int
+    replayed: int
+
+
+ProgressCallback = Callable[[Progress], None]
+
+
+class Stages:
+    """The stages of a calibration, and what they share."""
+
+    def __init__(
+        self, problem: Problem, record: Record, threads: int, progress: ProgressCallback | None
+    ) -> None:
+        self._problem, self._record, self._progress = problem, record, progress
+        self._workers = threads or os.cpu_count() or 1
+        self._stopped = threading.Event()
+        self._lowest = np.inf
+        self._evaluator = Evaluator(problem, record, threads, self._stopped)
+
+    def check_reproduces(self) -> None:
+        """Raise InputError if the first recorded evaluation now gives another result."""
+        first = self._record.first()
+        if first is None:
+            return
+        (_, run, _, constants), recorded = first
+        x = np.frombuffer(constants, dtype="<f8")[None, :]
+        found = self._problem.runs[run].evaluate(x)[0]
+        if not np.allclose(found, recorded, rtol=1e-6, atol=1e-9, equal_nan=True):
+            raise InputError(
+                "the record of the calibration no longer reproduces (the models or the engine "
+                "have changed): begin another."
+            )
+
+    def minima(self, samples: int, starts: int, seed: int) -> list[Minimum]:
+        """Find the distinct local minima, the best first."""
+
+        def report(done: int, misfit: float) -> None:
+            self._report("searching the ranges", done, samples, misfit)
+
+        places = screen(self._evaluator, samples, starts, seed, report)
+        return distinct(
+            self._map(lambda place: fit_locally(self._evaluator, place), list(places), "refining")
+        )
+
+    def analyse(self, minima: list[Minimum]) -> tuple[list[Fit], Identifiability]:
+        """Rank the minima, analyse the best, and predict what was held out."""
+        fits = [Fit(self._problem, minimum, self._values(minimum)) for minimum in minima]
+        fits.sort(key=lambda fit: (not fit.met, fit.misfit))
+        minimum, identifiability = self._identifiability(fits[0].minimum)
+        best = Fit(self._problem, minimum, self._values(minimum))
+        others = [
+            fit
+            for fit in fits[1:]
+            if fit.met and np.max(np.abs(fit.minimum.u - minimum.u)) > _APART
+        ]
+        fits = [best, *others[: _FITS - 1]]
+        if any(not target.fitted for target in self._problem.targets):
+            for i in range(min(len(fits), _PREDICTED)):
+                self._report("predicting held-out targets", i, min(len(fits), _PREDICTED))
+                fits[i] = replace(fits[i], values=self._values(fits[i].minimum, held_out=True))
+        return fits, identifiability
+
+    def _identifiability(self, minimum: Minimum) -> tuple[Minimum, Identifiability]:
+        """Analyse a minimum; where a profile leads to a better one, analyse that.
+
+        Profiles are left out if fits need searches for optima.
+        """
+        found = local_identifiability(self._evaluator, minimum)
+        for _ in range(0 if self._problem.needs_optima else _REPEATS):
+            jobs = [(minimum, i, float(found.deviation[i])) for i in range(len(minimum.u))]
+            profiles = self._map(
+                lambda job: profile_likelihood(self._evaluator, *job), jobs, "profiling"
+            )
+            lowest = min((p.lowest for p in profiles), key=lambda m: m.misfit)
+            if lowest.misfit >= 0.99 * minimum.misfit - 1e-3:
+                return minimum, replace(found, profiles=tuple(profiles))
+            minimum = replace(fit_locally(self._evaluator, lowest.u), hits=minimum.hits)
+            found = local_identifiability(self._evaluator, minimum)
+        return minimum, found
+
+    def _values(self, minimum: Minimum, held_out: bool = False) -> tuple[Array, ...]:
+        problem = self._problem
+        chosen = range(len(problem.runs)) if held_out else problem.fitted_runs
+        runs = {run: self._evaluator.observed(minimum.u[None, :], run)[0] for run in chosen}
+        return tuple(
+            runs[run][part] if run in runs else np.full(part.stop - part.start, np.nan)
+            for run, part in problem.places
+        )
+
+    def _map(
+        self, function: Callable[[Item], Result], items: list[Item], stage: str
+    ) -> list[Result]:
+        """Apply a function to items on all cores; results in their order."""
+        self._report(stage, 0, len(items))
+        results: list[Result] = []
+        with ThreadPoolExecutor(self._workers) as pool:
+            try:
+                for future in [pool.submit(function, item) for item in items]:
+                    results.append(future.result())
+                    misfit = getattr(results[-1], "misfit", np.inf)
+                    self._report(stage, len(results), len(items), misfit)
+            except BaseException:
+                self._stopped.set()
+                pool.shutdown(cancel_futures=True)
+                raise
+        return results
+
+    def _report(self, stage: str, done: int, total: int, misfit: float = np.inf) -> None:
+        self._lowest = min(self._lowest, misfit)
+        if self._progress is not None:
+            counts = (self._record.evaluated, self._record.replayed)
+            self._progress(Progress(stage, done, total, self._lowest, *counts))
