@@ -16,6 +16,7 @@ from flexor.calibration.calibration import Calibration, Fit
 from flexor.calibration.goal import Goal
 from flexor.calibration.knowledge import Knowledge
 from flexor.errors import InputError
+from flexor.store import write_text
 
 _NOTHING = 1e-9  # of what was wanted
 CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
@@ -107,7 +108,7 @@ def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
     }
     try:
         for file, text in texts.items():
-            (folder / file).write_text(text, encoding="utf-8")
+            write_text(folder / file, text)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'cannot write into "{folder}": {why}.') from error

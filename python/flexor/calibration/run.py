@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from flexor.calibration import folder as folders
 from flexor.calibration.calibration import Calibration
 from flexor.calibration.combine import variants
 from flexor.calibration.explore import default_samples
 from flexor.calibration.progress import ProgressCallback
 from flexor.calibration.reading import read
-from flexor.calibration.record import Record
+from flexor.calibration.record import CALIBRATION, TARGETS, Record
 from flexor.calibration.variant import Variant
 from flexor.calibration.work import Work
-from flexor.errors import InputError
 from flexor.model import Model
-from flexor.study.lock import Lock
+from flexor.store import Workspace
 
 
 def calibrate(
@@ -83,24 +79,15 @@ def calibrate(
     starts = starts or file.search.starts
     counts = [samples or file.search.samples or default_samples(len(v.free)) for v in made]
     settings = _settings(made, text, seed, counts, starts)
-    with ExitStack() as stack:
-        place = None if folder is None else Path(folder)
-        if place is None:
-            if resume:
-                raise InputError("resuming a calibration needs its folder.")
-        else:
-            if resume:
-                folders.check_same(place, settings)
-            else:
-                folders.create(place, settings, text)
-            stack.callback(Lock(place).release)
-        record = Record(None if place is None else place / folders.RECORD)
-        stack.callback(record.close)
+    with Workspace(CALIBRATION, folder, settings, {TARGETS: text}, resume) as held:
+        held.check_versions()
+        record = Record(held.database)
         work = Work(record, made, threads, progress)
         if resume:
             work.check_reproduces()
         minima = [work.minima(i, counts[i], starts, seed) for i in range(len(made))]
         fits, knowledge = work.judged(minima)
+        held.database.close()
         return Calibration(
             title=file.title,
             source=str(targets),
@@ -108,7 +95,7 @@ def calibrate(
             knowledge=knowledge,
             seed=seed,
             evaluations=len(record),
-            folder=place,
+            folder=held.folder,
         )
 
 
@@ -117,8 +104,6 @@ def _settings(
 ) -> dict[str, Any]:
     models = [{name: s.reference.hash for name, s in v.systems.items()} for v in made]
     return {
-        "format": folders.FORMAT,
-        "flexor": version("flexor"),
         "targets": hashlib.sha256(text.encode()).hexdigest(),
         "models": models,
         "options": [dict(v.options) for v in made],
