@@ -1,4 +1,4 @@
-"""Run a calibration, or go on with one."""
+"""Run or resume a calibration."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def calibrate(
     targets : path
         The targets file.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     samples, starts : int, optional
         Points of the global search and how many of them are refined; the file's, or else by the
         number of constants.
@@ -50,11 +50,11 @@ def calibrate(
     folder : path, optional
         Where to keep the calibration; in memory by default.
     resume : bool
-        Go on with the calibration in ``folder``, whose settings must be these.
+        Resume the calibration in ``folder``, whose settings must be these.
     threads : int
         0 for one per core. Results do not depend on it.
     progress : callable, optional
-        Told a `Progress` now and then.
+        Called with a `Progress` now and then.
 
     Returns
     -------

@@ -38,7 +38,7 @@ def calibrate(
         typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the calibration in that folder.")
+        bool, typer.Option("--resume", help="Resume the calibration in that folder.")
     ] = False,
     seed: Seed = 0,
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,

@@ -55,7 +55,7 @@ def compare(
         typer.Option("--out", help="The folder to make; one in `studies/` by default."),
     ] = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the comparison in this folder.")
+        FilePath | None, typer.Option(help="Resume the comparison in this folder.")
     ] = None,
     workers: Annotated[
         int,

@@ -63,7 +63,7 @@ def landscape(
     ] = None,
     folder: StudyFolder = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
+        FilePath | None, typer.Option(help="Resume the landscape in this folder.")
     ] = None,
     threads: Threads = 0,
     cluster: Cluster = None,

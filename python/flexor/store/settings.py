@@ -148,7 +148,7 @@ def merged(
 
 
 def check_versions(kind: Kind, folder: Path, kept: Mapping[str, Any]) -> None:
-    """Refuse to go on with work of another version of Flexor or another build of its engine.
+    """Refuse to resume work of another version of Flexor or another build of its engine.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Folders of work: made whole or not at all, held by one process, gone on with as they were.
+"""Folders of work: made whole or not at all, used by one process at a time, resumed as they were.
 
 settings.json   what decides the numbers
 record.sqlite   everything that was evaluated (`Database`)
-lock            held by the process that is at it
+lock            held by the process that uses the folder
 
 and whatever files the kind of work adds, such as the model.
 """
@@ -50,7 +50,7 @@ class Workspace:
     files : dict of str
         Texts of more files that a new folder gets.
     resume : bool
-        Go on with the work in the folder, whose settings must be these.
+        Resume the work in the folder, whose settings must be these.
     notes : dict, optional
         Notes that a new record begins with.
 

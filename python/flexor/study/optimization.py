@@ -48,7 +48,7 @@ def optimize(
     method_options: Mapping[str, Any] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Study:
-    """Find the design of the exosuit that an objective likes best.
+    """Optimise a design for an objective.
 
     Parameters
     ----------
@@ -68,15 +68,15 @@ def optimize(
     force : (steps,) array, optional
         Actuation forces [N], judged at the last; the objective's or the model's own by default.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : int or Budget, optional
         Distinct designs to evaluate at most, or a `Budget`.
     folder : path, optional
         Where to keep the study; in memory by default.
     resume : bool
-        Go on with the study in ``folder``, whose settings must be these (the budget may differ).
+        Resume the study in ``folder``, whose settings must be these (the budget may differ).
     progress : callable, optional
-        Told a `StudyProgress` after each iteration.
+        Called with a `StudyProgress` after each iteration.
     executor : Threads, concurrent.futures.Executor or str, optional
         Where designs are evaluated: in this process, on all cores, by default. Anything with the
         interface of `concurrent.futures.Executor` can be given (threads, processes, Dask's
@@ -149,7 +149,7 @@ def resume(
     objective: Objective | None = None,
     method: Search | None = None,
 ) -> Study:
-    """Go on with a study, knowing only its folder.
+    """Resume a study from its folder.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | 
 
 
 def _check_reproduces(study: Study) -> None:
-    """Refuse to go on if a recorded design no longer gives what was recorded.
+    """Refuse to resume if a recorded design no longer gives what was recorded.
 
     The settings cannot tell whether a user's own set or objective is still the same function.
     """

@@ -74,9 +74,9 @@ def compare(
     folder : path, optional
         Where finished and running searches are kept; in memory by default.
     resume : bool
-        Go on with the comparison in ``folder``; sets, methods and seeds may be added to it.
+        Resume the comparison in ``folder``; sets, methods and seeds may be added to it.
     progress : callable, optional
-        Told a `ComparisonProgress` now and then.
+        Called with a `ComparisonProgress` now and then.
     executor : Threads, concurrent.futures.Executor or str, optional
         Where designs are evaluated; on one thread for each search by default. What
         `flexor.optimize` takes; the workers of a pool of processes or a cluster do whole searches.
@@ -122,7 +122,7 @@ def resume_comparison(
     executor: AnyExecutor | None = None,
     workers: int = 0,
 ) -> MethodComparison:
-    """Go on with a comparison, or read a finished one, knowing only its folder.
+    """Resume a comparison, or read a finished one, from its folder.
 
     Parameters
     ----------

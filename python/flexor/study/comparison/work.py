@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -154,7 +155,7 @@ def carry_out(
     known : dict
         Best values known from elsewhere, by set.
     progress : callable or None
-        Told now and then.
+        Called now and then.
     executor : Executor
         Where designs are evaluated.
     workers : int
@@ -179,10 +180,7 @@ def carry_out(
     if missing:
         work.check_versions()
     work.save_settings()
-    reference = {
-        name: float(problem.evaluate(problem.parameters.start[None, :]).value[0])
-        for name, problem in plan.problems.items()
-    }
+    reference = _references(plan, work)
     starts = {
         name: _starts(problem, plan.seeds, executor)
         for name, problem in plan.problems.items()
@@ -227,6 +225,18 @@ def carry_out(
         ),
         known=dict(known),
     )
+
+
+def _references(plan: Plan, work: Workspace) -> dict[str, float]:
+    """Return values of each set's own start; kept, so a finished comparison evaluates nothing."""
+    kept = work.database.noted("reference")
+    known: dict[str, Any] = dict(kept) if isinstance(kept, dict) else {}
+    for name, problem in plan.problems.items():
+        if not isinstance(known.get(name), float):
+            known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+    if known != kept:
+        work.database.note("reference", known)
+    return {name: known[name] for name in plan.problems}
 
 
 def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dict[int, FloatArray]:

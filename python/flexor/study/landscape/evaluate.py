@@ -61,7 +61,7 @@ def landscape(
     folder : path, optional
         Where to keep the study; in memory by default.
     resume : bool
-        Go on with the landscape in ``folder``, whose settings must be these.
+        Resume the landscape in ``folder``, whose settings must be these.
     progress, executor, engine_options : optional
         As for `flexor.optimize`.
 
