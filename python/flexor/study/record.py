@@ -82,6 +82,8 @@ class Record:
         noted = self.database.noted("sizes") if sizes is None else sizes
         try:
             k, steps, joints = (int(each) for each in noted)
+            if min(k, steps, joints) < 0:
+                raise ValueError
         except (TypeError, ValueError, OverflowError):
             raise self.database.damaged("it is not the record of a study") from None
         self._shape = {"parameters": k, "steps": steps, "joints": joints}
