@@ -31,8 +31,7 @@ from flexor.design import parameter_set
 from flexor.objectives import objective
 from flexor.study import Cluster, Executor, Outcomes, Problem, Threads
 from flexor.study.executors import PART
-from flexor.study.executors.parcel import Parcel, packed
-from flexor.study.executors.worker import evaluate
+from flexor.study.executors.task import PickledProblem, dumps, evaluate
 
 WORKERS = 2
 
@@ -128,12 +127,12 @@ def report(
         (a - b) / batches
         for a, b in zip(taken["cluster"].processor, taken["threads"].processor, strict=True)
     ]
-    sent = len(packed(evaluate, batch, False))
+    sent = len(dumps((evaluate, (batch, False))))
     back = len(pickle.dumps(problem.evaluate(batch), protocol=5))
     console.print(
         f"a batch costs {1e3 * statistics.median(extra):.1f} ms of processor time more; "
         f"one design there and back takes {1e3 * trip:.1f} ms\n"
-        f"the problem, once for each worker: {len(Parcel.of(problem).content):,} bytes; "
+        f"the problem, with each task: {len(PickledProblem.of(problem).content):,} bytes; "
         f"a design: {sent / PART:.0f} bytes there, {back / PART:.0f} back",
         markup=False,
     )

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from flexor.errors import InputError
     from flexor.model import Model, Path, load
     from flexor.study import Study, objective_function, optimize
-    from flexor.survey import Landscape, MethodComparison, compare, landscape
+    from flexor.study.comparison import MethodComparison, compare
+    from flexor.study.landscape import Landscape, landscape
 
     __version__: str
 
@@ -43,11 +44,11 @@ _HOME = {
     "InputError": "flexor.errors",
     "Model": "flexor.model",
     "Path": "flexor.model",
-    "Landscape": "flexor.survey",
-    "MethodComparison": "flexor.survey",
+    "Landscape": "flexor.study.landscape",
+    "MethodComparison": "flexor.study.comparison",
     "Study": "flexor.study",
-    "compare": "flexor.survey",
-    "landscape": "flexor.survey",
+    "compare": "flexor.study.comparison",
+    "landscape": "flexor.study.landscape",
     "load": "flexor.model",
     "objective_function": "flexor.study",
     "optimize": "flexor.study",
@@ -62,8 +63,8 @@ _PACKAGES = (
     "paper",
     "plot",
     "optimizers",
+    "store",
     "study",
-    "survey",
 )
 
 

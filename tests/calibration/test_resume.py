@@ -155,14 +155,14 @@ def folder(file, coarse, tmp_path):
 def test_other_settings_are_refused(flexor, folder, file) -> None:
     words = ("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
     for more, changed in (
-        (["--seed", "3"], "seed"),
-        (["--samples", "9"], "samples"),
-        (["--set", "exosuit.length=9 cm"], "models"),
+        (["--seed", "3"], "seed = 0, not 3"),
+        (["--samples", "9"], "samples = [256], not [9]"),
+        (["--set", "exosuit.length=9 cm"], "other models"),
     ):
         ran = flexor(*words, *more)
         assert ran.code == 2
         assert ran.err.count("\n") == 1
-        assert f"was made with other {changed}" in ran.err
+        assert f"was made with {changed}" in ran.err
     file.write_text(FILE.replace("0.8 rad", "0.7 rad"))
     assert "was made with other targets" in flexor(*words).err
 
@@ -179,7 +179,11 @@ def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:
     (folder / "settings.json").write_text("{")
     assert "is damaged" in flexor(*words).err
     (folder / "settings.json").write_text(json.dumps({**json.loads(settings), "format": 9}))
-    assert "reads format 1" in flexor(*words).err
+    assert "reads format 2" in flexor(*words).err
+    old = json.loads(settings)
+    old["flexor"] = "0.1.9"
+    (folder / "settings.json").write_text(json.dumps(old))
+    assert "was made with Flexor 0.1.9, this is " in flexor(*words).err
     (folder / "settings.json").write_text(settings)
     (folder / "record.sqlite").write_bytes(b"this is no database" * 100)
     ran = flexor(*words)
@@ -189,14 +193,16 @@ def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:
 
 def test_a_record_that_no_longer_holds_is_refused(flexor, folder, file) -> None:
     with sqlite3.connect(folder / "record.sqlite") as sql:
-        sql.execute("UPDATE evaluations SET observed = zeroblob(length(observed)) WHERE haste = 0")
+        sql.execute(
+            "UPDATE evaluations SET observed = zeroblob(length(observed)) WHERE screening = 0"
+        )
     ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
     assert ran.code == 2
     assert "no longer reproduces" in ran.err
 
 
 def test_only_one_process_at_a_time(flexor, folder, file) -> None:
-    from flexor.study.lock import Lock
+    from flexor.store import Lock
 
     lock = Lock(folder)
     try:

@@ -52,7 +52,7 @@ def test_ctrl_c_leaves_a_comparison_and_says_how_to_go_on(tmp_path) -> None:
         text=True,
         env={**os.environ, "COLUMNS": "200"},
     )
-    running = tmp_path / "my comparison" / "running"
+    running = tmp_path / "my comparison" / "record.sqlite"
     until = time.monotonic() + 60.0
     while not running.exists() and process.poll() is None and time.monotonic() < until:
         time.sleep(0.05)
@@ -64,7 +64,7 @@ def test_ctrl_c_leaves_a_comparison_and_says_how_to_go_on(tmp_path) -> None:
     assert "Traceback" not in said
     resuming = shlex.split(said.strip().splitlines()[-1])
     assert resuming == ["flexor", "compare", "--resume", "my comparison"]
-    assert (tmp_path / "my comparison" / "comparison.json").exists()
+    assert (tmp_path / "my comparison" / "settings.json").exists()
 
 
 @pytest.mark.parametrize(

@@ -117,7 +117,7 @@ def test_other_settings_are_refused(tmp_path, small) -> None:
 
 
 def test_one_process_at_a_time(tmp_path, small) -> None:
-    from flexor.study.lock import Lock
+    from flexor.store import Lock
 
     out = tmp_path / "out"
     reproduce(out, "fig3", settings=small)

@@ -10,18 +10,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import flexor
 from flexor.cli.app import main
 from flexor.errors import ClusterError, InputError
 from flexor.objectives import custom
-from flexor.study import Cluster, Study, StudyProgress, optimize, resume
-from flexor.study.executors import connection
-from flexor.survey import compare
+from flexor.study import Cluster, Pool, Study, StudyProgress, optimize, resume
+from flexor.study.comparison import compare
+from flexor.study.executors import cluster as clusters
+from flexor.study.executors import task
 
-pytest.importorskip("distributed")
+Client = pytest.importorskip("distributed").Client
 # One cluster for all of them: its processes take seconds to start.
 pytestmark = [
     pytest.mark.xdist_group("cluster"),
@@ -130,12 +130,11 @@ def test_the_command_gives_the_same_as_without(
 
 def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: Any) -> None:
     address = cluster.address
-    worker = next(iter(cluster._connection.on_every_worker(str)))
+    worker = next(iter(cluster._client.run(str)))
     with pytest.raises(InputError, match=f'"{worker}" is the address of a worker, not of the'):
         Cluster(worker)
-    monkeypatch.setattr(connection, "version", lambda _: "9.9.9")
-    # `version` is also what is asked of the workers, by name: there it is the real one.
-    monkeypatch.setattr(connection.Connection, "on_every_worker", asked_there)
+    here = clusters.decisive()
+    monkeypatch.setattr(clusters, "decisive", lambda: {**here, "flexor": "9.9.9"})
     with pytest.raises(InputError) as refusal:
         Cluster(address)
     said = str(refusal.value)
@@ -144,12 +143,21 @@ def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: A
         f'of the cluster "{address}" runs Flexor {flexor.__version__}, this is 9.9.9: '
         "install the same version."
     )
+    monkeypatch.setattr(clusters, "decisive", lambda: {**here, "engine": "0123"})
+    with pytest.raises(InputError, match="runs another build of the engine than this process"):
+        Cluster(address)
+    # Those that come later are refused at their first task.
+    monkeypatch.setattr(task, "decisive", lambda: {**here, "engine": "0123"})
+    with pytest.raises(InputError, match=r"a worker runs another build of the engine than this"):
+        optimize(flexor.load("finger-2-links"), "L", executor=cluster, budget=3)
 
 
-def asked_there(self: connection.Connection, *_: object) -> Any:
-    from importlib.metadata import version
-
-    return self._guarded(self._client.run, version, "flexor", on_error="return")
+def test_dasks_own_executor_is_one_like_any_other(cluster: Cluster) -> None:
+    model, given = flexor.load("finger"), {"parameters": "L+R01", "budget": 40}
+    with Client(cluster.address, set_as_default=False) as client:
+        there = optimize(model, **given, executor=client.get_executor())
+        assert Pool(client.get_executor()).slots == cluster.slots
+    assert content(there) == content(optimize(model, **given))
 
 
 def test_a_killed_worker_costs_nothing_but_time(
@@ -162,13 +170,6 @@ def test_a_killed_worker_costs_nothing_but_time(
         flexor.load("finger"), "R01", executor=cluster, progress=AtFirst(killed.kill), **GRID
     )
     assert content(study) == content(local)
-
-    # A worker that comes later has not been sent the problem, and gets it with its first task.
-    forget = "from flexor.study.executors import worker; worker._problems.clear()"
-    cluster._connection.on_every_worker(exec, forget)
-    designs = local.record.designs()[:40]
-    later = cluster.evaluate(study.problem, designs)
-    np.testing.assert_array_equal(later.value, local.record.outcomes().value[:40])
 
 
 def test_a_lost_scheduler_is_told_and_the_study_resumes(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import socket
 import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -15,14 +20,15 @@ import pytest
 import flexor
 from flexor.design import custom as custom_set
 from flexor.design import parameter_set
-from flexor.errors import InputError
+from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
 from flexor.objectives import custom, objective
 from flexor.optimizers import Progress, method
-from flexor.study import Cluster, Problem, Record, Recorded, Threads, optimize
-from flexor.study.executors import PART, connection, interface, threads, worker
+from flexor.study import Cluster, Pool, Problem, Record, Recorded, Study, Threads, optimize, resume
+from flexor.study.comparison import compare
+from flexor.study.executors import PART, cluster, interface, task, threads
 from flexor.study.executors.address import Address
-from flexor.study.executors.parcel import Parcel, packed
+from flexor.study.executors.task import PickledProblem, dumps
 
 
 def problem_of(model: Any, parameters: str = "R01") -> Problem:
@@ -59,7 +65,7 @@ def test_an_executor_needs_only_parts(analytic: ModuleType) -> None:
     with Counting() as executor:
         study = optimize(analytic.AnalyticModel(), "L", budget=30, executor=executor)
         assert executor.asked == study.evaluations == 30
-        assert (executor.slots, executor.away) == (1, False)
+        assert (executor.slots, executor.remote) == (1, False)
         assert executor.call(study.problem, lambda problem, x: (problem, x), 3)[1] == 3
 
 
@@ -136,7 +142,7 @@ def test_without_dask_the_extra_is_named(monkeypatch: Any) -> None:
 
 def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(connection, "ANSWER", 0.2)
+    monkeypatch.setattr(cluster, "ANSWER", 0.2)
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
@@ -150,7 +156,7 @@ def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any)
 
 def test_a_server_that_is_no_scheduler_is_not_waited_for(monkeypatch: Any) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(connection, "ANSWER", 0.3)
+    monkeypatch.setattr(cluster, "ANSWER", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"127.0.0.1:{silent.getsockname()[1]}"
         with pytest.raises(InputError, match=r"no Dask scheduler answers there within 0\.3 s"):
@@ -170,56 +176,117 @@ def test_a_model_is_pickled_as_its_description(finger: Problem) -> None:
         rebuilt(text, "0123")
 
 
+def evaluation(designs: Any, gradient: bool = False) -> bytes:
+    return dumps((task.evaluate, (np.asarray(designs), gradient)))
+
+
 def test_a_worker_does_what_it_is_sent(finger: Problem) -> None:
-    parcel = Parcel.of(finger)
-    assert len(parcel.content) < 8000
+    pickled = PickledProblem.of(finger)
+    assert len(pickled.content) < 8000
     designs = np.array([[0.007, 0.008], [0.0116, 0.008]])
-    work = packed(worker.evaluate, designs, True)
+    work = evaluation(designs, True)
     assert len(work) < 300
-    token = parcel.token
-    unknown = worker.call(token, work)
-    assert (unknown.result, unknown.error) == (None, None)
-    found = pickle.loads(worker.call(token, work, parcel).content)
+    found = task.run(pickled, work).result
     expected = finger.evaluate(designs, gradient=True)
     assert found.value.tobytes() == expected.value.tobytes()
     assert found.derivatives.tobytes() == expected.derivatives.tobytes()
-    assert worker.install(parcel) == ""
-    assert worker.call(token, work).result is not None  # it has kept the problem
-    broken = worker.call(token, packed(worker.evaluate, designs[:, :1], False))
-    assert isinstance(broken.error, InputError)
+    kept = task._problems[pickled.token]
+    assert task.run(pickled, work).error is None
+    assert task._problems[pickled.token] is kept
+    assert isinstance(task.run(pickled, evaluation(designs[:, :1])).error, InputError)
 
 
-def test_a_worker_refuses_another_version_model_or_module(finger: Problem) -> None:
-    parcel = Parcel.of(finger)
-    other = replace(parcel, token="other", version="0.0.1")
+def test_a_worker_refuses_another_version_engine_model_or_module(finger: Problem) -> None:
+    pickled, work = PickledProblem.of(finger), evaluation([[0.007, 0.008]])
+
+    def refusal(**changed: Any) -> str:
+        reply = task.run(replace(pickled, token=str(changed), **changed), work)
+        assert isinstance(reply.error, InputError)
+        return str(reply.error)
+
     here = flexor.__version__
-    assert worker.install(other) == f"runs Flexor {here}, this is 0.0.1"
-    answer = worker.call("other", b"", other)
-    assert str(answer.error) == f"a worker runs Flexor {here}, this is 0.0.1."
-
-    changed = replace(
-        parcel,
-        token="changed",
-        content=parcel.content.replace(finger.model.hash.encode(), b"0" * 64),
-    )
-    said = worker.install(changed)
-    assert said.startswith('refuses the problem: the model "finger" was made by another version')
-    assert f"the hash 000000000000 there and {finger.model.hash[:12]} here" in said
-
-    missing = replace(parcel, token="missing", content=b"cno_such_module\nthing\n.")
-    assert worker.install(missing) == "cannot load the problem: No module named 'no_such_module'"
+    said = refusal(versions={**pickled.versions, "flexor": "0.0.1"})
+    assert said == f"a worker runs Flexor {here}, this is 0.0.1: install the same version."
+    said = refusal(versions={**pickled.versions, "engine": "0" * 16})
+    assert said.startswith("a worker runs another build of the engine than this process")
+    known = finger.model.hash
+    said = refusal(content=pickled.content.replace(known.encode(), b"0" * 64))
+    assert 'the model "finger" was made by another version' in said
+    assert f"the hash 000000000000 there and {known[:12]} here" in said
+    said = refusal(content=b"cno_such_module\nthing\n.")
+    assert said == "a worker cannot load the problem: No module named 'no_such_module'."
 
 
 def test_ones_own_functions_are_sent_and_those_that_cannot_be_are_named(finger: Problem) -> None:
+    pytest.importorskip("cloudpickle")
     scale = 2.0
     wanted = custom("mine", lambda path: -scale * float(path.joint_angles[-1, 0]))
     bulge = custom_set("bulge", ["R"], [0.005], [0.012], [0.008], lambda p, X: p[0] + 0.0 * X)
     own = Problem(finger.model, bulge.on(finger.model.design), wanted)
-    parcel = Parcel.of(own)
-    work = packed(worker.evaluate, np.array([[0.008]]), False)
-    found = pickle.loads(worker.call(parcel.token, work, parcel).content)
+    found = task.run(PickledProblem.of(own), evaluation([[0.008]])).result
     assert found.value[0] == -2.0 * found.joint_angles[0, -1, 0]
     with socket.socket() as held:
         stuck = custom("stuck", lambda path: float(held.fileno()))
-        with pytest.raises(InputError, match=r'objective "stuck" cannot be sent to a cluster: .*'):
-            Parcel.of(replace(own, objective=stuck))
+        with pytest.raises(InputError, match=r'"stuck" cannot be sent to other processes: .*'):
+            PickledProblem.of(replace(own, objective=stuck))
+
+
+def bits(study: Study) -> list[bytes]:
+    outcomes = study.record.outcomes()
+    arrays = [study.record.designs(), outcomes.value, outcomes.joint_angles, outcomes.stable]
+    slopes = [study.record.derivatives(design) for design in study.record.designs()]
+    return [array.tobytes() for array in arrays] + [repr(slopes).encode()]
+
+
+@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_standard_executors_give_the_same_bits(kind: Any) -> None:
+    pytest.importorskip("cloudpickle")  # for the function at the end
+    model = flexor.load("finger")
+    searches: list[dict[str, Any]] = [
+        {"method": "grid", "method_options": {"points": 20}},
+        {"method": "ps", "method_options": {"starts": 3}, "start": "random", "budget": 60},
+        {"method": "bfgs", "budget": 20},
+    ]
+    given: dict[str, Any] = {"parameters": "L", "methods": "ps,lm", "seeds": 2, "budget": 12}
+    # Not forked: the engine has threads of its own here.
+    more = {"mp_context": get_context("spawn")} if kind is ProcessPoolExecutor else {}
+    with kind(2, **more) as pool:
+        assert Pool(pool).slots == 2
+        assert Pool(pool).remote == (kind is ProcessPoolExecutor)
+        for search in searches:
+            there = optimize(model, "R01", executor=pool, **search)
+            assert bits(there) == bits(optimize(model, "R01", **search))
+        runs = [compare(model, executor=where, **given).runs for where in (pool, None)]
+        for one, other in zip(*runs, strict=True):
+            assert one.result.improvement_designs.tobytes() == (
+                other.result.improvement_designs.tobytes()
+            )
+        bad = custom("f", lambda path: "high")  # type: ignore[arg-type,return-value]
+        with pytest.raises(InputError, match='"f" must give one number for a path'):
+            optimize(model, "L", bad, executor=pool, budget=3)
+
+
+def test_a_pool_whose_process_dies_is_lost_and_the_study_resumes(
+    finger: Problem, tmp_path: Path
+) -> None:
+    pytest.importorskip("cloudpickle")
+    pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+    kill = partial(Pool(pool).call, finger, lambda problem: os._exit(9))
+    asked: list[int] = []
+
+    def break_it(at: Any) -> None:
+        asked.append(at.evaluations)
+        if len(asked) == 2:
+            with pytest.raises(ClusterError, match=r"^the executor was lost: .*"):
+                kill()
+
+    given: dict[str, Any] = {"parameters": "R01", "budget": 30}
+    with pool, pytest.raises(ClusterError, match=r"^the executor was lost: "):
+        optimize(finger.model, **given, executor=pool, folder=tmp_path / "s", progress=break_it)
+    went_on = resume(tmp_path / "s")
+    assert bits(went_on) == bits(optimize(finger.model, **given))
+
+
+def test_what_is_no_executor_is_refused(finger: Problem) -> None:
+    with pytest.raises(InputError, match=r"executor is a int: give the address of a cluster, or"):
+        optimize(finger.model, "L", executor=4)  # type: ignore[arg-type]

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from flexor.errors import InputError
+from flexor.store import Lock
 from flexor.study import Record, Study, optimize, rerun, resume
-from flexor.study.lock import Lock
 
 OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4, "tolerance": 1e-3}}
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="limits and users of POSIX")

@@ -20,8 +20,8 @@ from flexor.design import custom
 from flexor.errors import InputError
 from flexor.objectives import custom as custom_objective
 from flexor.optimizers import Budget
+from flexor.store import Lock
 from flexor.study import Record, Study, StudyProgress, optimize, resume
-from flexor.study.lock import Lock
 
 OPTIONS: dict[str, Any] = {"seed": 3, "method_options": {"starts": 4, "tolerance": 1e-3}}
 
@@ -186,7 +186,7 @@ def test_other_settings_are_refused(
             analytic.AnalyticModel(), folder=tmp_path / "s", resume=True, **{**OPTIONS, **changed}
         )
     assert said in str(refusal.value)
-    with pytest.raises(InputError, match='a model "analytic" that differs from the one now'):
+    with pytest.raises(InputError, match="with a model that differs from the one now"):
         optimize(analytic.AnalyticModel(hash="9999"), folder=tmp_path / "s", resume=True, **OPTIONS)
 
 
@@ -214,7 +214,7 @@ def test_own_functions_must_be_given_and_be_the_same(analytic: ModuleType, tmp_p
 
 
 CHANGES: dict[str, dict[str, Any]] = {
-    "future": {"format": 2},
+    "future": {"format": 3},
     "one bound": {
         "parameters": {"name": "L", "labels": ["L"], "units": ["cm"], "lower": [], "upper": [1.0]}
     },
@@ -245,9 +245,19 @@ def break_folder(folder: Path, kind: str) -> None:
     elif kind == "list":
         settings.write_text("[1, 2]")
     elif kind == "half":
-        settings.write_text('{"format": 1, "model": {"name": "x"}}')
+        settings.write_text('{"format": 2, "model": {"name": "x"}}')
     elif kind in CHANGES:
         settings.write_text(json.dumps({**json.loads(settings.read_text()), **CHANGES[kind]}))
+    elif kind == "first":
+        settings.write_text('{"format": 1, "flexor": "0.1.0"}')
+    elif kind == "comparison":
+        settings.write_text('{"format": 2, "kind": "comparison"}')
+    elif kind == "linked":
+        settings.rename(folder / "elsewhere.json")
+        settings.symlink_to("elsewhere.json")
+    elif kind == "pipe":
+        settings.unlink()
+        os.mkfifo(settings)
     elif kind == "no record":
         (folder / "record.sqlite").unlink()
     elif kind == "broken record":
@@ -273,7 +283,11 @@ def break_folder(folder: Path, kind: str) -> None:
         ("no budget", "is damaged: it is not the settings of a study"),
         ("odd start", "is damaged: it is not the settings of a study"),
         ("odd options", "is damaged: it is not the settings of a study"),
-        ("future", "has format 2; this version of Flexor reads format 1"),
+        ("future", "has format 3; this version of Flexor reads format 2"),
+        ("first", "has format 1; this version of Flexor reads format 2: use the version that"),
+        ("comparison", '" is not a study: it is a comparison.'),
+        ("linked", 'settings.json" is a link: only a regular file is used in its place'),
+        ("pipe", 'settings.json" is no file: only a regular file is used in its place'),
         ("no record", "is damaged: it has no record.sqlite"),
         ("broken record", "cannot be used: file is not a database"),
         ("other record", "is damaged: its record.sqlite is of another study"),

@@ -49,7 +49,7 @@ class Evaluator:
             raise KeyboardInterrupt
         screening = screening and isinstance(self.problem.runs[run], PathRun)
         x = np.ascontiguousarray(self.problem.x(u), dtype="<f8") + 0.0  # no negative zeros
-        keys: list[Key] = [(0, run, screening, row.tobytes()) for row in x]
+        keys: list[Key] = [(run, screening, row.tobytes()) for row in x]
         values = [self.record.get(key) for key in keys]
         fresh = {key: row for row, key in enumerate(keys) if values[row] is None}
         if fresh:

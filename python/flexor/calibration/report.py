@@ -16,6 +16,7 @@ from flexor.calibration.identifiability import Identifiability
 from flexor.calibration.result import Calibration, Fit
 from flexor.calibration.targets import BoundTarget
 from flexor.errors import InputError
+from flexor.store import write_text
 
 _ZERO = 1e-9  # relative to the target value
 CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
@@ -76,7 +77,7 @@ def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
     }
     try:
         for file, text in texts.items():
-            (folder / file).write_text(text, encoding="utf-8")
+            write_text(folder / file, text)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'cannot write into "{folder}": {why}.') from error

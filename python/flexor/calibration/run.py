@@ -1,23 +1,19 @@
-"""Run a calibration, or resume one."""
+"""Run or resume a calibration."""
 
 from __future__ import annotations
 
 import hashlib
-from contextlib import ExitStack
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from flexor.calibration import folder as folders
 from flexor.calibration.problem import Problem, bind_problem
 from flexor.calibration.reading import read
-from flexor.calibration.record import Record
+from flexor.calibration.record import CALIBRATION, TARGETS, Record
 from flexor.calibration.result import Calibration
 from flexor.calibration.screening import default_samples
 from flexor.calibration.stages import ProgressCallback, Stages
-from flexor.errors import InputError
 from flexor.model import Model
-from flexor.study.lock import Lock
+from flexor.store import Workspace
 
 
 def calibrate(
@@ -76,23 +72,14 @@ def calibrate(
     starts = starts or file.search.starts
     samples = samples or file.search.samples or default_samples(len(problem.constants))
     settings = _settings(problem, text, seed, samples, starts)
-    with ExitStack() as stack:
-        place = None if folder is None else Path(folder)
-        if place is None:
-            if resume:
-                raise InputError("resuming a calibration needs its folder.")
-        else:
-            if resume:
-                folders.check_same(place, settings)
-            else:
-                folders.create(place, settings, text)
-            stack.callback(Lock(place).release)
-        record = Record(None if place is None else place / folders.RECORD)
-        stack.callback(record.close)
+    with Workspace(CALIBRATION, folder, settings, {TARGETS: text}, resume) as workspace:
+        workspace.check_versions()
+        record = Record(workspace.database)
         stages = Stages(problem, record, threads, progress)
         if resume:
             stages.check_reproduces()
         fits, identifiability = stages.analyse(stages.minima(samples, starts, seed))
+        workspace.database.close()
         return Calibration(
             title=file.title,
             source=str(targets),
@@ -100,14 +87,12 @@ def calibrate(
             identifiability=identifiability,
             seed=seed,
             evaluations=len(record),
-            folder=place,
+            folder=workspace.folder,
         )
 
 
 def _settings(problem: Problem, text: str, seed: int, samples: int, starts: int) -> dict[str, Any]:
     return {
-        "format": folders.FORMAT,
-        "flexor": version("flexor"),
         "targets": hashlib.sha256(text.encode()).hexdigest(),
         "models": {name: system.reference.hash for name, system in problem.systems.items()},
         "seed": seed,

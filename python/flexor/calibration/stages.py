@@ -78,7 +78,7 @@ class Stages:
         first = self._record.first()
         if first is None:
             return
-        (_, run, _, constants), recorded = first
+        (run, _, constants), recorded = first
         x = np.frombuffer(constants, dtype="<f8")[None, :]
         found = self._problem.runs[run].evaluate(x)[0]
         if not np.allclose(found, recorded, rtol=1e-6, atol=1e-9, equal_nan=True):

@@ -16,6 +16,7 @@ from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Seed, Set, Threads
 from flexor.cli.progress import duration
+from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
 from flexor.errors import InputError
 
@@ -36,7 +37,7 @@ def calibrate(
         typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the calibration in that folder.")
+        bool, typer.Option("--resume", help="Resume the calibration in that folder.")
     ] = False,
     seed: Seed = 0,
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
@@ -68,7 +69,6 @@ def calibrate(
     """
     from flexor import calibration
     from flexor.calibration import figure, report
-    from flexor.plot import save
 
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
@@ -100,8 +100,7 @@ def calibrate(
         )
         return 130
     files = report.write(found, place, name)
-    drawn = figure.draw(found)
-    files += [save(drawn, place / f"calibration{ending}") for ending in (".png", ".svg")]
+    files += save_figure(figure.draw(found), place, "calibration")
     if as_json:
         print(json.dumps(report.to_dict(found), allow_nan=False))
     else:

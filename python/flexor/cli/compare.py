@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import time
@@ -17,12 +18,12 @@ from flexor.cli.console import err, out
 from flexor.cli.evaluation import executor_if
 from flexor.cli.options import Cluster, Constants, JudgedForce, ModelUnlessResumed, Set
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted, refuse_settled
+from flexor.cli.studies import free_folder, interrupted, refuse_settled, save_figure
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
-    from flexor.survey import MethodComparison, Summary
+    from flexor.study.comparison import MethodComparison, Summary
 
 
 def compare(
@@ -54,7 +55,7 @@ def compare(
         typer.Option("--out", help="The folder to make; one in `studies/` by default."),
     ] = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the comparison in this folder.")
+        FilePath | None, typer.Option(help="Resume the comparison in this folder.")
     ] = None,
     workers: Annotated[
         int,
@@ -87,7 +88,7 @@ def compare(
     * `flexor compare finger -p R01,L+R01 -m pattern-search,cma-es --seeds 20 --budget 1000`
     * `flexor compare --resume studies/finger-bending-comparison`
     """
-    from flexor import survey
+    from flexor.study import comparison
 
     if plot is not None:
         from flexor.plot import writable
@@ -103,7 +104,7 @@ def compare(
     try:
         with executor_if(cluster) as executor, ComparisonBar() as progress:
             if resume is not None:
-                found = survey.resume_comparison(
+                found = comparison.resume_comparison(
                     resume, progress=progress, executor=executor, workers=workers
                 )
             else:
@@ -112,9 +113,9 @@ def compare(
 
                 loaded = load_changed(model, constants, changes or [])
                 place = folder or free_folder(loaded.name, objective, "comparison")
-                found = survey.compare(
+                found = comparison.compare(
                     loaded,
-                    survey.PAPER_SETS if parameters is None else parameters,
+                    comparison.PAPER_SETS if parameters is None else parameters,
                     objective,
                     methods=methods,
                     seeds=seeds,
@@ -184,6 +185,7 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
     from dataclasses import asdict
 
     from flexor import plot
+    from flexor.store import write_text
 
     summaries = [asdict(each) for each in found.summaries()]
     searches = found.table()
@@ -193,15 +195,16 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
     ]
     files = [place / "comparison.csv", place / "searches.csv"]
     for file, lines in zip(files, (summaries, rows), strict=True):
-        with open(file, "w", encoding="utf-8", newline="") as target:
-            writer = csv.DictWriter(target, list(lines[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(lines)
+        target = io.StringIO()
+        writer = csv.DictWriter(target, list(lines[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(lines)
+        write_text(file, target.getvalue())
     with err.status("drawing the profiles"):
         figure = plot.profiles(found)
-        for picture in (place / "profiles.png", place / "profiles.svg", also):
-            if picture is not None:
-                files.append(plot.save(figure, picture))
+        files += save_figure(figure, place, "profiles")
+        if also is not None:
+            files.append(plot.save(figure, also))
     return files
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from flexor.cli.progress import LiveLine, duration
 
 if TYPE_CHECKING:
-    from flexor.survey import ComparisonProgress
+    from flexor.study.comparison import ComparisonProgress
 
 
 class ComparisonBar(LiveLine):

@@ -23,14 +23,14 @@ from flexor.cli.options import (
     Threads,
 )
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted, refuse_settled
+from flexor.cli.studies import free_folder, interrupted, refuse_settled, save_figure
 from flexor.cli.table import number
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
     from flexor.study import Study
-    from flexor.survey import Landscape, SearchPath
+    from flexor.study.landscape import Landscape, SearchPath
 
 
 def landscape(
@@ -63,7 +63,7 @@ def landscape(
     ] = None,
     folder: StudyFolder = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
+        FilePath | None, typer.Option(help="Resume the landscape in this folder.")
     ] = None,
     threads: Threads = 0,
     cluster: Cluster = None,
@@ -93,7 +93,7 @@ def landscape(
     """
     from flexor import study as studies
     from flexor.cli.progress import SearchProgress
-    from flexor.survey import Landscape, SearchPath
+    from flexor.study.landscape import Landscape, SearchPath
 
     if plot is not None:
         from flexor.plot import writable
@@ -111,7 +111,10 @@ def landscape(
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             if resume is not None:
                 Landscape.check(resume)
-                study = studies.resume(resume, progress=progress, executor=executor)
+                study = studies.Study.open(resume)
+                if study.finished is None:
+                    study.close()
+                    study = studies.resume(resume, progress=progress, executor=executor)
             else:
                 assert model is not None
                 loaded = load_changed(model, constants, changes or [])
@@ -148,7 +151,7 @@ def _settings(
     from flexor import design
     from flexor.cli.start import starts
     from flexor.model import forces
-    from flexor.survey import grid_over
+    from flexor.study.landscape import grid_over
 
     chosen = design.parameter_set(parameters, model.design)
     labels = None if axes is None else [label.strip() for label in axes.split(",")]
@@ -179,11 +182,9 @@ def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> l
     files = found.save(place)
     with err.status("drawing the landscape"):
         figure = plot.landscape(found, paths)
-        files += [
-            plot.save(figure, file)
-            for file in (place / "landscape.png", place / "landscape.svg", also)
-            if file is not None
-        ]
+        files += save_figure(figure, place, "landscape")
+        if also is not None:
+            files.append(plot.save(figure, also))
     return files
 
 

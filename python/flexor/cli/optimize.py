@@ -1,4 +1,4 @@
-"""`flexor optimize`: find the design of the exosuit that an objective likes best."""
+"""`flexor optimize`: optimise a design for an objective."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def optimize(
     budget: Annotated[int | None, typer.Option(help="Evaluate at most so many designs.")] = None,
     folder: StudyFolder = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the study in this folder.")
+        FilePath | None, typer.Option(help="Resume the study in this folder.")
     ] = None,
     threads: Threads = 0,
     cluster: Cluster = None,
@@ -73,7 +73,7 @@ def optimize(
         bool, typer.Option("--json", help="Print one JSON object instead of table and figure.")
     ] = False,
 ) -> int:
-    """Find the design of the exosuit that an objective likes best.
+    """Optimise a design for an objective.
 
     Every design that is evaluated is kept in the study folder at once, so a study can be
     interrupted (Ctrl-C) at any moment and resumed; resumed studies end as if never interrupted.

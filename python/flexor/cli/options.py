@@ -27,7 +27,7 @@ StudyFolder = Annotated[
     Path | None,
     typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")]
+Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Threads = Annotated[
     int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
 ]

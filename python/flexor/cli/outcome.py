@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import err, out
 from flexor.cli.progress import duration
+from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
 
 if TYPE_CHECKING:
@@ -86,11 +87,9 @@ def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
 
     with err.status("drawing both designs"):
         figure = plot.designs(study.start.path, study.best.path, (beginning(study), "optimum"))
-        files = [also] if also is not None else []
+        files = [plot.save(figure, also)] if also is not None else []
         if study.folder is not None:
-            files += [study.folder / "designs.png", study.folder / "designs.svg"]
-        for file in files:
-            plot.save(figure, file)
+            files += save_figure(figure, study.folder, "designs")
     if quiet:
         return
     if study.folder is not None:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from flexor.cli.console import complain, err
 from flexor.errors import ClusterError, InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STUDIES = Path("studies")
 INTERRUPTED, LOST = 130, 3  # exit codes
@@ -68,8 +72,7 @@ def interrupted(place: Path | None, command: str, error: BaseException) -> int:
     error : BaseException
         What ended it.
     """
-    made = ("settings.json", "comparison.json")
-    begun = place is not None and any((place / name).exists() for name in made)
+    begun = place is not None and (place / "settings.json").exists()
     resuming = f"{command} {shlex.quote(str(place))}" if begun else None
     return ended_early(error, "design evaluated so far", resuming)
 
@@ -97,3 +100,30 @@ def ended_early(error: BaseException, kept: str, command: str | None) -> int:
         said[0].upper() + said[1:] if lost else f"interrupted; {said}", markup=False, soft_wrap=True
     )
     return LOST if lost else INTERRUPTED
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write a figure into a folder of work as PNG and SVG, following no link there.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    folder : Path
+        The folder.
+    name : str
+        The files' name without its ending.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    from flexor import plot
+    from flexor.store import replaced
+
+    files = [folder / f"{name}{ending}" for ending in (".png", ".svg")]
+    for file in files:
+        with replaced(file) as draft:
+            plot.save(figure, draft)
+    return files

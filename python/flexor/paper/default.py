@@ -5,7 +5,7 @@ from __future__ import annotations
 from flexor.paper.context import Context
 from flexor.paper.folder import Data
 from flexor.paper.optimum import evaluated
-from flexor.survey.comparison_result import WITHIN
+from flexor.study.comparison.result import WITHIN
 
 
 def default_design(context: Context) -> Data:

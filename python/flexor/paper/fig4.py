@@ -21,7 +21,7 @@ from flexor.paper.folder import Data
 from flexor.paper.optimum import evaluated, true_optimum
 from flexor.paper.section import Cell, Column, Compared, Picture, Section, Table, number
 from flexor.study import Settings, StudyProgress
-from flexor.survey import Landscape, SearchPath, landscape
+from flexor.study.landscape import Landscape, SearchPath, landscape
 
 # How contact is modelled: the name of the landscape, and what to change in the model file. The
 # paper's is spheres, which slide over each other in bumps; round cones are smooth.

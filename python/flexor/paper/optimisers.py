@@ -13,9 +13,14 @@ from flexor.paper.folder import Data
 from flexor.paper.optimum import true_optimum
 from flexor.paper.section import Cell, Column, Picture, Section, Table
 from flexor.paper.settings import COMPARED_METHODS, SETS
-from flexor.survey import ComparisonProgress, MethodComparison, compare, resume_comparison
+from flexor.study.comparison import (
+    ComparisonProgress,
+    MethodComparison,
+    compare,
+    resume_comparison,
+)
 
-SETTINGS = "comparison.json"
+SETTINGS = "settings.json"
 
 
 def optimisers(context: Context) -> Section:

@@ -23,8 +23,8 @@ from flexor.paper.summary import summary
 from flexor.paper.table_file import as_csv
 from flexor.plot import save
 from flexor.plot.style import style
+from flexor.store import Lock
 from flexor.study import Executor, chosen_executor
-from flexor.study.lock import Lock
 
 # Of the images in the documentation; those in `figures/` and in the report are finer.
 DOCS_DPI = 120

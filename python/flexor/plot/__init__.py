@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexor.model import Path
-    from flexor.survey import Landscape, MethodComparison, SearchPath
+    from flexor.study.comparison import MethodComparison
+    from flexor.study.landscape import Landscape, SearchPath
 
 __all__ = ["designs", "landscape", "path", "profiles", "save", "writable"]
 
@@ -109,7 +110,7 @@ def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
     matplotlib.figure.Figure
         Performance profile and data profile, as wide as a page.
     """
-    from flexor.survey import data_profiles, performance_profiles
+    from flexor.study.comparison import data_profiles, performance_profiles
 
     sets, seeds = len(comparison.sets), len(comparison.seeds)
     return draw_profiles(

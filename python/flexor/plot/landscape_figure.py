@@ -14,7 +14,7 @@ from flexor.plot.style import COLUMN, LINE, PAGE, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexor.survey import Landscape, SearchPath
+    from flexor.study.landscape import Landscape, SearchPath
 
 Array = NDArray[np.float64]
 

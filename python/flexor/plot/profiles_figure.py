@@ -13,7 +13,7 @@ from flexor.plot.style import PAGE, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexor.survey import Profile
+    from flexor.study.comparison import Profile
 
 # Okabe and Ito's colours that are dark enough for lines, each with each stroke: lines of one colour
 # differ in stroke, lines of one stroke in colour, and neighbours in both.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexor.study.design import Design
-from flexor.study.executors import Cluster, Executor, Threads, chosen_executor
+from flexor.study.executors import AnyExecutor, Cluster, Executor, Pool, Threads, chosen_executor
 from flexor.study.function import ObjectiveFunction, Slopes, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.outcomes import Outcomes
@@ -18,6 +18,7 @@ from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study
 
 __all__ = [
+    "AnyExecutor",
     "Changed",
     "Cluster",
     "Comparison",
@@ -26,6 +27,7 @@ __all__ = [
     "Executor",
     "ObjectiveFunction",
     "Outcomes",
+    "Pool",
     "Problem",
     "Record",
     "Recorded",

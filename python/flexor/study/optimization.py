@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,18 +14,16 @@ from flexor.errors import InputError
 from flexor.model.loading import needed_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
-from flexor.optimizers import Budget, Search, SearchResult
+from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
-from flexor.study import folder as folders
-from flexor.study.executors import Executor, chosen_executor
-from flexor.study.lock import Lock
+from flexor.store import Workspace
+from flexor.study.executors import AnyExecutor, chosen_executor
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
 from flexor.study.progress import StudyCallback
-from flexor.study.record import Record
-from flexor.study.reopen import reopened
+from flexor.study.reopen import reopened, reopened_record
 from flexor.study.run import run
-from flexor.study.settings import Settings
+from flexor.study.settings import MODEL, STUDY, Settings, study_settings
 from flexor.study.study import Study
 
 if TYPE_CHECKING:
@@ -46,11 +44,11 @@ def optimize(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     method_options: Mapping[str, Any] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Study:
-    """Find the design of the exosuit that an objective likes best.
+    """Optimise a design for an objective.
 
     Parameters
     ----------
@@ -70,18 +68,20 @@ def optimize(
     force : (steps,) array, optional
         Actuation forces [N], judged at the last; the objective's or the model's own by default.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : int or Budget, optional
         Distinct designs to evaluate at most, or a `Budget`.
     folder : path, optional
         Where to keep the study; in memory by default.
     resume : bool
-        Go on with the study in ``folder``, whose settings must be these (the budget may differ).
+        Resume the study in ``folder``, whose settings must be these (the budget may differ).
     progress : callable, optional
-        Told a `StudyProgress` after each iteration.
-    executor : Executor or str, optional
-        Where designs are evaluated: in this process, on all cores, by default; a text is the
-        address of a cluster, such as ``"tcp://HOST:8786"`` or ``"local:4"``; see `Cluster`.
+        Called with a `StudyProgress` after each iteration.
+    executor : Threads, concurrent.futures.Executor or str, optional
+        Where designs are evaluated: in this process, on all cores, by default. Anything with the
+        interface of `concurrent.futures.Executor` can be given (threads, processes, Dask's
+        ``client.get_executor()``, ``mpi4py.futures``); a text is the address of a Dask cluster,
+        such as ``"tcp://HOST:8786"`` or ``"local:4"``; see `Cluster`.
     method_options, engine_options : dict, optional
         Options of a method given by name, and of the engine's solver.
 
@@ -120,20 +120,22 @@ def optimize(
     limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
     problem = Problem(model, chosen, wanted, dict(engine_options or {}))
     first = _start(chosen, start)
-    settings = Settings.of(problem, search, first, seed, limit)
-    if folder is None and resume:
-        raise InputError("resuming a study needs its folder.")
-    with chosen_executor(executor) as where:
-
-        def search_in(study: Study) -> SearchResult:
-            return run(study, search, first, seed, limit, progress, where)
-
-        if folder is None:
-            sizes = (chosen.size, problem.force.size, len(model.joints))
-            study = Study(problem, settings, Record(None, sizes))
-            study.result = search_in(study)
-            return study
-        return _kept(Path(folder), settings, problem, resume, search_in)
+    values = study_settings(problem, search, first, seed, limit)
+    files = {MODEL: model.file.to_toml()}
+    with (
+        chosen_executor(executor) as where,
+        Workspace(STUDY, folder, values, files, resume, {"sizes": problem.sizes}) as work,
+    ):
+        work.check_versions()
+        record = reopened_record(work.folder, problem, work.database)
+        study = Study(problem, Settings(work.settings), record, work.folder)
+        if resume:
+            _check_reproduces(study)
+            work.save_settings()
+        record.note("finished", None)
+        study.result = run(study, search, first, seed, limit, progress, where)
+        record.note("finished", study.result.reason)
+        return study
 
 
 def resume(
@@ -141,13 +143,13 @@ def resume(
     *,
     budget: int | Budget | None = None,
     progress: StudyCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     model: Model | None = None,
     parameters: ParameterSet | None = None,
     objective: Objective | None = None,
     method: Search | None = None,
 ) -> Study:
-    """Go on with a study, knowing only its folder.
+    """Resume a study from its folder.
 
     Parameters
     ----------
@@ -191,38 +193,6 @@ def resume(
     )
 
 
-def _kept(
-    place: Path,
-    settings: Settings,
-    problem: Problem,
-    resume: bool,
-    search: Callable[[Study], SearchResult],
-) -> Study:
-    """Search with a record in a folder, which is made, or which is gone on with."""
-    if resume:
-        kept = Settings.read(place)
-        kept.check_same(settings, place)
-        settings = kept.with_budget(Budget(**settings.values["budget"]))
-    else:
-        folders.create(place, settings, problem)
-    lock = Lock(place)
-    try:
-        study = Study(problem, settings, folders.open_record(place, problem, write=True), place)
-        try:
-            if resume:
-                _check_reproduces(study)
-                folders.keep_settings(place, settings)
-            study.record.note("finished", None)
-            study.result = search(study)
-            study.record.note("finished", study.result.reason)
-        except BaseException:
-            study.close()
-            raise
-    finally:
-        lock.release()
-    return study
-
-
 def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:
     if isinstance(start, str):
         if start.strip().casefold() != "random":
@@ -236,7 +206,7 @@ def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | 
 
 
 def _check_reproduces(study: Study) -> None:
-    """Refuse to go on if a recorded design no longer gives what was recorded.
+    """Refuse to resume if a recorded design no longer gives what was recorded.
 
     The settings cannot tell whether a user's own set or objective is still the same function.
     """

@@ -51,6 +51,11 @@ class Problem:
             return np.array(self.objective.force)
         return np.asarray(self.model.evaluation_forces, dtype=np.float64)
 
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Numbers of parameters, steps and joints."""
+        return self.parameters.size, self.force.size, len(self.model.joints)
+
     def geometry(self, designs: FloatArray) -> Geometry:
         """Geometry of designs (n, k) at the model's sample points."""
         return self.parameters.geometry(designs, self.model.design.points)

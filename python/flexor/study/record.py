@@ -1,117 +1,113 @@
-"""The record of a study: every evaluation, in SQLite, as it happens."""
+"""The record of a search: every evaluation, as it happens."""
 
 from __future__ import annotations
 
-import json
-import sqlite3
+import math
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.errors import InputError, shortened
+from flexor.store import Database
 from flexor.study.outcomes import FloatArray, Outcomes
 
-_TABLES = """
-CREATE TABLE about (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+# Arrays that are recorded of each design: name, type in the file and here, shape.
+_ARRAYS: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
+    ("joint_angles", "<f8", "f8", ("steps", "joints")),  # [rad]
+    ("tip_force", "<f8", "f8", ("steps",)),  # [N]
+    ("touching", "<i4", "i4", ("steps",)),
+    ("converged", "u1", "?", ("steps",)),
+    ("stable", "u1", "?", ("steps",)),
+)
+TABLES = f"""
 CREATE TABLE evaluations (
     id INTEGER PRIMARY KEY,      -- order of evaluation
+    search TEXT NOT NULL,        -- which search; empty in a study, which is one search
     time REAL NOT NULL,          -- when its batch was recorded, seconds since 1970
-    design BLOB NOT NULL UNIQUE, -- parameters, SI, little-endian float64: the exact design
+    design BLOB NOT NULL,        -- parameters, SI, little-endian float64: the exact design
     parameters TEXT NOT NULL,    -- the same for reading, as a JSON list
     value REAL,                  -- of the objective; NULL if the design failed
     shown REAL,                  -- the objective's quantity for display; NULL if failed
     reason TEXT NOT NULL,        -- empty, or why the design failed
     events INTEGER NOT NULL,     -- snaps along the path
     iterations INTEGER NOT NULL, -- Newton iterations along the path
-    joint_angles BLOB NOT NULL,  -- float64 (steps, joints) [rad]
-    tip_force BLOB NOT NULL,     -- float64 (steps) [N]
-    touching BLOB NOT NULL,      -- int32 (steps)
-    converged BLOB NOT NULL,     -- uint8 (steps)
-    stable BLOB NOT NULL         -- uint8 (steps)
+    {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
+    derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
+    regularity TEXT,             -- what they are worth; NULL in searches without gradients
+    UNIQUE (search, design)
 );
 """
-# What a search with gradients records besides; a table of its own, for searches without have none.
-_DERIVATIVES = """
-CREATE TABLE IF NOT EXISTS derivatives (
-    design BLOB PRIMARY KEY,     -- as in evaluations
-    outputs BLOB NOT NULL,       -- float64 (joints + 1, parameters): angles, tip force; last step
-    regularity TEXT NOT NULL     -- what they are worth
-) WITHOUT ROWID;
-"""
-_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * 13})"
-_INSERT_DERIVATIVES = "REPLACE INTO derivatives VALUES (?, ?, ?)"
-_COLUMNS = (
-    "value, shown, reason, events, iterations, joint_angles, tip_force, touching, converged, stable"
-)
+_COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
+_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 6)})"
+_DERIVATIVES = "UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND "
 
 
 class Record:
-    """Evaluations of one study.
-
-    Each batch is one transaction in SQLite's write-ahead log with ``synchronous=NORMAL``: what was
-    appended survives the death of the process at any moment (a power cut may cost the last
-    transactions, never the file), and others may read while it is written.
+    """Evaluations of one search, each batch in one transaction; see `Database`.
 
     Parameters
     ----------
-    path : Path or None
-        The file; None keeps the record in memory.
-    parameters, steps, joints : int
-        Sizes of a new record, which is created if they are given.
+    place : Database, Path or None
+        Where they are: a database with the tables `TABLES`, which may be shared by many searches,
+        a file, or in memory.
+    sizes : tuple of int, optional
+        Numbers of parameters, steps and joints. With a path or in memory a new record is made if
+        they are given; of an existing one they are known.
+    write : bool
+        Whether a file may be written.
+    search : str
+        Which of the searches in the database; empty in a study.
 
     Raises
     ------
     InputError
-        If the file is missing, is not a record, or is damaged.
+        If the file is missing, is not the record of a study, or is damaged.
     """
 
     def __init__(
-        self, path: Path | None, sizes: tuple[int, int, int] | None = None, write: bool = True
+        self,
+        place: Database | Path | None,
+        sizes: tuple[int, int, int] | None = None,
+        write: bool = True,
+        search: str = "",
     ) -> None:
-        self._path = path
-        with self._explained():
-            if path is None:
-                self._sql = sqlite3.connect(":memory:", isolation_level=None)
-            else:
-                self._sql = _connect(path, "rwc" if sizes is not None else "rw" if write else "ro")
-            if write:
-                self._sql.execute("PRAGMA journal_mode=WAL")
-                self._sql.execute("PRAGMA synchronous=NORMAL")
+        if isinstance(place, Database):
+            self.database = place
+        else:
+            self.database = Database(place, None if sizes is None else TABLES, write)
             if sizes is not None:
-                self._sql.executescript(_TABLES)
-                self.note("sizes", list(sizes))
-            elif self._one("PRAGMA integrity_check(1)") != "ok":
-                raise sqlite3.DatabaseError("it is damaged")
-            if (noted := self.noted("sizes")) is None:
-                raise sqlite3.DatabaseError("it is not the record of a study")
-            if write:
-                self._sql.executescript(_DERIVATIVES)
-            k, steps, joints = noted
-            self._k, self._steps, self._joints = int(k), int(steps), int(joints)
+                self.database.note("sizes", list(sizes))
+        noted = self.database.noted("sizes") if sizes is None else sizes
+        try:
+            k, steps, joints = (int(each) for each in noted)
+            if min(k, steps, joints) < 0:
+                raise ValueError
+        except (TypeError, ValueError, OverflowError):
+            raise self.database.damaged("it is not the record of a study") from None
+        self._shape = {"parameters": k, "steps": steps, "joints": joints}
+        self._search = search
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Numbers of parameters, steps and joints."""
+        return self._shape["parameters"], self._shape["steps"], self._shape["joints"]
 
     def __len__(self) -> int:
-        with self._explained():
-            return int(self._one("SELECT count(*) FROM evaluations"))
+        return int(self._rows("count(*)", order="")[0][0])
 
     def close(self) -> None:
-        """Close the file; the write-ahead log is merged into it."""
-        self._sql.close()
+        """Close the file."""
+        self.database.close()
 
     def note(self, key: str, value: Any) -> None:
         """Keep a small value (anything JSON) with the record."""
-        with self._explained():
-            self._sql.execute("REPLACE INTO about VALUES (?, ?)", (key, json.dumps(value)))
+        self.database.note(key, value)
 
     def noted(self, key: str) -> Any:
         """Return what was noted, or None."""
-        with self._explained():
-            found = self._one("SELECT value FROM about WHERE key = ?", (key,))
-            return None if found is None else json.loads(found)
+        return self.database.noted(key)
 
     def append(self, designs: FloatArray, outcomes: Outcomes) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
@@ -123,9 +119,13 @@ class Record:
         InputError
             If the file can no longer be written, or a design is in it already.
         """
-        failed = ~np.isfinite(outcomes.value)
-        columns = (
-            [time.time()] * len(designs),
+        failed, count = ~np.isfinite(outcomes.value), len(designs)
+        slopes: list[tuple[Any, ...]] = [(None, None)] * count
+        if outcomes.derivatives is not None:
+            slopes = _derivatives(outcomes)
+        rows = zip(
+            [self._search] * count,
+            [time.time()] * count,
             _blobs(designs, "<f8"),
             [str(design) for design in designs.tolist()],
             _numbers(outcomes.value, failed),
@@ -133,17 +133,11 @@ class Record:
             outcomes.reason.tolist(),
             outcomes.events.tolist(),
             outcomes.iterations.tolist(),
-            _blobs(outcomes.joint_angles, "<f8"),
-            _blobs(outcomes.tip_force, "<f8"),
-            _blobs(outcomes.touching, "<i4"),
-            _blobs(outcomes.converged, "u1"),
-            _blobs(outcomes.stable, "u1"),
+            *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
+            *zip(*slopes, strict=True),
+            strict=True,
         )
-        rows = list(zip(*columns, strict=True))
-        slopes = _derivatives(designs, outcomes)
-        with self._explained(), self._transaction():
-            self._sql.executemany(_INSERT, rows)
-            self._sql.executemany(_INSERT_DERIVATIVES, slopes)
+        self.database.write((_INSERT, list(rows) if count else []))
 
     def append_derivatives(self, designs: FloatArray, outcomes: Outcomes) -> None:
         """Record the derivatives of designs (n, k) that are in it already.
@@ -153,129 +147,84 @@ class Record:
         InputError
             If the file can no longer be written.
         """
-        slopes = _derivatives(designs, outcomes)
-        with self._explained(), self._transaction():
-            self._sql.executemany(_INSERT_DERIVATIVES, slopes)
+        keys = _blobs(designs, "<f8")
+        rows = [
+            (*slopes, self._search, key)
+            for slopes, key in zip(_derivatives(outcomes), keys, strict=True)
+        ]
+        self.database.write((f"{_DERIVATIVES}design = ?", rows))
 
     def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
         """Find derivatives (j + 1, k) of a design (k,), and their regularity; None without."""
-        key = (design + 0.0).astype("<f8").tobytes()
-        with self._explained():
-            row = self._sql.execute(
-                "SELECT outputs, regularity FROM derivatives WHERE design = ?", (key,)
-            ).fetchone()
-            if row is None:
-                return None
-            return self._decoded([row[0]], "<f8", (self._joints + 1, self._k))[0], str(row[1])
+        rows = self._rows("derivatives, regularity", "derivatives IS NOT NULL", design)
+        if not rows:
+            return None
+        k, _, joints = self.sizes
+        return self._decoded([rows[0][0]], "<f8", (joints + 1, k))[0], str(rows[0][1])
 
     def known(self) -> dict[bytes, float]:
         """Value of every design by its exact bytes; +inf for those that failed."""
-        with self._explained():
-            rows = self._sql.execute("SELECT design, value FROM evaluations ORDER BY id")
-            return {design: np.inf if value is None else value for design, value in rows}
+        rows = self._rows("design, value")
+        return {design: np.inf if value is None else value for design, value in rows}
 
     def designs(self) -> FloatArray:
         """Every design in the order of evaluation, (n, k)."""
-        with self._explained():
-            rows = self._sql.execute("SELECT design FROM evaluations ORDER BY id").fetchall()
-            return self._decoded([row[0] for row in rows], "<f8", (self._k,))
+        return self._decoded([row[0] for row in self._rows("design")], "<f8", self.sizes[:1])
 
     def outcomes(self, design: FloatArray | None = None) -> Outcomes:
         """Outcomes of one design (k,), or of all in the order of evaluation.
 
         An unknown design gives outcomes of length zero.
         """
-        where, arguments = "", tuple[bytes, ...]()
-        if design is not None:
-            where, arguments = "WHERE design = ?", ((design + 0.0).astype("<f8").tobytes(),)
-        with self._explained():
-            rows = self._sql.execute(
-                f"SELECT {_COLUMNS} FROM evaluations {where} ORDER BY id", arguments
-            ).fetchall()
-            columns: list[list[Any]] = [list(column) for column in zip(*rows, strict=True)]
-            columns = columns or [[] for _ in range(10)]
-            value, shown, reason, events, iterations, angles, force, touch, conv, stable = columns
-            steps = self._steps
+        rows = self._rows(", ".join(_COLUMNS), design=design)
+        columns = dict(zip(_COLUMNS, zip(*rows, strict=True), strict=True)) if rows else {}
+        found = {name: list(columns.get(name, ())) for name in _COLUMNS}
+        try:
             return Outcomes(
-                value=np.array([np.inf if v is None else v for v in value], dtype=np.float64),
-                shown=np.array([np.nan if v is None else v for v in shown], dtype=np.float64),
-                reason=np.array(reason, dtype=object),
-                joint_angles=self._decoded(angles, "<f8", (steps, self._joints)),
-                tip_force=self._decoded(force, "<f8", (steps,)),
-                touching=self._decoded(touch, "<i4", (steps,)),
-                converged=self._decoded(conv, "u1", (steps,)).astype(np.bool_),
-                stable=self._decoded(stable, "u1", (steps,)).astype(np.bool_),
-                events=np.array(events, dtype=np.int64),
-                iterations=np.array(iterations, dtype=np.int64),
+                value=np.array([np.inf if v is None else v for v in found["value"]], dtype="f8"),
+                shown=np.array([np.nan if v is None else v for v in found["shown"]], dtype="f8"),
+                reason=np.array(found["reason"], dtype=object),
+                events=np.array(found["events"], dtype=np.int64),
+                iterations=np.array(found["iterations"], dtype=np.int64),
+                **{
+                    name: self._decoded(
+                        found[name], kind, tuple(self._shape[axis] for axis in axes)
+                    ).astype(here)
+                    for name, kind, here, axes in _ARRAYS
+                },
             )
+        except (TypeError, ValueError, OverflowError) as error:
+            raise self.database.damaged(str(error)) from error
 
     def best(self) -> FloatArray | None:
         """Best design (k,), the earliest of equals; None if none succeeded."""
-        with self._explained():
-            found = self._one(
-                "SELECT design FROM evaluations WHERE value IS NOT NULL ORDER BY value, id LIMIT 1"
-            )
-            return None if found is None else self._decoded([found], "<f8", (self._k,))[0]
+        rows = self._rows("design", "value IS NOT NULL", order="ORDER BY value, id LIMIT 1")
+        return self._decoded([rows[0][0]], "<f8", self.sizes[:1])[0] if rows else None
 
     def failures(self) -> dict[str, int]:
         """How many designs failed, by reason."""
-        with self._explained():
-            rows = self._sql.execute(
-                "SELECT reason, count(*) FROM evaluations WHERE value IS NULL "
-                "GROUP BY reason ORDER BY count(*) DESC, reason"
-            )
-            return {reason: int(count) for reason, count in rows}
+        order = "GROUP BY reason ORDER BY count(*) DESC, reason"
+        rows = self._rows("reason, count(*)", "value IS NULL", order=order)
+        return {reason: int(count) for reason, count in rows}
 
-    def _one(self, query: str, arguments: tuple[Any, ...] = ()) -> Any:
-        row = self._sql.execute(query, arguments).fetchone()
-        return None if row is None else row[0]
-
-    @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._sql.execute("BEGIN IMMEDIATE")
-        try:
-            yield
-            self._sql.execute("COMMIT")
-        except BaseException:
-            if self._sql.in_transaction:
-                self._sql.execute("ROLLBACK")
-            raise
+    def _rows(
+        self,
+        columns: str,
+        where: str = "1",
+        design: FloatArray | None = None,
+        order: str = "ORDER BY id",
+    ) -> list[tuple[Any, ...]]:
+        query = f"SELECT {columns} FROM evaluations WHERE search = ? AND {where}"
+        if design is None:
+            return self.database.rows(f"{query} {order}", (self._search,))
+        key = (design + 0.0).astype("<f8").tobytes()
+        return self.database.rows(f"{query} AND design = ? {order}", (self._search, key))
 
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        array = np.frombuffer(b"".join(blobs), dtype=kind)
-        if array.size != len(blobs) * int(np.prod(shape)):
-            raise sqlite3.DatabaseError("a row has the wrong size")
-        return array.reshape(len(blobs), *shape).copy()
-
-    @contextmanager
-    def _explained(self) -> Iterator[None]:
-        try:
-            yield
-        except (sqlite3.Error, TypeError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
-            where = "in memory" if self._path is None else f'"{self._path}"'
-            raise InputError(
-                f"the record {where} cannot be used: {shortened(str(error), 200)}."
-            ) from error
-
-
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    address = f"{path.absolute().as_uri()}?mode={mode}"
-    connection = sqlite3.connect(address, uri=True, isolation_level=None)
-    if mode == "ro":
-        try:
-            connection.execute("SELECT count(*) FROM sqlite_master")
-        except sqlite3.OperationalError:
-            # Beside a file with a write-ahead log SQLite wants to make files even for reading. On
-            # a medium that cannot be written nobody writes, and without a log nothing is missed.
-            log = path.with_name(f"{path.name}-wal")
-            if not path.is_file() or (log.exists() and log.stat().st_size > 0):
-                raise
-            connection.close()
-            address = f"{address}&immutable=1"
-            connection = sqlite3.connect(address, uri=True, isolation_level=None)
-    return connection
+        size = np.dtype(kind).itemsize * math.prod(shape)
+        if any(not isinstance(blob, bytes) or len(blob) != size for blob in blobs):
+            raise self.database.damaged("a row has the wrong size")
+        return np.frombuffer(b"".join(blobs), dtype=kind).reshape(len(blobs), *shape).copy()
 
 
 def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
@@ -285,12 +234,12 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
 
 
-def _derivatives(designs: FloatArray, outcomes: Outcomes) -> list[tuple[bytes, bytes, str]]:
-    """Rows of the derivatives; none if there are none."""
-    if outcomes.derivatives is None or outcomes.regularity is None:
-        return []
-    blobs = _blobs(designs, "<f8"), _blobs(outcomes.derivatives, "<f8")
-    return list(zip(*blobs, outcomes.regularity.tolist(), strict=True))
+def _derivatives(outcomes: Outcomes) -> list[tuple[bytes, str]]:
+    """Return the derivatives of each design, and what they are worth."""
+    assert outcomes.derivatives is not None
+    assert outcomes.regularity is not None
+    blobs = _blobs(outcomes.derivatives, "<f8")
+    return list(zip(blobs, outcomes.regularity.tolist(), strict=True))
 
 
 def _numbers(values: FloatArray, failed: NDArray[np.bool_]) -> list[float | None]:

@@ -1,4 +1,4 @@
-"""From the settings of a study back to its problem."""
+"""From a study folder back to its problem and its record."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, shortened
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
-from flexor.study.folder import MODEL
+from flexor.store import RECORD, Database, check_regular, open_record
 from flexor.study.problem import Problem
-from flexor.study.settings import Settings
+from flexor.study.record import Record
+from flexor.study.settings import MODEL, STUDY, Settings
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -44,6 +45,7 @@ def reopened(
     if model is None:
         from flexor.model import load
 
+        check_regular(folder / MODEL)
         model = load(folder / MODEL)
     if parameters is None:
         try:
@@ -64,6 +66,26 @@ def reopened(
         objective.at(values["objective"]["force"]),
         values["engine"],
     )
+
+
+def reopened_record(
+    folder: Path | None, problem: Problem, database: Database | None = None
+) -> Record:
+    """Open the record of a study folder, for reading unless a ``database`` is given.
+
+    Raises
+    ------
+    InputError
+        If it is missing, damaged or not of this problem's sizes.
+    """
+    if database is None:
+        assert folder is not None
+        database = open_record(STUDY, folder, write=False)
+    record = Record(database)
+    if record.sizes != problem.sizes:
+        record.close()
+        raise InputError(f'the study "{folder}" is damaged: its {RECORD} is of another study.')
+    return record
 
 
 def _own(kind: str, name: str, folder: Path) -> InputError:

@@ -15,7 +15,7 @@ from flexor.errors import InputError
 from flexor.objectives import Objective
 from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
-from flexor.study.executors import Executor
+from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import optimize
 from flexor.study.progress import StudyCallback
 from flexor.study.record import Record
@@ -99,7 +99,7 @@ def rerun(
     *,
     into: str | Path | None = None,
     progress: StudyCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     model: Model | None = None,
     parameters: ParameterSet | None = None,
     objective: Objective | None = None,
@@ -231,9 +231,8 @@ def _changed(then: Settings, now: Settings) -> Iterator[Changed]:
     old, new = then.values, now.values
     yield from _unequal("flexor", old["flexor"], new["flexor"])
     yield from _unequal("model", old["model"]["hash"], new["model"]["hash"])
-    made = old.get("environment") or {}
     for what, value in new["environment"].items():
-        yield from _unequal(what, made.get(what), value)
+        yield from _unequal(what, old["environment"].get(what), value)
 
 
 def _unequal(what: str, then: str | None, now: str) -> Iterator[Changed]:

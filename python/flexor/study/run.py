@@ -35,11 +35,11 @@ def run(
     start : (s, k) array or None
         Where it begins; None draws it from the seed.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : Budget
         When to stop at the latest.
     progress : callable, optional
-        Told a `StudyProgress` after each iteration.
+        Called with a `StudyProgress` after each iteration.
     executor : Executor, optional
         Where designs are evaluated; in this process by default.
 

@@ -2,23 +2,87 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sized
 from dataclasses import asdict, dataclass, is_dataclass
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from flexor.errors import InputError, shortened
+from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
+
 from flexor.optimizers import Budget, Search
-from flexor.study.environment import environment, installed
+from flexor.store import Header, Kind, read_settings
 from flexor.study.outcomes import FloatArray
 from flexor.study.problem import Problem
-from flexor.study.schema import complete
+from flexor.study.record import TABLES
 
-FORMAT = 1
-# What may differ when a study is resumed: when and with what it began, and how far it is to go.
-_FREE = ("created", "budget", "environment")
+MODEL = "model.toml"
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class ModelTable(_Table):
+    """Which model; the file itself is beside the settings."""
+
+    name: str
+    constants: str | None
+    hash: str
+
+
+class ObjectiveTable(_Table):
+    """What is wanted, and at which forces [N]."""
+
+    name: str
+    force: list[FiniteFloat]
+
+
+class MethodTable(_Table):
+    """How to search."""
+
+    name: str
+    options: dict[str, Any]
+
+
+class _Parameters(_Table):
+    name: str
+    labels: list[str]
+    units: list[str]
+    lower: list[FiniteFloat]
+    upper: list[FiniteFloat]
+
+
+class _Budget(_Table):
+    evaluations: int | None
+    seconds: FiniteFloat | None
+
+
+class _Shape(Header):
+    model: ModelTable
+    parameters: _Parameters
+    objective: ObjectiveTable
+    method: MethodTable
+    start: list[list[FiniteFloat]] | None
+    seed: NonNegativeInt
+    engine: dict[str, FiniteFloat]
+    budget: _Budget
+
+    @model_validator(mode="after")
+    def _one_size(self) -> _Shape:
+        chosen = self.parameters
+        rows: list[Sized] = [chosen.units, chosen.lower, chosen.upper, *(self.start or [])]
+        if any(len(row) != len(chosen.labels) for row in rows):
+            raise ValueError("rows of different lengths")
+        return self
+
+
+STUDY = Kind(
+    name="study",
+    schema=_Shape,
+    tables=TABLES,
+    free=("budget",),
+    hashed={"model.hash": "a model that differs from the one now given"},
+)
 
 
 @dataclass(frozen=True)
@@ -28,54 +92,13 @@ class Settings:
     Attributes
     ----------
     values : dict
-        ``format``, ``flexor`` (version), ``environment`` (engine, Python, packages, system; see
-        `flexor.study.environment`), ``created``, ``model`` (name, constants, hash),
-        ``parameters`` (name, labels, units, bounds), ``objective`` (name, forces), ``method``
-        (name, options), ``start``, ``seed``, ``engine`` (options) and ``budget``. Numbers are SI
-        and read back exactly.
+        ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
+        system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels,
+        units, bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``,
+        ``seed``, ``engine`` (options) and ``budget``. Numbers are SI and read back exactly.
     """
 
     values: Mapping[str, Any]
-
-    @classmethod
-    def of(
-        cls,
-        problem: Problem,
-        search: Search,
-        start: FloatArray | None,
-        seed: int,
-        budget: Budget,
-    ) -> Settings:
-        """Describe a study; a ``start`` of None is drawn from the seed."""
-        chosen = problem.parameters
-        options: dict[str, Any] = {}
-        if is_dataclass(search) and not isinstance(search, type):
-            options = asdict(search)
-        values = {
-            "format": FORMAT,
-            "flexor": installed("flexor"),
-            "environment": environment(),
-            "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-            "model": {
-                "name": problem.model.name,
-                "constants": problem.model.file.use,
-                "hash": problem.model.hash,
-            },
-            "parameters": {
-                "name": chosen.name,
-                "labels": list(chosen.labels),
-                "units": list(chosen.units),
-                "lower": chosen.lower.tolist(),
-                "upper": chosen.upper.tolist(),
-            },
-            "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
-            "method": {"name": search.name, "options": options},
-            "start": None if start is None else start.tolist(),
-            "seed": seed,
-            "engine": dict(problem.options),
-            "budget": asdict(budget),
-        }
-        return cls(json.loads(json.dumps(values)))
 
     @classmethod
     def read(cls, folder: Path) -> Settings:
@@ -86,74 +109,39 @@ class Settings:
         InputError
             If the folder is not a study, or one that this version cannot read.
         """
-        path = folder / "settings.json"
-        if not path.is_file():
-            what = "there is no such folder"
-            if folder.exists():
-                what = "it has no settings.json" if folder.is_dir() else "it is a file"
-            raise InputError(f'"{folder}" is not a study: {what}.')
-        try:
-            values = json.loads(path.read_text(encoding="utf-8"))
-            found = values["format"]
-            # JSON can escape what is no text, and could then not be written again.
-            json.dumps(values, ensure_ascii=False).encode("utf-8")
-        except OSError as error:
-            raise InputError(
-                f'"{path}" cannot be read: {(error.strerror or str(error)).lower()}.'
-            ) from error
-        except (ValueError, KeyError, TypeError, RecursionError):
-            raise InputError(f'"{path}" is damaged: it is not the settings of a study.') from None
-        if found != FORMAT:
-            raise InputError(
-                f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
-                f"format {FORMAT}."
-            )
-        if not complete(values):
-            raise InputError(f'"{path}" is damaged: it is not the settings of a study.')
-        return cls(values)
-
-    def write(self, folder: Path) -> None:
-        """Write ``settings.json`` into a folder, in place of any that is there."""
-        text = json.dumps(self.values, indent=2, ensure_ascii=False) + "\n"
-        draft = folder / "settings.json.new"
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(folder / "settings.json")
-
-    def with_budget(self, budget: Budget) -> Settings:
-        """Return the same settings with another budget."""
-        return Settings({**self.values, "budget": asdict(budget)})
-
-    def check_same(self, other: Settings, folder: Path) -> None:
-        """Refuse to go on with a study under other settings.
-
-        Raises
-        ------
-        InputError
-            Naming the first setting that differs.
-        """
-        mine, theirs = dict(_flat(self.values)), dict(_flat(other.values))
-        for key in [*mine, *(key for key in theirs if key not in mine)]:
-            if key.split(".")[0] in _FREE or mine.get(key) == theirs.get(key):
-                continue
-            if key == "model.hash":
-                raise InputError(
-                    f'the study "{folder}" was made with a model "{mine["model.name"]}" that '
-                    "differs from the one now given: resume it as it was or begin another."
-                )
-            raise InputError(
-                f'the study "{folder}" was made with {key} = {_shown(mine.get(key))}, not '
-                f"{_shown(theirs.get(key))}: resume it as it was or begin another."
-            )
+        return cls(read_settings(STUDY, folder))
 
 
-def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", value
+def study_settings(
+    problem: Problem, search: Search, start: FloatArray | None, seed: int, budget: Budget
+) -> dict[str, Any]:
+    """Describe a study; a ``start`` of None is drawn from the seed."""
+    chosen = problem.parameters
+    return {
+        "model": model_table(problem),
+        "parameters": {
+            "name": chosen.name,
+            "labels": list(chosen.labels),
+            "units": list(chosen.units),
+            "lower": chosen.lower.tolist(),
+            "upper": chosen.upper.tolist(),
+        },
+        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
+        "method": method_table(search),
+        "start": None if start is None else start.tolist(),
+        "seed": seed,
+        "engine": dict(problem.options),
+        "budget": asdict(budget),
+    }
 
 
-def _shown(value: Any) -> str:
-    text = "nothing" if value is None else json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+def model_table(problem: Problem) -> dict[str, Any]:
+    """Describe a problem's model."""
+    model = problem.model
+    return {"name": model.name, "constants": model.file.use, "hash": model.hash}
+
+
+def method_table(search: Search) -> dict[str, Any]:
+    """Describe a method with its options."""
+    known = is_dataclass(search) and not isinstance(search, type)
+    return {"name": search.name, "options": asdict(search) if known else {}}  # type: ignore[call-overload]

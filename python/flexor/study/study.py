@@ -36,7 +36,8 @@ class Comparison:
 class Study:
     """What was asked, and everything that was evaluated to answer it.
 
-    Made by `flexor.optimize`, or opened for reading by `Study.open`.
+    Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
+    is opened again for reading where it is, and one in memory takes its record along.
 
     Attributes
     ----------
@@ -89,13 +90,12 @@ class Study:
         InputError
             If the folder is not a study, is damaged, or names something that is not known.
         """
-        from flexor.study.folder import open_record
-        from flexor.study.reopen import reopened
+        from flexor.study.reopen import reopened, reopened_record
 
         place = Path(folder)
         settings = Settings.read(place)
         problem = reopened(place, settings, model, parameters, objective)
-        return cls(problem, settings, open_record(place, problem, write=False), place)
+        return cls(problem, settings, reopened_record(place, problem), place)
 
     @property
     def evaluations(self) -> int:

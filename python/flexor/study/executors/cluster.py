@@ -1,36 +1,41 @@
-"""Evaluation on a cluster of machines, with Dask."""
+"""A Dask cluster by its address: connected to or started, and in sentences where that fails."""
 
 from __future__ import annotations
 
-import pickle
+import asyncio
+import logging
+import signal
 import threading
-from collections import deque
-from collections.abc import Callable, Generator
-from typing import Any, TypeVar
-from weakref import WeakKeyDictionary
-
-import numpy as np
+import time
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from typing import Any
 
 from flexor.errors import ClusterError, InputError
-from flexor.study.executors import worker
-from flexor.study.executors.connection import PATIENCE, Connection
-from flexor.study.executors.interface import PART, Executor
-from flexor.study.executors.parcel import Parcel, packed
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.installing import install_command
+from flexor.store.environment import decisive
+from flexor.study.executors import task
+from flexor.study.executors.address import Address
+from flexor.study.executors.pool import Pool
+from flexor.study.executors.task import one_line
 
-Result = TypeVar("Result")
-# A task should take no less than this [s], or passing it on takes as long as doing it.
-LEAST = 0.02
-# Tasks kept waiting for each thread of the cluster, so that none is idle between two.
-AHEAD = 3
+# How long a scheduler may take to answer [s], and how long a cluster may be without workers.
+ANSWER = 10.0
+PATIENCE = 60.0
+# How long the number of threads is believed [s].
+_BELIEVED = 5.0
+# Displays that nobody looks at cost Dask's processes some percent of a core each.
+_WITHOUT_DISPLAYS = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+}
 
 
-class Cluster(Executor):
+class Cluster(Pool):
     """Evaluates on the workers of a Dask cluster.
 
-    Each worker is sent the problem once, its model as the text of a model file, and then designs
-    as bare numbers. It refuses if it runs another version of Flexor or its model has another hash.
     What a worker that dies was doing is done again by another.
 
     Parameters
@@ -45,7 +50,7 @@ class Cluster(Executor):
     ------
     InputError
         If Dask is not installed, the address is none, nobody answers there, there are no workers,
-        or one of them runs another version of Flexor.
+        or one of them runs another version of Flexor or another build of its engine.
 
     Notes
     -----
@@ -55,143 +60,181 @@ class Cluster(Executor):
     """
 
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
-        self._connection = Connection(address, patience)
-        self._parcels: WeakKeyDictionary[Problem, Parcel] = WeakKeyDictionary()
-        self._spent: dict[str, tuple[int, float]] = {}  # designs and seconds, by token
-        self._lock = threading.Lock()
-
-    @property
-    def address(self) -> str:
-        """As it was given."""
-        return self._connection.address.text
+        where = Address.read(address)
+        self.address = where.text
+        self._patience = patience
+        self._cluster: Any = None
+        self._client: Any = None
+        self._threads, self._counted = 0, -_BELIEVED
+        self._bare_since: float | None = None
+        distributed = _library()
+        # Its client logs how connections break, which is said in sentences here.
+        self._log = logging.getLogger("distributed.client")
+        self._log_level = self._log.level
+        self._log.setLevel(logging.CRITICAL + 1)
+        try:
+            client = self._connect(distributed, where)
+            super().__init__(client.get_executor(), f'the cluster "{self.address}"')
+            self._wait_for_workers()
+            self._check_workers()
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def slots(self) -> int:
         """Threads of all workers together."""
-        return max(self._connection.threads, 1)
-
-    def parts(
-        self, problem: Problem, designs: FloatArray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
-        """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending.
-
-        Raises
-        ------
-        InputError
-            If a worker refuses the problem.
-        ClusterError
-            If the cluster is lost.
-        """
-        parcel = self._sent(problem)
-        left = deque(self._split(parcel.token, designs))
-        running: deque[tuple[bytes, Any]] = deque()
-        try:
-            while left or running:
-                while left and len(running) < AHEAD * self.slots:
-                    work = packed(worker.evaluate, left.popleft(), gradient)
-                    running.append((work, self._submit(parcel.token, work)))
-                answer = self._answer(parcel, *running.popleft())
-                outcomes: Outcomes = pickle.loads(answer.content)
-                self._learn(parcel.token, len(outcomes), answer.seconds)
-                yield outcomes
-        finally:
-            for _, future in running:
-                future.release()
-
-    @property
-    def away(self) -> bool:
-        """True: what it calls sees nothing of this process."""
-        return True
-
-    def call(
-        self,
-        problem: Problem,
-        function: Callable[..., Result],
-        *arguments: Any,
-        stopped: Callable[[], bool] | None = None,
-    ) -> Result:
-        """Call ``function(problem, *arguments)`` on a worker, and wait for it.
-
-        Raises
-        ------
-        InputError, ClusterError
-            As for `parts`; and what the function raises.
-        """
-        parcel, work = self._sent(problem), packed(function, *arguments)
-        answer = self._answer(parcel, work, self._submit(parcel.token, work), stopped)
-        result: Result = pickle.loads(answer.content)
-        return result
+        return max(self._count(), 1)
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
-        self._connection.close()
+        for each in (self._client, self._cluster):
+            if each is not None:
+                with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
+                    each.close(timeout=ANSWER)
+        self._client = self._cluster = None
+        self._log.setLevel(self._log_level)
 
-    def _sent(self, problem: Problem) -> Parcel:
-        """Send a problem to every worker there is, the first time."""
-        with self._lock:
-            known = self._parcels.get(problem)
-            if known is not None:
-                return known
-            parcel = Parcel.of(problem)
-            for where, why in self._connection.on_every_worker(worker.install, parcel).items():
-                # A worker that dies meanwhile is nobody's fault.
-                if why and not isinstance(why, OSError):
-                    raise InputError(
-                        f'the worker {where} of the cluster "{self.address}" {_reason(why)}.'
-                    )
-            self._parcels[problem] = parcel
-            return parcel
-
-    def _split(self, token: str, designs: FloatArray) -> list[FloatArray]:
-        """Split designs for all threads, in parts neither too small nor too large."""
-        count, slots = len(designs), self.slots
-        parts = -(-count // PART)
-        if parts < slots:
-            known, seconds = self._spent.get(token, (0, 0.0))
-            worth = count if not known else int(count * seconds / known / LEAST)
-            parts = max(parts, min(slots, worth, count))
-        elif parts < AHEAD * slots:
-            parts = -(-parts // slots) * slots  # the same for each thread
-        return np.array_split(designs, parts) if parts else []
-
-    def _submit(self, token: str, work: bytes, parcel: Parcel | None = None) -> Any:
-        return self._connection.submit(worker.call, token, work, parcel)
-
-    def _answer(
-        self,
-        parcel: Parcel,
-        work: bytes,
-        future: Any,
-        stopped: Callable[[], bool] | None = None,
-    ) -> worker.Answer:
-        where = f'the cluster "{self.address}"'
+    def _connect(self, distributed: Any, where: Address) -> Any:
+        target = self.address
+        if where.local:
+            try:
+                self._cluster = _started(distributed, where.local)
+            except (OSError, TimeoutError, RuntimeError) as error:
+                raise InputError(
+                    f'the cluster "{self.address}" could not be started: {one_line(error)}.'
+                ) from error
+            target = self._cluster.scheduler_address
+        elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
+            raise InputError(
+                f'the cluster "{self.address}" is the address of a {kind.lower()}, not of the '
+                "scheduler."
+            )
         try:
-            answer: worker.Answer = self._connection.result(future, stopped)
-        except (ImportError, AttributeError) as error:
-            raise InputError(f"a worker of {where} {_reason(error)}.") from error
-        except Exception as error:
-            if type(error).__name__ != "KilledWorker":
-                raise
-            raise ClusterError(
-                f"{where} lost one worker after another at the same designs: their logs say why, "
-                "often for want of memory."
+            self._client = distributed.Client(
+                target, timeout=ANSWER, set_as_default=False, name="flexor"
+            )
+            return self._client
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            raise InputError(
+                f'the cluster "{self.address}" cannot be used: {one_line(error)}.'
             ) from error
-        if answer.error is not None:
-            raise answer.error
-        if answer.result is None:  # from a worker that came later
-            again = self._submit(parcel.token, work, parcel)
-            return self._answer(parcel, work, again, stopped)
-        return answer
 
-    def _learn(self, token: str, designs: int, seconds: float) -> None:
-        """Take in how long designs took."""
-        with self._lock:
-            count, before = self._spent.get(token, (0, 0.0))
-            self._spent[token] = count + designs, before + seconds
+    def _wait_for_workers(self) -> None:
+        began = time.monotonic()
+        while not self._count():
+            if time.monotonic() - began > self._patience:
+                raise InputError(f"{self._name} has no workers: none came in {self._patience:g} s.")
+            time.sleep(0.2)
+            self._counted = -_BELIEVED
+
+    def _check_workers(self) -> None:
+        """Refuse workers of another version at once, and not at their first task."""
+        run = self._client.run
+        found = self._guarded(lambda: run(task.check, decisive(), on_error="return"))
+        for worker, why in found.items():
+            # A worker that dies meanwhile is nobody's fault.
+            if why and not isinstance(why, OSError):
+                if not isinstance(why, str):
+                    why = f"has another Flexor, or none: {one_line(why)}"
+                raise InputError(f"the worker {worker} of {self._name} {why}.")
+
+    def _count(self) -> int:
+        """Count the threads of all workers; 0 while there are none."""
+        if time.monotonic() - self._counted >= _BELIEVED:
+            self._threads = sum(self._guarded(self._client.nthreads).values())
+            self._counted = time.monotonic()
+        return self._threads
+
+    def _check_alive(self) -> None:
+        if self._count():
+            self._bare_since = None
+        elif self._bare_since is None:
+            self._bare_since = time.monotonic()
+        elif time.monotonic() - self._bare_since > self._patience:
+            raise ClusterError(
+                f"{self._name} has lost all its workers: none came back in {self._patience:g} s."
+            )
+
+    def _why(self, error: BaseException) -> str:
+        if type(error).__name__ == "KilledWorker":
+            return (
+                "it lost one worker after another at the same designs, and their logs say why, "
+                "often for want of memory"
+            )
+        if self._client is not None and self._client.status == "running":
+            return one_line(error)
+        return "its scheduler no longer answers"
 
 
-def _reason(why: object) -> str:
-    if isinstance(why, str):
-        return why
-    said = " ".join(str(why).split()).rstrip(".")
-    return f"has another Flexor, or none: {said}"
+def _library() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise InputError(
+            "a cluster needs the package dask[distributed], which is not installed: "
+            f"{install_command('dask[distributed]')}."
+        ) from None
+    return distributed
+
+
+def _kind_of_server(distributed: Any, address: str) -> str:
+    """Ask what answers at an address, once and not for ever, as a client would not do.
+
+    Raises
+    ------
+    InputError
+        If nothing does that speaks as Dask does.
+    """
+
+    async def ask() -> str:
+        options = distributed.Security().get_connection_args("client")
+        comm = await distributed.core.connect(address, timeout=ANSWER, **options)
+        try:
+            await comm.write({"op": "identity"})
+            return str((await comm.read())["type"])
+        finally:
+            comm.abort()
+
+    async def ask_in_time() -> str:
+        return await asyncio.wait_for(ask(), ANSWER)
+
+    try:
+        # In a thread of its own: this one may have a loop already, as in notebooks.
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(asyncio.run, ask_in_time()).result()
+    except (OSError, asyncio.TimeoutError) as error:
+        why = f"no Dask scheduler answers there within {ANSWER:g} s"
+        raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
+    except Exception as error:
+        raise InputError(
+            f'the cluster "{address}" cannot be reached: {one_line(error)}.'
+        ) from error
+
+
+def _started(distributed: Any, workers: int) -> Any:
+    """Start a cluster on this machine."""
+    import dask
+
+    with dask.config.set(_WITHOUT_DISPLAYS), _interrupts_ignored():
+        return distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
+            worker_dashboard_address=None,
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

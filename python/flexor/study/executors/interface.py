@@ -1,4 +1,4 @@
-"""Where designs are evaluated: the interface behind which threads and clusters live."""
+"""Where designs are evaluated: the interface of threads, pools and clusters."""
 
 from __future__ import annotations
 
@@ -26,9 +26,7 @@ PART = 256
 class Executor(ABC):
     """Evaluates designs somewhere; the outcomes do not depend on where.
 
-    An executor has to say how one part after another is evaluated (`parts`); besides, how many
-    parts can go on at a time (`slots`), and whether whole searches can be had done elsewhere
-    (`away`, `call`). It is a context manager for what it may have to let go of (`close`).
+    A context manager for what it may have to close.
     """
 
     @abstractmethod
@@ -65,8 +63,8 @@ class Executor(ABC):
         return Outcomes.joined(parts) if parts else problem.evaluate(designs, 1, gradient)
 
     @property
-    def away(self) -> bool:
-        """Whether `call` is answered by another process, which sees nothing of this one."""
+    def remote(self) -> bool:
+        """Whether `call` is answered elsewhere, where nothing of this process is seen."""
         return False
 
     def call(
@@ -91,8 +89,8 @@ class Executor(ABC):
         """
         return function(problem, *arguments)
 
-    def close(self) -> None:  # noqa: B027 - most have nothing to let go of
-        """Let go of processes and connections."""
+    def close(self) -> None:  # noqa: B027 - most have nothing to close
+        """Close processes and connections that were opened here."""
 
     def __enter__(self) -> Self:
         return self

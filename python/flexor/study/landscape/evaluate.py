@@ -13,8 +13,10 @@ from flexor.errors import InputError, unknown
 from flexor.model.loading import needed_model
 from flexor.objectives import Objective
 from flexor.optimizers import Grid
-from flexor.study import Executor, StudyCallback, optimize
-from flexor.survey.landscape_result import Landscape
+from flexor.study.executors import AnyExecutor
+from flexor.study.landscape.result import Landscape
+from flexor.study.optimization import optimize
+from flexor.study.progress import StudyCallback
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -33,7 +35,7 @@ def landscape(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Landscape:
     """Evaluate an objective on a grid over one or two parameters.
@@ -59,7 +61,7 @@ def landscape(
     folder : path, optional
         Where to keep the study; in memory by default.
     resume : bool
-        Go on with the landscape in ``folder``, whose settings must be these.
+        Resume the landscape in ``folder``, whose settings must be these.
     progress, executor, engine_options : optional
         As for `flexor.optimize`.
 

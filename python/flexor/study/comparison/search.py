@@ -1,19 +1,21 @@
-"""One search of a comparison: what is asked of it, and doing it where nothing is kept."""
+"""One search of a comparison."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 from flexor.optimizers import Budget, Search, SearchResult, uses_gradients
-from flexor.study import Problem, Record, Recorded, Threads
+from flexor.study.executors import Threads
 from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+from flexor.study.record import Record
+from flexor.study.recorded import Recorded
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """What is asked of a search.
+class SearchTask:
+    """A search to be done.
 
     Attributes
     ----------
@@ -22,7 +24,7 @@ class Asked:
     start : (s, k) array
         Where it begins.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : int
         Evaluations.
     """
@@ -37,7 +39,7 @@ class Asked:
         """Whether the method asks for gradients."""
         return uses_gradients(self.search)
 
-    def of(self, problem: Problem, function: Recorded) -> SearchResult:
+    def run(self, problem: Problem, function: Recorded) -> SearchResult:
         """Search a problem through its recorded function."""
         return self.search.minimize(
             function,
@@ -49,14 +51,14 @@ class Asked:
         )
 
 
-def search_alone(problem: Problem, asked: Asked) -> tuple[SearchResult, float]:
+def search_in_memory(problem: Problem, task: SearchTask) -> tuple[SearchResult, float]:
     """Search with a record in memory, on one thread.
 
     Parameters
     ----------
     problem : Problem
         What is searched.
-    asked : Asked
+    task : SearchTask
         How.
 
     Returns
@@ -64,26 +66,9 @@ def search_alone(problem: Problem, asked: Asked) -> tuple[SearchResult, float]:
     result, seconds : SearchResult, float
         What was found, and how long that took [s].
     """
-    began, record = time.monotonic(), open_record(problem, None)
+    began, record = time.monotonic(), Record(None, problem.sizes)
     try:
-        result = asked.of(problem, Recorded(problem, record, Threads(1), asked.gradients))
+        result = task.run(problem, Recorded(problem, record, Threads(1), task.gradients))
     finally:
         record.close()
     return result, time.monotonic() - began
-
-
-def open_record(problem: Problem, path: Path | None) -> Record:
-    """Open the record of a search, or make one.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    path : Path or None
-        The file; None for one in memory.
-    """
-    sizes = (problem.parameters.size, problem.force.size, len(problem.model.joints))
-    if path is None:
-        return Record(None, sizes)
-    path.parent.mkdir(exist_ok=True)
-    return Record(path) if path.exists() else Record(path, sizes)

@@ -1,4 +1,4 @@
-"""One process at a time on a study."""
+"""One process at a time on a folder."""
 
 from __future__ import annotations
 
@@ -8,18 +8,21 @@ from contextlib import suppress
 from pathlib import Path
 
 from flexor.errors import InputError
+from flexor.store.files import NO_FOLLOW, check_regular, reason
 
 
 class Lock:
-    """An exclusive lock on a study folder, held until released or until the process dies.
+    """An exclusive lock on a folder, held until released or until the process dies.
 
-    It is the operating system's lock on the file ``lock``, so that a killed process leaves nothing
+    It is the operating system's lock on the file ``lock``, so a killed process leaves nothing
     behind that would have to be cleaned up.
 
     Parameters
     ----------
     folder : Path
-        The study folder.
+        The folder.
+    kind : str
+        What the folder holds, for messages.
 
     Raises
     ------
@@ -27,49 +30,49 @@ class Lock:
         If another process holds it, or the folder cannot be written.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, kind: str = "study") -> None:
+        path = folder / "lock"
+        check_regular(path)
         try:
-            self._file: int | None = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+            self._file: int | None = os.open(path, os.O_RDWR | os.O_CREAT | NO_FOLLOW, 0o666)
         except OSError as error:
-            raise InputError(
-                f'the study "{folder}" cannot be locked: {(error.strerror or str(error)).lower()}.'
-            ) from error
+            raise InputError(f'the {kind} "{folder}" cannot be locked: {reason(error)}.') from error
         try:
-            _take(self._file)
+            _lock(self._file)
         except OSError:
             os.lseek(self._file, 0, os.SEEK_SET)
             holder = os.read(self._file, 100).decode("ascii", "ignore").strip()
             os.close(self._file)
             raise InputError(
-                f'the study "{folder}" is in use by another process'
+                f'the {kind} "{folder}" is in use by another process'
                 f"{f' ({holder})' if holder else ''}: wait for it or stop it."
             ) from None
-        self._say(f"process {os.getpid()}")
+        self._write(f"process {os.getpid()}")
 
     def release(self) -> None:
-        """Let others have the study."""
+        """Let others have the folder."""
         if self._file is not None:
-            self._say("")
+            self._write("")
             os.close(self._file)
             self._file = None
 
-    def _say(self, who: str) -> None:
+    def _write(self, holder: str) -> None:
         assert self._file is not None
-        with suppress(OSError):  # a full disk has the lock all the same
+        with suppress(OSError):  # on a full disk the lock holds all the same
             os.truncate(self._file, 0)
             os.lseek(self._file, 0, os.SEEK_SET)
-            os.write(self._file, who.encode("ascii"))
+            os.write(self._file, holder.encode("ascii"))
 
 
 if sys.platform == "win32":
     import msvcrt
 
-    def _take(descriptor: int) -> None:
+    def _lock(descriptor: int) -> None:
         # Far beyond the text, which others must be able to read.
         os.lseek(descriptor, 1 << 20, os.SEEK_SET)
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
 else:
     import fcntl
 
-    def _take(descriptor: int) -> None:
+    def _lock(descriptor: int) -> None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexor.study.comparison.result import WITHIN, MethodComparison
 from flexor.study.outcomes import FloatArray
-from flexor.survey.comparison_result import WITHIN, MethodComparison
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,12 @@ from numpy.typing import NDArray
 
 from flexor.errors import InputError
 from flexor.optimizers import grid_axes, grid_designs
-from flexor.study import Design, Problem, Settings, Study
+from flexor.store import replaced, write_text
+from flexor.study.design import Design
 from flexor.study.outcomes import FloatArray
+from flexor.study.problem import Problem
+from flexor.study.settings import Settings
+from flexor.study.study import Study
 
 _SI = {"cm": "m", "mm": "m", "deg": "rad"}
 
@@ -199,16 +203,17 @@ class Landscape:
         }
         arrays |= {f"axis_{i}": axis for i, axis in enumerate(self.axes)}
         try:
-            np.savez_compressed(
-                place / "landscape.npz",
-                labels=np.array(self.problem.parameters.labels),
-                columns=np.array(self.columns),
-                **arrays,
-                events=self.events,
-                reason=self.reason.astype(str),
-                force=self.problem.force,
-            )
-            (place / "landscape.csv").write_text(self._csv(), encoding="utf-8")
+            with replaced(place / "landscape.npz") as draft:
+                np.savez_compressed(
+                    draft,
+                    labels=np.array(self.problem.parameters.labels),
+                    columns=np.array(self.columns),
+                    **arrays,
+                    events=self.events,
+                    reason=self.reason.astype(str),
+                    force=self.problem.force,
+                )
+            write_text(place / "landscape.csv", self._csv())
         except OSError as error:
             why = (error.strerror or str(error)).lower()
             raise InputError(f'the landscape cannot be written into "{place}": {why}.') from error

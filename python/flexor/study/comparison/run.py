@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +15,13 @@ from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Search, available, canonical
 from flexor.optimizers import method as named_method
-from flexor.study import Executor, Problem, Threads, chosen_executor
-from flexor.study.lock import Lock
-from flexor.survey import comparison_folder as folders
-from flexor.survey.comparison_result import MethodComparison
-from flexor.survey.comparison_work import ComparisonCallback, Plan, carry_out
+from flexor.store import Workspace, check_regular, read_settings
+from flexor.study.comparison.record import COMPARISON
+from flexor.study.comparison.result import MethodComparison
+from flexor.study.comparison.work import ComparisonCallback, Plan, carry_out
+from flexor.study.executors import AnyExecutor, Threads, chosen_executor
+from flexor.study.problem import Problem
+from flexor.study.settings import MODEL, method_table, model_table
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -44,7 +45,7 @@ def compare(
     folder: str | Path | None = None,
     resume: bool = False,
     progress: ComparisonCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     workers: int = 0,
     engine_options: Mapping[str, float] | None = None,
 ) -> MethodComparison:
@@ -73,12 +74,12 @@ def compare(
     folder : path, optional
         Where finished and running searches are kept; in memory by default.
     resume : bool
-        Go on with the comparison in ``folder``; sets, methods and seeds may be added to it.
+        Resume the comparison in ``folder``; sets, methods and seeds may be added to it.
     progress : callable, optional
-        Told a `ComparisonProgress` now and then.
-    executor : Executor or str, optional
-        Where designs are evaluated; on one thread for each search by default. A text is the address
-        of a cluster, as for `flexor.optimize`, each of whose threads does whole searches.
+        Called with a `ComparisonProgress` now and then.
+    executor : Threads, concurrent.futures.Executor or str, optional
+        Where designs are evaluated; on one thread for each search by default. What
+        `flexor.optimize` takes; the workers of a pool of processes or a cluster do whole searches.
     workers : int
         Searches at a time; 0 for as many as there are cores, or threads of the cluster. The numbers
         do not depend on it, but times may.
@@ -103,23 +104,14 @@ def compare(
         budget=_budget(budget),
     )
     plan.check()
-    if folder is None and resume:
-        raise InputError("resuming a comparison needs its folder.")
-    with chosen_executor(executor if executor is not None else Threads(1)) as where:
-        if folder is None:
-            return carry_out(plan, None, known or {}, progress, where, workers)
-        place = Path(folder)
-        settings = _settings(model, plan)
-        if resume:
-            settings = folders.merged(place, settings)
-        else:
-            folders.create(place, settings, model.file.to_toml())
-        lock = Lock(place)
-        try:
-            folders.write(place, settings)
-            return carry_out(plan, place, known or {}, progress, where, workers)
-        finally:
-            lock.release()
+    files = {MODEL: model.file.to_toml()}
+    with (
+        chosen_executor(executor if executor is not None else Threads(1)) as where,
+        Workspace(COMPARISON, folder, _settings(plan), files, resume) as work,
+    ):
+        found = carry_out(plan, work, known or {}, progress, where, workers)
+        work.database.close()
+        return found
 
 
 def resume_comparison(
@@ -127,10 +119,10 @@ def resume_comparison(
     *,
     known: Mapping[str, float] | None = None,
     progress: ComparisonCallback | None = None,
-    executor: Executor | str | None = None,
+    executor: AnyExecutor | None = None,
     workers: int = 0,
 ) -> MethodComparison:
-    """Go on with a comparison, or read a finished one, knowing only its folder.
+    """Resume a comparison, or read a finished one, from its folder.
 
     Parameters
     ----------
@@ -152,8 +144,9 @@ def resume_comparison(
     from flexor.model import load
 
     place = Path(folder)
-    values = folders.read(place)
-    model = load(place / "model.toml")
+    values = read_settings(COMPARISON, place)
+    check_regular(place / MODEL)
+    model = load(place / MODEL)
     sets = []
     for name, limits in values["sets"].items():
         bounds = zip(limits["labels"], limits["lower"], limits["upper"], strict=True)
@@ -241,37 +234,21 @@ def _budget(budget: int) -> int:
     return budget
 
 
-def _settings(model: Model, plan: Plan) -> dict[str, Any]:
-    import json
-
-    import flexor
-
-    objective = plan.problem.objective
-    values = {
-        "format": folders.FORMAT,
-        "flexor": flexor.__version__,
-        "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
-        "objective": {"name": objective.name, "force": plan.problem.force.tolist()},
+def _settings(plan: Plan) -> dict[str, Any]:
+    problem = plan.problem
+    return {
+        "model": model_table(problem),
+        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
         "budget": plan.budget,
-        "engine": dict(plan.problem.options),
+        "engine": dict(problem.options),
         "sets": {
             name: {
-                "labels": list(problem.parameters.labels),
-                "lower": problem.parameters.lower.tolist(),
-                "upper": problem.parameters.upper.tolist(),
+                "labels": list(each.parameters.labels),
+                "lower": each.parameters.lower.tolist(),
+                "upper": each.parameters.upper.tolist(),
             }
-            for name, problem in plan.problems.items()
+            for name, each in plan.problems.items()
         },
-        "methods": {
-            label: {
-                "name": search.name,
-                "options": asdict(search)
-                if is_dataclass(search) and not isinstance(search, type)
-                else {},
-            }
-            for label, search in plan.methods.items()
-        },
+        "methods": {label: method_table(search) for label, search in plan.methods.items()},
         "seeds": list(plan.seeds),
     }
-    plain: dict[str, Any] = json.loads(json.dumps(values))
-    return plain

@@ -1,4 +1,4 @@
-"""What a study was made with, as far as it may decide the last bits of its numbers."""
+"""What work was made with, as far as it may decide the last bits of its numbers."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _PACKAGES = ("numpy", "scipy", "pymoo", "cma")
+# Work is resumed, and workers are used, only with the same of these.
+DECISIVE = ("engine",)
 
 
 @cache
 def environment() -> dict[str, str]:
-    """Versions and machine.
+    """Return versions and machine.
 
     Returns
     -------
     dict of str
-        ``engine``, the first digits of the SHA-256 of the compiled engine, which tells builds of
-        one version apart; ``python``, ``system`` (with the kind of processor), and the packages
-        that compute.
+        ``engine``, the first digits of the SHA-256 of the compiled engine, which distinguishes
+        builds of one version; ``python``, ``system`` (with the kind of processor), and the
+        packages that compute.
     """
     from flexor import _engine
 
@@ -33,18 +35,19 @@ def environment() -> dict[str, str]:
     }
 
 
+def decisive() -> dict[str, str]:
+    """Return what must be the same for the same bits: the version of Flexor and its engine."""
+    here = environment()
+    return {"flexor": installed("flexor"), **{key: here[key] for key in DECISIVE}}
+
+
 def installed(package: str) -> str:
-    """Return the version of a package.
+    """Return the version of a package, ``"unknown"`` if it is not installed as one.
 
     Parameters
     ----------
-    package
+    package : str
         Its name.
-
-    Returns
-    -------
-    str
-        ``"unknown"`` if it is not installed as one.
     """
     try:
         return version(package)

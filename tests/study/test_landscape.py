@@ -13,7 +13,7 @@ import pytest
 from flexor import plot
 from flexor.errors import InputError
 from flexor.study import Study, optimize, resume
-from flexor.survey import Landscape, SearchPath, landscape
+from flexor.study.landscape import Landscape, SearchPath, landscape
 
 
 def direct(analytic: ModuleType, designs: np.ndarray) -> np.ndarray:

@@ -7,16 +7,20 @@ import time
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from flexor.optimizers import LevenbergMarquardt, Search, SearchResult, starting_designs
-from flexor.study import Executor, Problem, Record, Recorded
+from flexor.store import Workspace
+from flexor.study.comparison.record import finished, running_record, save
+from flexor.study.comparison.result import MethodComparison, SearchRun
+from flexor.study.comparison.search import SearchTask, search_in_memory
+from flexor.study.executors import Executor
 from flexor.study.outcomes import FloatArray
-from flexor.survey import comparison_folder as folders
-from flexor.survey.comparison_result import MethodComparison, SearchRun
-from flexor.survey.comparison_search import Asked, open_record, search_alone
+from flexor.study.problem import Problem
+from flexor.study.record import Record
+from flexor.study.recorded import Recorded
 
 # Random designs tried for a start that does not fail.
 _TRIES = 64
@@ -134,24 +138,24 @@ class _Tally:
 
 def carry_out(
     plan: Plan,
-    folder: Path | None,
+    work: Workspace,
     known: Mapping[str, float],
     progress: ComparisonCallback | None,
     executor: Executor,
     workers: int,
 ) -> MethodComparison:
-    """Run every search of a plan that is not in the folder yet.
+    """Run every search of a plan that has not finished yet.
 
     Parameters
     ----------
     plan : Plan
         What is compared.
-    folder : Path or None
+    work : Workspace
         Where searches are kept.
     known : dict
         Best values known from elsewhere, by set.
     progress : callable or None
-        Told now and then.
+        Called now and then.
     executor : Executor
         Where designs are evaluated.
     workers : int
@@ -161,21 +165,22 @@ def carry_out(
     -------
     MethodComparison
         Once all have ended.
+
+    Raises
+    ------
+    InputError
+        If there is something left to do and the folder was begun by another version.
     """
     began, tally = time.monotonic(), _Tally()
-    runs: dict[tuple[str, str, int], SearchRun] = {}
-    missing: list[tuple[str, str, int]] = []
+    kept = finished(work.database)
     # Seed by seed: stopped early, a comparison has something of everything.
-    for key in ((s, m, seed) for seed in plan.seeds for s in plan.problems for m in plan.methods):
-        found = folders.kept(folder, *key) if folder is not None else None
-        if found is None:
-            missing.append(key)
-        else:
-            runs[key] = found
-    reference = {
-        name: float(problem.evaluate(problem.parameters.start[None, :]).value[0])
-        for name, problem in plan.problems.items()
-    }
+    keys = [(s, m, seed) for seed in plan.seeds for s in plan.problems for m in plan.methods]
+    runs = {key: kept[key] for key in keys if key in kept}
+    missing = [key for key in keys if key not in kept]
+    if missing:
+        work.check_versions()
+    work.save_settings()
+    reference = _references(plan, work)
     starts = {
         name: _starts(problem, plan.seeds, executor)
         for name, problem in plan.problems.items()
@@ -194,7 +199,7 @@ def carry_out(
         try:
             for key in missing:
                 start = starts[key[0]][key[2]]
-                waiting.add(pool.submit(_search, plan, key, start, folder, executor, tally))
+                waiting.add(pool.submit(_search, plan, key, start, work, executor, tally))
             while waiting:
                 ended, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in ended:
@@ -222,6 +227,18 @@ def carry_out(
     )
 
 
+def _references(plan: Plan, work: Workspace) -> dict[str, float]:
+    """Return values of each set's own start; kept, so a finished comparison evaluates nothing."""
+    kept = work.database.noted("reference")
+    known: dict[str, Any] = dict(kept) if isinstance(kept, dict) else {}
+    for name, problem in plan.problems.items():
+        if not isinstance(known.get(name), float):
+            known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+    if known != kept:
+        work.database.note("reference", known)
+    return {name: known[name] for name in plan.problems}
+
+
 def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dict[int, FloatArray]:
     """Draw the start of each seed: its first random design that does not fail, (1, k)."""
     lower, upper = problem.parameters.lower, problem.parameters.upper
@@ -244,7 +261,7 @@ def _search(
     plan: Plan,
     key: tuple[str, str, int],
     start: FloatArray,
-    folder: Path | None,
+    work: Workspace,
     executor: Executor,
     tally: _Tally,
 ) -> SearchRun:
@@ -252,30 +269,24 @@ def _search(
     problem = plan.problems[parameters]
     if tally.stop.is_set():
         raise _Stopped
-    asked = Asked(plan.methods[method], start, seed, plan.budget)
-    path = None if folder is None else folders.record_file(folder, *key)
-    if executor.away:
+    task = SearchTask(plan.methods[method], start, seed, plan.budget)
+    if executor.remote:
         # As one task: it would ask for too few designs at a time to be worth sending.
-        result, seconds = executor.call(problem, search_alone, asked, stopped=tally.stop.is_set)
+        result, seconds = executor.call(problem, search_in_memory, task, stopped=tally.stop.is_set)
         tally.add(result.evaluations)
     else:
-        result, seconds = _recorded(problem, asked, path, executor, tally)
+        record = running_record(work.database, problem, key)
+        result, seconds = _recorded(problem, task, record, executor, tally)
     run = SearchRun(parameters, method, seed, result, seconds)
-    if folder is not None and path is not None:
-        folders.keep(folder, run)
-        for each in path.parent.glob(f"{path.name}*"):
-            each.unlink()
+    save(work.database, run)
     return run
 
 
 def _recorded(
-    problem: Problem, asked: Asked, path: Path | None, executor: Executor, tally: _Tally
+    problem: Problem, task: SearchTask, record: Record, executor: Executor, tally: _Tally
 ) -> tuple[SearchResult, float]:
     """Search, keeping every design at once; return how long that took as well [s]."""
-    began, record = time.monotonic(), open_record(problem, path)
-    try:
-        function = _Watched(problem, record, executor, asked.gradients, tally)
-        result = asked.of(problem, function)
-    finally:
-        record.close()
+    began = time.monotonic()
+    function = _Watched(problem, record, executor, task.gradients, tally)
+    result = task.run(problem, function)
     return result, time.monotonic() - began if function.replayed == 0 else np.nan

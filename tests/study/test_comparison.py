@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,13 +21,15 @@ from flexor.optimizers import (
     PatternSearch,
     SearchResult,
 )
-from flexor.survey import (
+from flexor.store import Database
+from flexor.study.comparison import (
     ComparisonProgress,
     MethodComparison,
     SearchRun,
     compare,
     data_profiles,
     performance_profiles,
+    resume_comparison,
 )
 
 GIVEN: dict[str, Any] = {
@@ -107,15 +110,16 @@ def test_killed_anywhere_it_ends_the_same_and_repeats_nothing(
             assert rounds < 60
     assert rounds >= 3
     assert content(pieces) == content(whole)
-    files = {file.relative_to(tmp_path / "whole") for file in (tmp_path / "whole").rglob("*.json")}
-    assert len(files) == 1 + len(whole.runs)
-    assert list((tmp_path / "pieces" / "running").iterdir()) == []
+    database = Database(tmp_path / "pieces" / "record.sqlite")
+    assert database.one("SELECT count(*) FROM searches") == len(whole.runs)
+    assert database.one("SELECT count(*) FROM evaluations") == 0
+    database.close()
     # Searches that were interrupted do not claim to know how long they took.
     assert np.isnan([run.seconds for run in pieces.runs]).any()
     last = analytic.AnalyticModel()
     again = compare(last, **GIVEN, folder=tmp_path / "pieces", resume=True)
     assert content(again) == content(whole)
-    assert sum(last.calls) <= 3  # the references, and the check that there is a vector
+    assert sum(last.calls) <= 1  # the check that there is a vector
 
 
 def test_sets_methods_and_seeds_may_be_added(analytic: ModuleType, tmp_path: Path) -> None:
@@ -130,7 +134,7 @@ def test_sets_methods_and_seeds_may_be_added(analytic: ModuleType, tmp_path: Pat
     assert (told[-1].done, told[-1].total) == (8, 8)
     alone = compare(model, "L,R01", methods="ps,de", seeds=[0, 7], budget=20)
     assert content(more) == content(alone)
-    settings = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    settings = json.loads((tmp_path / "c" / "settings.json").read_text())
     assert list(settings["sets"]) == ["L", "R01"]
     assert settings["seeds"] == [0, 7]
 
@@ -142,7 +146,7 @@ def test_methods_with_options_have_labels(analytic: ModuleType, tmp_path: Path) 
     )
     assert found.methods == ("1 start", "8 starts")
     assert found.of("R01", "8 starts")[0].result.improvement_evaluations.tolist() != []
-    with pytest.raises(InputError, match='was made with another "1 start"'):
+    with pytest.raises(InputError, match=r'start\.name = "pattern-search", not "cma-es"'):
         compare(
             analytic.AnalyticModel(), "R01", methods={"1 start": CmaEs()}, seeds=2, budget=50,
             folder=tmp_path / "c", resume=True,
@@ -292,7 +296,7 @@ def test_folders_that_cannot_be_used(analytic: ModuleType, tmp_path: Path) -> No
     cases: list[tuple[dict[str, Any], str]] = [
         ({"folder": tmp_path / "c"}, "holds a comparison already"),
         ({"folder": tmp_path / "d", "resume": True}, "is not a comparison: there is no such"),
-        ({"folder": tmp_path, "resume": True}, "is not a comparison: it has no comparison.json"),
+        ({"folder": tmp_path, "resume": True}, "is not a comparison: it has no settings.json"),
         ({"folder": tmp_path}, "is not an empty folder"),
         ({"folder": tmp_path / "c", "resume": True, "budget": 61}, "made with budget = 60, not 61"),
         ({"folder": tmp_path / "c", "resume": True, "objective": "f_bc"}, "made with objective"),
@@ -300,15 +304,72 @@ def test_folders_that_cannot_be_used(analytic: ModuleType, tmp_path: Path) -> No
     for more, said in cases:
         with pytest.raises(InputError, match=said):
             compare(model, **{**given, **more})
-    broken = tmp_path / "c" / "runs" / "L" / "pattern-search" / "1.json"
-    broken.write_text("{")
-    with pytest.raises(InputError, match=r'1\.json" is damaged: delete it to search again'):
+
+
+@pytest.mark.parametrize(
+    "result", ["{", "[" * 100_000, '{"design": [1]}', "HUGE", "NaN", '{"design": {}}']
+)
+def test_a_damaged_search_is_one_sentence(
+    analytic: ModuleType, tmp_path: Path, result: str
+) -> None:
+    model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
+    compare(model, **given, folder=tmp_path / "c")
+    database = Database(tmp_path / "c" / "record.sqlite")
+    kept = str(database.one("SELECT result FROM searches"))
+    if result == "HUGE":
+        result = json.dumps({**json.loads(kept), "seconds": 10**400})
+    database.write(("UPDATE searches SET result = ?", [(result,)]))
+    database.close()
+    with pytest.raises(InputError, match=r'record\.sqlite" cannot be used: a finished search is'):
         compare(model, **given, folder=tmp_path / "c", resume=True)
-    broken.unlink()
-    compare(model, **given, folder=tmp_path / "c", resume=True)
-    (tmp_path / "c" / "comparison.json").write_text("[]")
-    with pytest.raises(InputError, match="is damaged"):
-        compare(model, **given, folder=tmp_path / "c", resume=True)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [],
+        {"format": 2},
+        {"seeds": [10**400, "a"]},
+        {"budget": "many"},
+        {"sets": {"L": {"labels": ["L"], "lower": [], "upper": [1.0]}}},
+        {"methods": 10**5000},
+    ],
+)
+def test_damaged_settings_are_one_sentence(
+    analytic: ModuleType, tmp_path: Path, values: Any
+) -> None:
+    given = {**GIVEN, "methods": "ps", "parameters": "L", "seeds": 1, "folder": tmp_path / "c"}
+    compare(analytic.AnalyticModel(), **given)
+    path = tmp_path / "c" / "settings.json"
+    if isinstance(values, dict) and "format" not in values:
+        values = {**json.loads(path.read_text()), **values}
+    limit = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)
+    path.write_text(json.dumps(values))
+    sys.set_int_max_str_digits(limit)
+    with pytest.raises(InputError, match=r"is damaged: it is not the settings of a comparison\.$"):
+        compare(analytic.AnalyticModel(), **given, resume=True)
+
+
+def test_another_version_reads_a_finished_comparison_and_goes_on_with_none(
+    analytic: ModuleType, tmp_path: Path
+) -> None:
+    model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
+    whole = compare(model, **given, folder=tmp_path / "c")
+    path = tmp_path / "c" / "settings.json"
+    values = json.loads(path.read_text())
+    values["environment"]["engine"] = "0" * 16
+    path.write_text(json.dumps(values))
+    assert content(compare(model, **given, folder=tmp_path / "c", resume=True)) == content(whole)
+    with pytest.raises(InputError, match="was made with another build of the engine 0000"):
+        compare(model, **{**given, "seeds": 4}, folder=tmp_path / "c", resume=True)
+    assert json.loads(path.read_text())["seeds"] == [0, 1, 2]
+
+
+def test_a_folder_of_the_first_format_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "comparison.json").write_text('{"format": 1}')
+    with pytest.raises(InputError, match=r"has format 1; this version of Flexor reads format 2"):
+        resume_comparison(tmp_path)
 
 
 def test_methods_of_a_users_own(analytic: ModuleType) -> None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.optimizers import SearchResult
-from flexor.study import Study
 from flexor.study.outcomes import FloatArray
+from flexor.study.study import Study
 
 
 @dataclass(frozen=True, eq=False)

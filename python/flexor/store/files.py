@@ -1,0 +1,82 @@
+"""Files in folders that may come from a stranger: links and pipes there are not followed."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from flexor.errors import InputError
+
+# Not on Windows, where `check_regular` alone has to do.
+NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+
+
+def check_regular(path: Path) -> bool:
+    """Say whether a file exists; refuse anything that is not a regular file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If it is a link, a pipe, a device or a folder.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError as error:
+        raise InputError(f'"{path}" cannot be read: {reason(error)}.') from error
+    if stat.S_ISREG(mode):
+        return True
+    kind = "a link" if stat.S_ISLNK(mode) else "a folder" if stat.S_ISDIR(mode) else "no file"
+    raise InputError(f'"{path}" is {kind}: only a regular file is used in its place.')
+
+
+@contextmanager
+def replaced(path: Path) -> Iterator[Path]:
+    """Write a file whole or not at all, in place of whatever has its name.
+
+    A link of that name is replaced, not followed.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Yields
+    ------
+    Path
+        An empty file beside it with the same suffix, which takes its place at the end.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    draft = path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
+    # By open, not tempfile: the umask decides who may read it.
+    os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_FOLLOW, 0o666))
+    try:
+        yield draft
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file in UTF-8; see `replaced`."""
+    with replaced(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="")
+
+
+def reason(error: OSError) -> str:
+    """Return why the operating system refused."""
+    return (error.strerror or str(error)).lower()

@@ -1,0 +1,208 @@
+"""``settings.json``: what decides the numbers of a piece of work."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from flexor.errors import InputError, shortened
+from flexor.store.environment import DECISIVE, decisive, environment, installed
+from flexor.store.files import check_regular, reason, write_text
+
+FORMAT = 2
+SETTINGS = "settings.json"
+# May differ when work is resumed; versions are checked on their own.
+_FREE = ("created", "flexor", "environment")
+
+
+class Header(BaseModel):
+    """What the settings of every kind of work begin with; a kind adds its own."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    format: int
+    kind: str
+    flexor: str
+    environment: dict[str, str]
+    created: str
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of work.
+
+    Attributes
+    ----------
+    name : str
+        For example ``"study"``.
+    schema : type of Header
+        The shape of its settings.
+    tables : str
+        SQL that makes the tables of its record.
+    free : tuple of str
+        Settings that may differ when it is resumed.
+    growing : tuple of str
+        Mappings and lists that may grow when it is resumed.
+    hashed : dict of str
+        Settings that are hashes of something, and how to call it if another is given.
+    """
+
+    name: str
+    schema: type[Header]
+    tables: str
+    free: tuple[str, ...] = ()
+    growing: tuple[str, ...] = ()
+    hashed: Mapping[str, str] = field(default_factory=dict)
+
+
+def new_settings(kind: Kind, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of work that begins now, as plain JSON values."""
+    header = {
+        "format": FORMAT,
+        "kind": kind.name,
+        "flexor": installed("flexor"),
+        "environment": environment(),
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+    }
+    plain: dict[str, Any] = json.loads(json.dumps({**header, **values}))
+    return plain
+
+
+def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
+    """Read the settings of a folder.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no work of this kind, or settings that this version cannot read.
+    """
+    path = folder / SETTINGS
+    if not check_regular(path):
+        what = "there is no such folder"
+        if (folder / "comparison.json").exists():  # until format 1
+            raise _unreadable(folder / "comparison.json", 1)
+        if folder.exists():
+            what = f"it has no {SETTINGS}" if folder.is_dir() else "it is a file"
+        raise InputError(f'"{folder}" is not a {kind.name}: {what}.')
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+        found, named = values["format"], values.get("kind")
+        # JSON can escape what is no text, and could then not be written again.
+        json.dumps(values, ensure_ascii=False).encode("utf-8")
+    except OSError as error:
+        raise InputError(f'"{path}" cannot be read: {reason(error)}.') from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise _damaged(kind, path) from None
+    if found != FORMAT:
+        raise _unreadable(path, found)
+    if isinstance(named, str) and named != kind.name:
+        raise InputError(f'"{folder}" is not a {kind.name}: it is a {shortened(named)}.')
+    try:
+        kind.schema.model_validate(values)
+    except (ValidationError, OverflowError):
+        raise _damaged(kind, path) from None
+    return dict(values)
+
+
+def write_settings(folder: Path, values: Mapping[str, Any]) -> None:
+    """Write the settings of a folder, in place of any that are there.
+
+    Raises
+    ------
+    OSError
+        If they cannot be written; those that are there stay.
+    """
+    write_text(folder / SETTINGS, json.dumps(values, indent=2, ensure_ascii=False) + "\n")
+
+
+def merged(
+    kind: Kind, folder: Path, kept: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the settings to resume with: those kept, grown and freely changed as wanted.
+
+    Raises
+    ------
+    InputError
+        Naming the first setting that may not differ and does.
+    """
+    result = dict(kept)
+    for key in {**kept, **wanted}:
+        old, new = kept.get(key), wanted.get(key)
+        if key in kind.free:
+            result[key] = new
+        elif key in kind.growing and isinstance(old, Mapping) and isinstance(new, Mapping):
+            common = {name: new[name] for name in new if name in old}
+            _check_same(kind, folder, {key: {name: old[name] for name in common}}, {key: common})
+            result[key] = {**old, **new}
+        elif key in kind.growing and isinstance(old, list) and isinstance(new, list):
+            result[key] = sorted({*old, *new})
+        elif key not in _FREE:
+            _check_same(kind, folder, {key: old}, {key: new})
+    return result
+
+
+def check_versions(kind: Kind, folder: Path, kept: Mapping[str, Any]) -> None:
+    """Refuse to resume work of another version of Flexor or another build of its engine.
+
+    Raises
+    ------
+    InputError
+        Naming what differs.
+    """
+    made = {"flexor": kept["flexor"], **{key: kept["environment"].get(key) for key in DECISIVE}}
+    for key, now in decisive().items():
+        if made[key] != now:
+            name = "Flexor" if key == "flexor" else f"another build of the {key.replace('_', ' ')}"
+            raise InputError(
+                f'the {kind.name} "{folder}" was made with {name} {_plain(made[key])}, this is '
+                f"{now}: resume it with the one that made it or begin another."
+            )
+
+
+def _check_same(
+    kind: Kind, folder: Path, kept: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> None:
+    mine, theirs = dict(_flat(kept)), dict(_flat(wanted))
+    for key in {**mine, **theirs}:
+        old, new = mine.get(key), theirs.get(key)
+        if old == new:
+            continue
+        called = kind.hashed.get(key, kind.hashed.get(key.split(".")[0]))
+        how = f"{key} = {_shown(old)}, not {_shown(new)}" if called is None else called
+        raise InputError(
+            f'the {kind.name} "{folder}" was made with {how}: resume it as it was or begin another.'
+        )
+
+
+def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
+
+
+def _shown(value: Any) -> str:
+    text = "nothing" if value is None else json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _plain(value: str | None) -> str:
+    return "(not recorded)" if value is None else shortened(value)
+
+
+def _damaged(kind: Kind, path: Path) -> InputError:
+    return InputError(f'"{path}" is damaged: it is not the settings of a {kind.name}.')
+
+
+def _unreadable(path: Path, found: object) -> InputError:
+    return InputError(
+        f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
+        f"format {FORMAT}: use the version that made it or begin another."
+    )

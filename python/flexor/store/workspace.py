@@ -1,0 +1,199 @@
+"""Folders of work: made whole or not at all, used by one process at a time, resumed as they were.
+
+settings.json   what decides the numbers
+record.sqlite   everything that was evaluated (`Database`)
+lock            held by the process that uses the folder
+
+and whatever files the kind of work adds, such as the model.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flexor.errors import InputError
+from flexor.store.database import Database
+from flexor.store.files import check_regular, reason
+from flexor.store.lock import Lock
+from flexor.store.settings import (
+    SETTINGS,
+    Kind,
+    check_versions,
+    merged,
+    new_settings,
+    read_settings,
+    write_settings,
+)
+
+RECORD = "record.sqlite"
+
+
+class Workspace:
+    """A folder that this process works in, or the same in memory.
+
+    A context manager: at its end the lock is released; the record stays open unless something was
+    raised.
+
+    Parameters
+    ----------
+    kind : Kind
+        What work it is.
+    folder : path or None
+        The folder; None keeps everything in memory.
+    values : dict
+        Settings without their header.
+    files : dict of str
+        Texts of more files that a new folder gets.
+    resume : bool
+        Resume the work in the folder, whose settings must be these.
+    notes : dict, optional
+        Notes that a new record begins with.
+
+    Attributes
+    ----------
+    settings : dict
+        Those in the folder, with what may differ or grow as wanted.
+    database : Database
+        The record.
+
+    Raises
+    ------
+    InputError
+        If a new folder cannot be made; if an old one is not of this kind, is damaged, is in use or
+        has other settings.
+    """
+
+    def __init__(
+        self,
+        kind: Kind,
+        folder: str | Path | None,
+        values: Mapping[str, Any],
+        files: Mapping[str, str],
+        resume: bool = False,
+        notes: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.kind, self.resumed = kind, resume
+        self.folder = None if folder is None else Path(folder)
+        self._lock: Lock | None = None
+        settings = new_settings(kind, values)
+        if self.folder is None:
+            if resume:
+                raise InputError(f"resuming a {kind.name} needs its folder.")
+            self.settings, self.database = settings, _new_record(None, kind, notes or {})
+            return
+        if resume:
+            read_settings(kind, self.folder)  # nothing is written into what is no such folder
+        else:
+            _create(kind, self.folder, settings, files, notes or {})
+        self._lock = Lock(self.folder, kind.name)
+        try:
+            if resume:
+                kept = read_settings(kind, self.folder)
+                settings = merged(kind, self.folder, kept, settings)
+            self.settings = settings
+            self.database = open_record(kind, self.folder)
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def check_versions(self) -> None:
+        """Refuse to evaluate anything here that was begun by another version or engine.
+
+        Raises
+        ------
+        InputError
+            Naming what differs.
+        """
+        if self.folder is not None and self.resumed:
+            check_versions(self.kind, self.folder, self.settings)
+
+    def save_settings(self) -> None:
+        """Write the settings in place of those in the folder.
+
+        Raises
+        ------
+        InputError
+            If they cannot be written; those that are there stay.
+        """
+        if self.folder is not None and self.resumed:
+            try:
+                write_settings(self.folder, self.settings)
+            except OSError as error:
+                raise InputError(
+                    f'the settings of "{self.folder}" cannot be written: {reason(error)}.'
+                ) from error
+
+    def __enter__(self) -> Workspace:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self.database.close()
+        if self._lock is not None:
+            self._lock.release()
+
+
+def open_record(kind: Kind, folder: Path, write: bool = True) -> Database:
+    """Open the record of a folder.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged.
+    """
+    if not check_regular(folder / RECORD):
+        raise InputError(f'the {kind.name} "{folder}" is damaged: it has no {RECORD}.')
+    return Database(folder / RECORD, write=write)
+
+
+def _create(
+    kind: Kind,
+    folder: Path,
+    settings: Mapping[str, Any],
+    files: Mapping[str, str],
+    notes: Mapping[str, Any],
+) -> None:
+    """Make a folder.
+
+    It is put together beside its place and then renamed, so that a process that dies on the way
+    leaves nothing half made.
+    """
+    what = f'the {kind.name} folder "{folder}" cannot be made'
+    try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            if (folder / SETTINGS).exists():
+                raise InputError(
+                    f'"{folder}" holds a {kind.name} already: resume it or choose another folder.'
+                )
+            raise InputError(f'"{folder}" is not an empty folder: choose another.')
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        draft = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
+        draft.mkdir()  # the umask decides who may read it
+    except OSError as error:
+        raise InputError(f"{what}: {reason(error)}.") from error
+    try:
+        write_settings(draft, settings)
+        for name, text in files.items():
+            (draft / name).write_text(text, encoding="utf-8")
+        _new_record(draft / RECORD, kind, notes).close()
+        if folder.is_dir():
+            folder.rmdir()
+        os.rename(draft, folder)
+    except OSError as error:
+        raise InputError(f"{what}: {reason(error)}.") from error
+    except InputError as error:
+        raise InputError(f"{what}: {error.__cause__ or error}.") from error
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _new_record(path: Path | None, kind: Kind, notes: Mapping[str, Any]) -> Database:
+    database = Database(path, kind.tables)
+    for key, value in notes.items():
+        database.note(key, value)
+    return database

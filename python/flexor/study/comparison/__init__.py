@@ -1,0 +1,22 @@
+"""Comparisons of search methods from the same starts, seeds and budget."""
+
+from __future__ import annotations
+
+from flexor.study.comparison.profiles import Profile, data_profiles, performance_profiles
+from flexor.study.comparison.result import MethodComparison, SearchRun, Summary
+from flexor.study.comparison.run import PAPER_SETS, compare, resume_comparison
+from flexor.study.comparison.work import ComparisonCallback, ComparisonProgress
+
+__all__ = [
+    "PAPER_SETS",
+    "ComparisonCallback",
+    "ComparisonProgress",
+    "MethodComparison",
+    "Profile",
+    "SearchRun",
+    "Summary",
+    "compare",
+    "data_profiles",
+    "performance_profiles",
+    "resume_comparison",
+]

@@ -1,0 +1,116 @@
+"""The record of a comparison: finished searches, and evaluations of those that are running."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
+
+from flexor.optimizers import SearchResult
+from flexor.store import Database, Header, Kind
+from flexor.study.comparison.result import SearchRun
+from flexor.study.problem import Problem
+from flexor.study.record import TABLES, Record
+from flexor.study.settings import MethodTable, ModelTable, ObjectiveTable
+
+_TABLES = """
+CREATE TABLE searches (
+    search TEXT PRIMARY KEY, -- set, method and seed, as a JSON list
+    result TEXT NOT NULL     -- what it found, as JSON
+) WITHOUT ROWID;
+"""
+
+
+class _Set(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    labels: list[str]
+    lower: list[FiniteFloat]
+    upper: list[FiniteFloat]
+
+    @model_validator(mode="after")
+    def _one_size(self) -> _Set:
+        if not len(self.labels) == len(self.lower) == len(self.upper):
+            raise ValueError("rows of different lengths")
+        return self
+
+
+class _Shape(Header):
+    model: ModelTable
+    objective: ObjectiveTable
+    budget: NonNegativeInt
+    engine: dict[str, FiniteFloat]
+    sets: dict[str, _Set]
+    methods: dict[str, MethodTable]
+    seeds: list[NonNegativeInt]
+
+
+COMPARISON = Kind(
+    name="comparison",
+    schema=_Shape,
+    tables=TABLES + _TABLES,
+    growing=("sets", "methods", "seeds"),
+    hashed={"model.hash": "a model that differs from the one now given"},
+)
+_ARRAYS = {
+    "design": np.float64,
+    "improvement_evaluations": np.int64,
+    "improvement_values": np.float64,
+    "improvement_designs": np.float64,
+}
+
+
+def running_record(database: Database, problem: Problem, key: tuple[str, str, int]) -> Record:
+    """Return the record of a search (set, method, seed) that has not finished."""
+    return Record(database, problem.sizes, search=json.dumps(key))
+
+
+def save(database: Database, run: SearchRun) -> None:
+    """Keep a finished search, instead of its evaluations."""
+    result, search = run.result, json.dumps((run.parameters, run.method, run.seed))
+    values = {
+        "seconds": run.seconds if np.isfinite(run.seconds) else None,
+        "value": result.value if np.isfinite(result.value) else None,
+        "evaluations": result.evaluations,
+        "iterations": result.iterations,
+        "reason": result.reason,
+        **{name: getattr(result, name).tolist() for name in _ARRAYS},
+    }
+    database.write(
+        ("INSERT INTO searches VALUES (?, ?)", [(search, json.dumps(values))]),
+        ("DELETE FROM evaluations WHERE search = ?", [(search,)]),
+    )
+
+
+def finished(database: Database) -> dict[tuple[str, str, int], SearchRun]:
+    """Return the finished searches by set, method and seed.
+
+    Raises
+    ------
+    InputError
+        If one of them is damaged.
+    """
+    runs = {}
+    for search, text in database.rows("SELECT search, result FROM searches"):
+        try:
+            parameters, method, seed = json.loads(search)
+            values = json.loads(text)
+            arrays: dict[str, Any] = {
+                name: np.array(values[name], dtype=kind) for name, kind in _ARRAYS.items()
+            }
+            shape = (-1, arrays["design"].size)
+            arrays["improvement_designs"] = arrays["improvement_designs"].reshape(shape)
+            result = SearchResult(
+                value=np.inf if values["value"] is None else float(values["value"]),
+                evaluations=int(values["evaluations"]),
+                iterations=int(values["iterations"]),
+                reason=str(values["reason"]),
+                **arrays,
+            )
+            seconds = np.nan if values["seconds"] is None else float(values["seconds"])
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            raise database.damaged("a finished search is damaged") from None
+        runs[parameters, method, seed] = SearchRun(parameters, method, seed, result, seconds)
+    return runs

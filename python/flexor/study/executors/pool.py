@@ -1,0 +1,174 @@
+"""Evaluation on any executor with the interface of `concurrent.futures`."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Generator
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor as StandardExecutor
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from flexor.errors import ClusterError, InputError
+from flexor.study.executors import task
+from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.task import PickledProblem, Reply, one_line
+from flexor.study.outcomes import FloatArray, Outcomes
+from flexor.study.problem import Problem
+
+Result = TypeVar("Result")
+# A task should take no less than this [s], or passing it on takes as long as doing it.
+SHORTEST = 0.02
+# Tasks kept waiting for each worker, so that none is idle between two.
+AHEAD = 3
+# How often a wait looks whether there is still something to wait for [s].
+_LOOK = 1.0
+
+
+class Pool(Executor):
+    """Evaluates with an executor of `concurrent.futures`, or anything of the same interface.
+
+    Threads of this process are called as they are; to other processes goes the pickled problem,
+    which each unpickles once, and then the designs.
+
+    Parameters
+    ----------
+    executor : concurrent.futures.Executor
+        For example a ``ProcessPoolExecutor``, Dask's ``client.get_executor()`` or an
+        ``MPIPoolExecutor`` of mpi4py. It stays open.
+    name : str
+        What to call it in messages.
+    """
+
+    def __init__(self, executor: StandardExecutor, name: str = "the executor") -> None:
+        self._executor, self._name = executor, name
+        self._here = isinstance(executor, ThreadPoolExecutor)
+        self._pickled: WeakKeyDictionary[Problem, PickledProblem] = WeakKeyDictionary()
+        self._spent: WeakKeyDictionary[Problem, tuple[int, float]] = WeakKeyDictionary()
+        self._lock = threading.Lock()
+
+    @property
+    def slots(self) -> int:
+        """How many workers there are, if the executor tells; else as many as there are cores."""
+        found: Any = self._executor
+        client = getattr(found, "_client", None)  # of Dask
+        if client is not None:
+            return max(int(sum(client.nthreads().values())), 1)
+        told = getattr(found, "_max_workers", None) or getattr(found, "num_workers", None)
+        return int(told or os.cpu_count() or 1)
+
+    def parts(
+        self, problem: Problem, designs: FloatArray, gradient: bool = False
+    ) -> Generator[Outcomes, None, None]:
+        """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending.
+
+        Raises
+        ------
+        InputError
+            If the problem cannot be sent, or a worker refuses it.
+        ClusterError
+            If the executor is lost.
+        """
+        left = deque(self._split(problem, designs))
+        running: deque[Future[Reply]] = deque()
+        try:
+            while left or running:
+                while left and len(running) < AHEAD * self.slots:
+                    running.append(self._submit(problem, task.evaluate, left.popleft(), gradient))
+                reply = self._reply(running.popleft())
+                outcomes: Outcomes = reply.result
+                self._learn(problem, len(outcomes), reply.seconds)
+                yield outcomes
+        finally:
+            for future in running:
+                future.cancel()
+
+    @property
+    def remote(self) -> bool:
+        """Whether the workers are other processes."""
+        return not self._here
+
+    def call(
+        self,
+        problem: Problem,
+        function: Callable[..., Result],
+        *arguments: Any,
+        stopped: Callable[[], bool] | None = None,
+    ) -> Result:
+        """Call ``function(problem, *arguments)`` on a worker, and wait for it.
+
+        Raises
+        ------
+        InputError, ClusterError
+            As for `parts`; and what the function raises.
+        """
+        result: Result = self._reply(self._submit(problem, function, *arguments), stopped).result
+        return result
+
+    def _submit(
+        self, problem: Problem, function: Callable[..., Any], *arguments: Any
+    ) -> Future[Reply]:
+        if self._here:
+            return self._submitted(task.call, problem, function, arguments)
+        with self._lock:
+            pickled = self._pickled.get(problem)
+            if pickled is None:
+                pickled = self._pickled[problem] = PickledProblem.of(problem)
+        work = task.dumps((function, arguments))
+        return self._submitted(task.run, pickled, work)
+
+    def _submitted(self, function: Callable[..., Reply], *arguments: Any) -> Future[Reply]:
+        future: Future[Reply] = self._guarded(self._executor.submit, function, *arguments)
+        return future
+
+    def _reply(self, future: Future[Reply], stopped: Callable[[], bool] | None = None) -> Reply:
+        """Wait for a reply."""
+        while not wait([future], _LOOK).done:
+            if stopped is not None and stopped():
+                future.cancel()
+                raise CancelledError
+            self._check_alive()
+        reply: Reply = self._guarded(future.result)
+        if reply.error is not None:
+            raise reply.error
+        return reply
+
+    def _check_alive(self) -> None:
+        """Raise ClusterError if there is nothing to wait for any more."""
+
+    def _guarded(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call something of the executor; if that fails, the executor is lost."""
+        try:
+            return function(*arguments)
+        except (ImportError, AttributeError) as error:
+            raise InputError(
+                f"a worker of {self._name} has another Flexor, or none: {one_line(error)}."
+            ) from error
+        except (Exception, CancelledError) as error:
+            raise ClusterError(f"{self._name} was lost: {self._why(error)}.") from error
+
+    def _why(self, error: BaseException) -> str:
+        """Return why the executor was lost, as the end of a sentence."""
+        return one_line(error)
+
+    def _split(self, problem: Problem, designs: FloatArray) -> list[FloatArray]:
+        """Split designs for all workers, in parts neither too small nor too large."""
+        count, slots = len(designs), self.slots
+        parts = -(-count // PART)
+        if parts < slots:
+            known, seconds = self._spent.get(problem, (0, 0.0))
+            worth = count if not known else int(count * seconds / known / SHORTEST)
+            parts = max(parts, min(slots, worth, count))
+        elif parts < AHEAD * slots:
+            parts = -(-parts // slots) * slots  # the same for each worker
+        return np.array_split(designs, parts) if parts else []
+
+    def _learn(self, problem: Problem, designs: int, seconds: float) -> None:
+        """Take in how long designs took."""
+        with self._lock:
+            count, before = self._spent.get(problem, (0, 0.0))
+            self._spent[problem] = count + designs, before + seconds
