@@ -131,7 +131,7 @@ def _angular(coordinate: str) -> bool:
 
 def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
-        return path.status[step].replace("_", " ")
+        return str(path.status[step]).replace("_", " ")
     return "stable" if path.stable[step] else "unstable"
 
 

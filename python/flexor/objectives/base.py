@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
-from flexor.objectives.paths import FloatArray, PathGradient, Paths
+from flexor.model.results import Paths
+from flexor.objectives.gradient import FloatArray, PathGradient
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Objective(ABC):
 
     @abstractmethod
     def value(self, paths: Paths) -> FloatArray:
-        """Value to minimise, (n,); meaningless where `flexor.objectives.judge` finds a failure."""
+        """Value to minimise, (n,); meaningless where `evaluate_objective` finds a failure."""
 
     @abstractmethod
     def shown(self, paths: Paths) -> FloatArray:

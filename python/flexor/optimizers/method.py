@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 from numpy.typing import ArrayLike
 
-from flexor.optimizers.counted import BudgetSpent, Counted
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -37,7 +37,7 @@ class Run(UnitBox):
 
     def __init__(
         self,
-        function: Counted,
+        function: BudgetedEvaluator,
         lower: FloatArray,
         upper: FloatArray,
         start: ArrayLike | None,
@@ -104,11 +104,11 @@ class Method(ABC):
         progress: ProgressCallback | None = None,
     ) -> SearchResult:
         """Minimise; see `flexor.optimizers.Search`."""
-        counted = Counted(function, budget)
-        run = Run(counted, lower, upper, start, seed, progress)
+        evaluator = BudgetedEvaluator(function, budget)
+        run = Run(evaluator, lower, upper, start, seed, progress)
         try:
             reason = self.run(run)
         except (BudgetSpent, Idle) as spent:
             reason = str(spent)
         run.tell(reason, 0)
-        return counted.result(run.iteration, reason)
+        return evaluator.result(run.iteration, reason)

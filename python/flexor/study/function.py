@@ -14,16 +14,15 @@ from flexor.errors import InputError
 from flexor.model.loading import needed_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
     from flexor.model import Model
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
-    """Values of n designs with their gradients, and what these are worth.
+class ObjectiveGradients:
+    """Objective values of n designs with their gradients, and how far these hold.
 
     Attributes
     ----------
@@ -32,7 +31,7 @@ class Slopes:
     gradient : (n, k) array
         Its derivative with respect to the parameters, per SI unit; NaN where the design failed.
     regularity : (n,) array of str
-        ``"regular"``, or why the gradient is less than that; see `flexor.model.Batch`.
+        ``"regular"``, or why the gradient is less than that; see `flexor.model.Paths`.
     reason : (n,) array of str
         Empty, or why the design failed.
     """
@@ -82,7 +81,7 @@ class ObjectiveFunction:
             return self.failed, np.zeros(found.gradient.shape[1])
         return float(found.value[0]), found.gradient[0]
 
-    def evaluate(self, designs: ArrayLike, threads: int = 0) -> Slopes:
+    def evaluate(self, designs: ArrayLike, threads: int = 0) -> ObjectiveGradients:
         """Values, gradients and what they are worth, of designs (n, k), SI.
 
         Parameters
@@ -98,11 +97,9 @@ class ObjectiveFunction:
             If the array has not k columns.
         """
         vectors = np.atleast_2d(np.asarray(designs, dtype=np.float64))
-        outcomes = self.problem.evaluate(vectors, threads, gradient=True)
-        assert outcomes.regularity is not None
-        return Slopes(
-            outcomes.value, self.problem.gradients(outcomes), outcomes.regularity, outcomes.reason
-        )
+        paths = self.problem.evaluate(vectors, threads, gradient=True)
+        gradient = self.problem.gradients(paths)
+        return ObjectiveGradients(paths.value, gradient, paths.regularity, paths.reason)
 
     @property
     def start(self) -> FloatArray:

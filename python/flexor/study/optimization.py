@@ -19,8 +19,7 @@ from flexor.optimizers import method as named_method
 from flexor.study import folder as folders
 from flexor.study.executors import Executor, chosen_executor
 from flexor.study.lock import Lock
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.progress import StudyCallback
 from flexor.study.record import Record
 from flexor.study.reopen import reopened

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError, shortened
-from flexor.study.outcomes import FloatArray, Outcomes
+from flexor.model.results import Paths
+from flexor.study.problem import FloatArray
 
 _TABLES = """
 CREATE TABLE about (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
@@ -113,7 +114,7 @@ class Record:
             found = self._one("SELECT value FROM about WHERE key = ?", (key,))
             return None if found is None else json.loads(found)
 
-    def append(self, designs: FloatArray, outcomes: Outcomes) -> None:
+    def append(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
 
         With their derivatives, if the outcomes have them.
@@ -131,8 +132,8 @@ class Record:
             _numbers(outcomes.value, failed),
             _numbers(outcomes.shown, failed),
             outcomes.reason.tolist(),
-            outcomes.events.tolist(),
-            outcomes.iterations.tolist(),
+            outcomes.event_count.tolist(),
+            outcomes.total_iterations.tolist(),
             _blobs(outcomes.joint_angles, "<f8"),
             _blobs(outcomes.tip_force, "<f8"),
             _blobs(outcomes.touching, "<i4"),
@@ -145,7 +146,7 @@ class Record:
             self._sql.executemany(_INSERT, rows)
             self._sql.executemany(_INSERT_DERIVATIVES, slopes)
 
-    def append_derivatives(self, designs: FloatArray, outcomes: Outcomes) -> None:
+    def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already.
 
         Raises
@@ -180,7 +181,7 @@ class Record:
             rows = self._sql.execute("SELECT design FROM evaluations ORDER BY id").fetchall()
             return self._decoded([row[0] for row in rows], "<f8", (self._k,))
 
-    def outcomes(self, design: FloatArray | None = None) -> Outcomes:
+    def outcomes(self, design: FloatArray | None = None) -> Paths:
         """Outcomes of one design (k,), or of all in the order of evaluation.
 
         An unknown design gives outcomes of length zero.
@@ -196,7 +197,7 @@ class Record:
             columns = columns or [[] for _ in range(10)]
             value, shown, reason, events, iterations, angles, force, touch, conv, stable = columns
             steps = self._steps
-            return Outcomes(
+            return Paths(
                 value=np.array([np.inf if v is None else v for v in value], dtype=np.float64),
                 shown=np.array([np.nan if v is None else v for v in shown], dtype=np.float64),
                 reason=np.array(reason, dtype=object),
@@ -205,8 +206,8 @@ class Record:
                 touching=self._decoded(touch, "<i4", (steps,)),
                 converged=self._decoded(conv, "u1", (steps,)).astype(np.bool_),
                 stable=self._decoded(stable, "u1", (steps,)).astype(np.bool_),
-                events=np.array(events, dtype=np.int64),
-                iterations=np.array(iterations, dtype=np.int64),
+                event_count=np.array(events, dtype=np.int64),
+                total_iterations=np.array(iterations, dtype=np.int64),
             )
 
     def best(self) -> FloatArray | None:
@@ -285,9 +286,9 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
 
 
-def _derivatives(designs: FloatArray, outcomes: Outcomes) -> list[tuple[bytes, bytes, str]]:
+def _derivatives(designs: FloatArray, outcomes: Paths) -> list[tuple[bytes, bytes, str]]:
     """Rows of the derivatives; none if there are none."""
-    if outcomes.derivatives is None or outcomes.regularity is None:
+    if outcomes.derivatives is None:
         return []
     blobs = _blobs(designs, "<f8"), _blobs(outcomes.derivatives, "<f8")
     return list(zip(*blobs, outcomes.regularity.tolist(), strict=True))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _COLUMNS = (
     *("value", "shown", "reason", "joint_angles", "tip_force", "touching"),
-    *("converged", "stable", "events", "iterations"),
+    *("converged", "stable", "event_count", "total_iterations"),
 )
 
 

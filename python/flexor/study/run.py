@@ -9,9 +9,9 @@ import numpy as np
 from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.study.design import Design
 from flexor.study.executors import Executor, Threads
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 from flexor.study.progress import StudyCallback, StudyProgress
-from flexor.study.recorded import Recorded
+from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.study import Study
 
 
@@ -49,7 +49,7 @@ def run(
         What the search found.
     """
     gradients = uses_gradients(search)
-    recorded = Recorded(study.problem, study.record, executor or Threads(), gradients)
+    recorded = RecordedEvaluator(study.problem, study.record, executor or Threads(), gradients)
     began = time.monotonic()
     best: Design | None = None
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 # Change of one parameter in a workshop's measure, by its display unit: the text, and SI.
 STEPS = {
@@ -39,7 +38,7 @@ class Sensitivity:
     value : (k,) array or None
         Of the objective; None if it has no gradient.
     regularity : str
-        What the derivatives are worth; see `flexor.model.Batch`. The designs of `off` were
+        What the derivatives are worth; see `flexor.model.Paths`. The designs of `off` were
         evaluated and hold in any case.
     off : (k, 2) array
         The sum of the joint angles [rad] if one parameter is smaller, and if it is greater, by its
@@ -73,8 +72,6 @@ class Sensitivity:
         texts, sizes = zip(*(STEPS[unit] for unit in chosen.units), strict=True)
         step = np.array(sizes)
         here = problem.evaluate(design[None, :], gradient=True)
-        assert here.derivatives is not None
-        assert here.regularity is not None
         # As made, not as searched: an error of fabrication knows no bounds.
         around = design + np.concatenate((-np.diag(step), np.diag(step)))
         off = problem.evaluate(around)

@@ -12,8 +12,7 @@ from typing import Any
 from flexor.errors import InputError, shortened
 from flexor.optimizers import Budget, Search
 from flexor.study.environment import environment, installed
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.schema import complete
 
 FORMAT = 1

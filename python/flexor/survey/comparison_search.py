@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexor.optimizers import Budget, Search, SearchResult, uses_gradients
-from flexor.study import Problem, Record, Recorded, Threads
-from flexor.study.outcomes import FloatArray
+from flexor.study import Problem, Record, RecordedEvaluator, Threads
+from flexor.study.problem import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Asked:
         """Whether the method asks for gradients."""
         return uses_gradients(self.search)
 
-    def of(self, problem: Problem, function: Recorded) -> SearchResult:
+    def of(self, problem: Problem, function: RecordedEvaluator) -> SearchResult:
         """Search a problem through its recorded function."""
         return self.search.minimize(
             function,
@@ -66,7 +66,7 @@ def search_alone(problem: Problem, asked: Asked) -> tuple[SearchResult, float]:
     """
     began, record = time.monotonic(), open_record(problem, None)
     try:
-        result = asked.of(problem, Recorded(problem, record, Threads(1), asked.gradients))
+        result = asked.of(problem, RecordedEvaluator(problem, record, Threads(1), asked.gradients))
     finally:
         record.close()
     return result, time.monotonic() - began

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from flexor.optimizers import LevenbergMarquardt, Search, SearchResult, starting_designs
-from flexor.study import Executor, Problem, Record, Recorded
-from flexor.study.outcomes import FloatArray
+from flexor.study import Executor, Problem, Record, RecordedEvaluator
+from flexor.study.problem import FloatArray
 from flexor.survey import comparison_folder as folders
 from flexor.survey.comparison_result import MethodComparison, SearchRun
 from flexor.survey.comparison_search import Asked, open_record, search_alone
@@ -96,7 +96,7 @@ class _Stopped(BaseException):
     """Raised within searches when the comparison is to stop."""
 
 
-class _Watched(Recorded):
+class _Watched(RecordedEvaluator):
     """The recorded function of one search, which counts for all and can be stopped."""
 
     def __init__(
@@ -105,12 +105,14 @@ class _Watched(Recorded):
         super().__init__(problem, record, executor, gradients)
         self._tally = tally
 
-    def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
+    def stream(
+        self, designs: FloatArray, part: int | None = None
+    ) -> Generator[FloatArray, None, None]:
         """Yield values of designs (n, k), part after part."""
         if self._tally.stop.is_set():
             raise _Stopped
         before = self.evaluated
-        for values in super().stream(designs):
+        for values in super().stream(designs, part):
             self._tally.add(self.evaluated - before)
             before = self.evaluated
             if self._tally.stop.is_set():

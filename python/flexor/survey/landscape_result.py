@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from flexor.errors import InputError
 from flexor.optimizers import grid_axes, grid_designs
 from flexor.study import Design, Problem, Settings, Study
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 
 _SI = {"cm": "m", "mm": "m", "deg": "rad"}
 
@@ -99,7 +99,7 @@ class Landscape:
             joint_angles=outcomes.joint_angles[:, -1].reshape(*shape, -1),
             tip_force=outcomes.tip_force[:, -1].reshape(shape),
             touching=outcomes.touching[:, -1].reshape(shape),
-            events=outcomes.events.reshape(shape),
+            events=outcomes.event_count.reshape(shape),
             reason=outcomes.reason.reshape(shape),
         )
 

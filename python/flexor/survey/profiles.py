@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 from flexor.survey.comparison_result import WITHIN, MethodComparison
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexor.optimizers import SearchResult
 from flexor.study import Study
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flexor.study.executors.choice import chosen_executor
 from flexor.study.executors.cluster import Cluster
-from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.interface import Executor
 from flexor.study.executors.threads import Threads
 
-__all__ = ["PART", "Cluster", "Executor", "Threads", "chosen_executor"]
+__all__ = ["Cluster", "Executor", "Threads", "chosen_executor"]

@@ -12,12 +12,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from flexor.errors import ClusterError, InputError
+from flexor.model import chunks
+from flexor.model.results import Paths
 from flexor.study.executors import worker
 from flexor.study.executors.connection import PATIENCE, Connection
-from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.interface import Executor
 from flexor.study.executors.parcel import Parcel, packed
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 Result = TypeVar("Result")
 # A task should take no less than this [s], or passing it on takes as long as doing it.
@@ -72,7 +73,7 @@ class Cluster(Executor):
 
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
+    ) -> Generator[Paths, None, None]:
         """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending.
 
         Raises
@@ -91,7 +92,7 @@ class Cluster(Executor):
                     work = packed(worker.evaluate, left.popleft(), gradient)
                     running.append((work, self._submit(parcel.token, work)))
                 answer = self._answer(parcel, *running.popleft())
-                outcomes: Outcomes = pickle.loads(answer.content)
+                outcomes: Paths = pickle.loads(answer.content)
                 self._learn(parcel.token, len(outcomes), answer.seconds)
                 yield outcomes
         finally:
@@ -145,7 +146,7 @@ class Cluster(Executor):
     def _split(self, token: str, designs: FloatArray) -> list[FloatArray]:
         """Split designs for all threads, in parts neither too small nor too large."""
         count, slots = len(designs), self.slots
-        parts = -(-count // PART)
+        parts = -(-count // chunks.SIZE)
         if parts < slots:
             known, seconds = self._spent.get(token, (0, 0.0))
             worth = count if not known else int(count * seconds / known / LEAST)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.study.executors.parcel import Parcel
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 # A worker may serve many studies before it ends; what it has forgotten it is sent again.
 _KEPT = 64
@@ -117,7 +117,7 @@ def call(token: str, work: bytes, parcel: Parcel | None = None) -> Answer:
         return Answer(None, error=_portable(error))
 
 
-def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Outcomes:
+def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Paths:
     """Evaluate designs (n, k) on one thread: a worker has one for each task."""
     return problem.evaluate(designs, 1, gradient)
 
