@@ -110,7 +110,7 @@ def changed(folder: Path, sql: str) -> None:
 @pytest.mark.parametrize(
     ("sql", "evaluation", "what"),
     [
-        ("UPDATE evaluations SET iterations = 6 WHERE id = 7", 7, "total_iterations"),
+        ("UPDATE evaluations SET iterations = 6 WHERE id = 7", 7, "iterations"),
         ("UPDATE evaluations SET value = value * (1 + 4e-16) WHERE id = 9", 9, "value"),
         ("UPDATE evaluations SET design = x'%s' WHERE id = 3" % ("01" * 24), 3, "design"),
         ("UPDATE evaluations SET reason = 'tired' WHERE id = 5", 5, "reason"),

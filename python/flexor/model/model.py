@@ -86,7 +86,7 @@ class Model:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of what the engine is told of it, the same for the same mechanics."""
+        """SHA-256 of its description for the engine, the same for the same mechanics."""
         return hashlib.sha256(self._description.encode()).hexdigest()
 
     @cached_property
@@ -155,7 +155,7 @@ class Model:
 
     @cached_property
     def evaluation_forces(self) -> Array:
-        """Forces through which a design is judged, from zero in the file's steps [N]."""
+        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
         last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
         steps = max(1, round(last / step))
         return np.linspace(0.0, last, steps + 1)

@@ -78,7 +78,7 @@ class Results:
     derivatives : (n, joints + 1, p) array
         The same with respect to the p parameters of a set.
     regularity : (n,) array of str
-        What these derivatives are worth: ``"regular"``; ``"snapped"``, where they are those of the
+        Whether these derivatives hold: ``"regular"``; ``"snapped"``, where they are those of the
         branch the path ended on and do not see the snap move or vanish; ``"contact-threshold"``,
         where a sphere just touches; ``"nearly-singular"``, where the stiffness all but vanishes;
         ``"no-equilibrium"``.

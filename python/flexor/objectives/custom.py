@@ -57,12 +57,12 @@ def custom(
     name : str
         Name of the objective.
     function : callable
-        From the `flexor.Path` of one design to a number to minimise. It is not
-        asked about designs that failed; a NaN makes the design one of them.
+        From the `flexor.Path` of one design to a number to minimise. It is not called for designs
+        that failed; a design for which it returns NaN counts as failed.
     force : (steps,) array, optional
         Actuation forces [N] of the path; by default those of the model's ``[evaluation]``.
     quantity, unit : str
-        What is shown to people.
+        Name and unit of the displayed quantity.
     shown : callable, optional
         Computes that quantity from the path; the value itself by default.
 

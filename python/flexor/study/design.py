@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A design and what became of it.
+    """A design and its results.
 
     Attributes
     ----------
@@ -80,12 +80,12 @@ class Design:
 
     @cached_property
     def path(self) -> Path:
-        """The whole path of equilibria, followed anew."""
+        """The complete path of equilibria, computed anew."""
         return self.problem.path(self.vector)
 
     @cached_property
     def sensitivity(self) -> Sensitivity:
-        """How it answers to small changes of its parameters: exact derivatives, evaluated anew."""
+        """Exact derivatives with respect to its parameters, evaluated anew."""
         return Sensitivity.of(self.problem, self.vector)
 
     def __repr__(self) -> str:

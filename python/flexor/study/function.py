@@ -82,7 +82,7 @@ class ObjectiveFunction:
         return float(found.value[0]), found.gradient[0]
 
     def evaluate(self, designs: ArrayLike, threads: int = 0) -> ObjectiveGradients:
-        """Values, gradients and what they are worth, of designs (n, k), SI.
+        """Evaluate designs (n, k), SI: values, gradients and their regularity.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ def objective_function(
     objective : str or Objective
         What is minimised; f_bc is differentiated with its count of contacts held.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; the objective's or the model's own by default.
     failed : float
         Value given for designs that fail.
     engine_options : dict, optional
@@ -143,7 +143,7 @@ def objective_function(
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
-        and says what their gradients are worth. Designs outside `ObjectiveFunction.bounds` are
+        and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds` are
         evaluated like any other: line searches may try some.
 
     Raises

@@ -49,7 +49,7 @@ def optimize(
     method_options: Mapping[str, Any] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Study:
-    """Find the design of the exosuit that an objective likes best.
+    """Optimise a design for an objective.
 
     Parameters
     ----------
@@ -67,9 +67,9 @@ def optimize(
     bounds : dict, optional
         Other bounds by label, SI.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; the objective's or the model's own by default.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : int or Budget, optional
         Distinct designs to evaluate at most, or a `Budget`.
     folder : path, optional
@@ -77,7 +77,7 @@ def optimize(
     resume : bool
         Go on with the study in ``folder``, whose settings must be these (the budget may differ).
     progress : callable, optional
-        Told a `StudyProgress` after each iteration.
+        Called with a `StudyProgress` after each iteration.
     executor : Executor or str, optional
         Where designs are evaluated: in this process, on all cores, by default; a text is the
         address of a cluster, such as ``"tcp://HOST:8786"`` or ``"local:4"``; see `Cluster`.

@@ -35,11 +35,11 @@ def run(
     start : (s, k) array or None
         Where it begins; None draws it from the seed.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : Budget
         When to stop at the latest.
     progress : callable, optional
-        Told a `StudyProgress` after each iteration.
+        Called with a `StudyProgress` after each iteration.
     executor : Executor, optional
         Where designs are evaluated; in this process by default.
 
@@ -53,7 +53,7 @@ def run(
     began = time.monotonic()
     best: Design | None = None
 
-    def tell(at: Progress) -> None:
+    def report(at: Progress) -> None:
         nonlocal best
         assert progress is not None
         if np.isfinite(at.value) and (best is None or best.value != at.value):
@@ -82,5 +82,5 @@ def run(
         start=start,
         seed=seed,
         budget=budget,
-        progress=tell if progress is not None else None,
+        progress=report if progress is not None else None,
     )

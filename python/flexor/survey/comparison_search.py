@@ -22,7 +22,7 @@ class Asked:
     start : (s, k) array
         Where it begins.
     seed : int
-        Of everything drawn at random.
+        Random seed.
     budget : int
         Evaluations.
     """

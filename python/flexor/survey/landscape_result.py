@@ -145,7 +145,7 @@ class Landscape:
 
     @property
     def minimum(self) -> Design:
-        """Best design of the grid, the true global minimum as far as the grid can tell.
+        """Best design of the grid, the global minimum to the resolution of the grid.
 
         Raises
         ------
