@@ -133,7 +133,7 @@ def objective_function(
     objective : str or Objective
         What is minimised; f_bc is differentiated with its count of contacts held.
     force : (steps,) array, optional
-        Actuation forces [N], of which the last counts; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; by default the objective's or the model's.
     failed : float
         Value given for designs that fail.
     engine_options : dict, optional
@@ -143,8 +143,8 @@ def objective_function(
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
-        and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds` are
-        evaluated like any other: line searches may try some.
+        and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds`
+        are evaluated like any other: line searches may try some.
 
     Raises
     ------

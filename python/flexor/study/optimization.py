@@ -67,7 +67,7 @@ def optimize(
     bounds : dict, optional
         Other bounds by label, SI.
     force : (steps,) array, optional
-        Actuation forces [N], of which the last counts; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; by default the objective's or the model's.
     seed : int
         Random seed.
     budget : int or Budget, optional
