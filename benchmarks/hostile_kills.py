@@ -25,8 +25,9 @@ from rich.progress import track
 from rich.table import Table
 
 import flexor
-from flexor.study import Executor, Outcomes, Problem, Record, Study, optimize, resume
-from flexor.study.executors import PART
+from flexor.model import Paths
+from flexor.model.chunks import chunks
+from flexor.study import Executor, Problem, Record, Study, optimize, resume
 
 
 @dataclass(frozen=True)
@@ -37,10 +38,10 @@ class Logged(Executor):
 
     def parts(
         self, problem: Problem, designs: np.ndarray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
+    ) -> Generator[Paths, None, None]:
         """Evaluate designs (n, k)."""
-        for first in range(0, len(designs), PART):
-            part = designs[first : first + PART]
+        for chunk in chunks(len(designs)):
+            part = designs[chunk]
             with open(self.log, "a", encoding="ascii") as file:
                 file.write(f"{len(part)}\n")
             yield problem.evaluate(part, 1, gradient)
@@ -170,7 +171,7 @@ def unlike(whole: Path, pieces: Path) -> list[str]:
     if one.record.designs().tobytes() != other.record.designs().tobytes():
         said.append("the designs differ")
     pair = one.record.outcomes(), other.record.outcomes()
-    for name in ("value", "joint_angles", "tip_force", "iterations", "events"):
+    for name in ("value", "joint_angles", "tip_force", "total_iterations", "event_count"):
         if getattr(pair[0], name).tobytes() != getattr(pair[1], name).tobytes():
             said.append(f"the outcomes differ: {name}")
     one.close()

@@ -223,7 +223,7 @@ def test_a_batch_is_its_paths_whatever_the_threads(finger: Model) -> None:
     one, two = (finger.evaluate(geometry, threads=threads) for threads in (1, 2))
     np.testing.assert_array_equal(one.q, two.q)
     assert len(one) == 3
-    assert one.spheres == 42
+    assert one.sphere_count == 42
     assert one.joint_angles.shape == (3, 6, 3)
     for index, path in enumerate(one):
         alone = finger.equilibrium(design=tapers(finger, designs[index]))
@@ -259,7 +259,7 @@ def test_events_tell_force_and_angles() -> None:
     designs = [(length, a, b) for length in (0.07, 0.1, 0.13) for a in radii for b in radii]
     batch = model.evaluate(tapers(model, *designs))
     events = [event for path in batch for event in path.events]
-    assert len(events) == len(batch.events["step"]) > 0
+    assert len(events) == batch.event_count.sum() > 0
     for path in batch:
         for event in path.events:
             assert event.kind in _engine.EVENTS

@@ -152,7 +152,7 @@ def test_gradients_are_those_of_differences(per_length: bool) -> None:
     def last(p: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         batch = model.evaluate(chosen.geometry(p, model.X), tolerance=1e-12)
         outputs = np.concatenate((batch.joint_angles[:, -1], batch.tip_force[:, -1:]), axis=1)
-        return outputs, np.bincount(batch.events["design"], minlength=len(p))
+        return outputs, batch.event_count
 
     here = model.evaluate(chosen.geometry(p, model.X), gradient=True, tolerance=1e-12)
     assert here.regularity is not None

@@ -70,7 +70,7 @@ def content(study: Study) -> list[bytes]:
     outcomes = study.record.outcomes()
     arrays = [study.record.designs(), outcomes.value, outcomes.shown, outcomes.joint_angles]
     arrays += [outcomes.tip_force, outcomes.touching, outcomes.converged, outcomes.stable]
-    arrays += [outcomes.events, outcomes.iterations]
+    arrays += [outcomes.event_count, outcomes.total_iterations]
     return [array.tobytes() for array in arrays] + [repr(outcomes.reason.tolist()).encode()]
 
 

@@ -16,7 +16,7 @@ import flexor
 from flexor import optimizers
 from flexor.errors import InputError
 from flexor.objectives import custom
-from flexor.study import Problem, Record, Recorded, Threads, function, optimize, resume
+from flexor.study import Problem, Record, RecordedEvaluator, Threads, function, optimize, resume
 
 METHODS = ("levenberg-marquardt", "multistart-bfgs", "pattern-search+polish")
 
@@ -45,7 +45,7 @@ def test_a_gradient_after_a_snap_says_so() -> None:
     made = flexor.objective_function(flexor.load("finger"), "R01")
     slopes = made.evaluate([[0.0116, 0.008], [0.005, 0.006]])
     batch = made.problem.model.evaluate(made.problem.geometry(np.array([[0.005, 0.006]])))
-    assert len(batch.events["design"]) > 0
+    assert batch.event_count[0] > 0
     assert slopes.regularity.tolist() == ["regular", "snapped"]
     assert slopes.meaningful.tolist() == [True, False]
 
@@ -75,7 +75,7 @@ def test_exact_gradients_save_designs_and_are_recorded(analytic: ModuleType, nam
     assert slopes is not None
     assert slopes[0].shape == (4, k)
     problem = exact.problem
-    recorded = Recorded(problem, Record(None, (k, 6, 3)), Threads(), gradients=False)
+    recorded = RecordedEvaluator(problem, Record(None, (k, 6, 3)), Threads(), gradients=False)
     chosen = problem.parameters
     differences = optimizers.method(name).minimize(
         recorded, chosen.lower, chosen.upper, chosen.start
@@ -106,7 +106,7 @@ def test_designs_recorded_without_derivatives_are_differentiated_when_asked(
     model = analytic.AnalyticModel()
     plain = optimize(model, "L", "f_b", budget=10)
     designs = plain.record.designs()[:3]
-    recorded = Recorded(plain.problem, plain.record, Threads(), gradients=True)
+    recorded = RecordedEvaluator(plain.problem, plain.record, Threads(), gradients=True)
     gradient = recorded.gradient(designs)
     outcomes = plain.problem.evaluate(designs, gradient=True)
     np.testing.assert_array_equal(gradient, plain.problem.gradients(outcomes))

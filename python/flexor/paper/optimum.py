@@ -71,7 +71,7 @@ def evaluated(problem: Problem, design: Array) -> Data:
         "joint_angles": outcomes.joint_angles[0, -1].tolist(),
         "tip_force": float(outcomes.tip_force[0, -1]),
         "touching": int(outcomes.touching[0, -1]),
-        "events": int(outcomes.events[0]),
+        "events": int(outcomes.event_count[0]),
     }
 
 

@@ -1,4 +1,4 @@
-"""A batch function that counts, remembers and stops at a budget, for any search."""
+"""Evaluation within a budget, for any search."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from contextlib import closing
 import numpy as np
 
 from flexor.errors import InputError
+from flexor.optimizers.cached_evaluator import CachedEvaluator, normalized
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -17,7 +18,6 @@ from flexor.optimizers.interface import (
     FloatArray,
     Progress,
     SearchResult,
-    StreamingFunction,
     VectorFunction,
 )
 
@@ -26,11 +26,10 @@ class BudgetSpent(Exception):
     """Raised to a search when its budget is spent; its text is the reason."""
 
 
-class Counted:
-    """What a search evaluates through.
+class BudgetedEvaluator:
+    """What a search evaluates through: a `CachedEvaluator` that stops at a budget.
 
-    Each distinct design is evaluated once (known by its exact bytes); NaN becomes +inf; the best
-    design and every improvement are kept.
+    It counts distinct designs and keeps the best and every improvement.
 
     Parameters
     ----------
@@ -42,9 +41,12 @@ class Counted:
 
     def __init__(self, function: BatchFunction, budget: Budget | None = None) -> None:
         self._function = function
+        self._cache = (
+            function if isinstance(function, CachedEvaluator) else CachedEvaluator(function)
+        )
         self._budget = budget or Budget()
         self._began = time.monotonic()
-        self._known: dict[bytes, float] = {}
+        self._asked: set[bytes] = set()
         self._improvements: list[tuple[int, float, FloatArray]] = []
         self._first: FloatArray | None = None
         self.value = np.inf
@@ -52,7 +54,7 @@ class Counted:
     @property
     def evaluations(self) -> int:
         """Distinct designs evaluated."""
-        return len(self._known)
+        return len(self._asked)
 
     @property
     def design(self) -> FloatArray:
@@ -70,12 +72,12 @@ class Counted:
         BudgetSpent
             Before the batch if no budget is left; after as much of it as the budget allows.
         """
-        designs = np.ascontiguousarray(designs, dtype=np.float64) + 0.0  # one kind of zero
-        keys, fresh = self._sorted(designs)
+        designs = normalized(designs)
+        fresh = self._fresh(designs)
         if fresh:
             for _ in self._evaluate(designs, fresh, len(fresh)):
                 pass
-        return np.array([self._known[key] for key in keys])
+        return self._cache(designs)
 
     def stream(self, designs: FloatArray, part: int) -> Generator[int, None, None]:
         """Evaluate designs (n, k) in order; yield now and then how many of them are done.
@@ -92,8 +94,8 @@ class Counted:
         BudgetSpent
             As for values.
         """
-        designs = np.ascontiguousarray(designs, dtype=np.float64) + 0.0
-        _, fresh = self._sorted(designs)
+        designs = normalized(designs)
+        fresh = self._fresh(designs)
         rows = [*fresh.values(), len(designs)]
         if fresh:
             for done in self._evaluate(designs, fresh, part):
@@ -146,14 +148,13 @@ class Counted:
             improvement_designs=np.array([i[2] for i in self._improvements]).reshape(-1, k),
         )
 
-    def _sorted(self, designs: FloatArray) -> tuple[list[bytes], dict[bytes, int]]:
-        """Keys of designs, and those not known yet with the first row of each."""
-        keys = [row.tobytes() for row in designs]
+    def _fresh(self, designs: FloatArray) -> dict[bytes, int]:
+        """Return the designs that were not asked for yet, with the first row of each."""
         fresh: dict[bytes, int] = {}
-        for row, key in enumerate(keys):
-            if key not in self._known:
+        for row, key in enumerate(row.tobytes() for row in designs):
+            if key not in self._asked:
                 fresh.setdefault(key, row)
-        return keys, fresh
+        return fresh
 
     def _evaluate(
         self, designs: FloatArray, fresh: dict[bytes, int], part: int
@@ -166,7 +167,7 @@ class Counted:
         self._check_time()
         keys, rows = list(fresh), list(fresh.values())
         done = 0
-        with closing(self._values(designs[rows[:left]], part)) as parts:
+        with closing(self._cache.stream(designs[rows[:left]], part)) as parts:
             for values in parts:
                 last = done + len(values)
                 for key, row, value in zip(
@@ -177,29 +178,16 @@ class Counted:
                 yield done
                 if done < left:
                     self._check_time()
-        if done != left:
-            raise RuntimeError(f"{left} designs gave {done} values")
         if left < len(fresh):
             raise BudgetSpent(f"the budget of {limit} evaluations is spent")
 
-    def _values(self, designs: FloatArray, part: int) -> Generator[FloatArray, None, None]:
-        if isinstance(self._function, StreamingFunction) and part < len(designs):
-            yield from self._function.stream(designs)
-            return
-        for first in range(0, len(designs), part):
-            asked = designs[first : first + part]
-            values = np.asarray(self._function(asked), dtype=np.float64)
-            if values.shape != (len(asked),):
-                raise RuntimeError(f"{len(asked)} designs gave values of shape {values.shape}")
-            yield values
-
     def _note(self, key: bytes, design: FloatArray, value: float) -> None:
-        self._known[key] = np.inf if np.isnan(value) else value
+        self._asked.add(key)
         if self._first is None:
             self._first = design.copy()
-        if self._known[key] < self.value:
+        if value < self.value:
             self.value = value
-            self._improvements.append((len(self._known), value, design.copy()))
+            self._improvements.append((len(self._asked), value, design.copy()))
 
     def _check_time(self) -> None:
         seconds = self._budget.seconds
