@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,13 @@ def test_the_engine_says_what_its_options_are() -> None:
     for option in _engine.SOLVER_OPTIONS.values():
         assert option["minimum"] <= option["default"] <= option["maximum"]
         assert option["doc"].endswith(".")
+
+
+def test_every_option_is_in_the_docs() -> None:
+    method = (FilePath(__file__).parents[2] / "docs" / "method.md").read_text(encoding="utf-8")
+    for name, option in _engine.SOLVER_OPTIONS.items():
+        (row,) = [line for line in method.splitlines() if line.startswith(f"| `{name}` |")]
+        assert float(row.split("|")[2].replace(",", "")) == option["default"]
 
 
 def test_the_engine_refuses_by_itself() -> None:
