@@ -59,7 +59,6 @@ _PACKAGES = (
     "errors",
     "model",
     "objectives",
-    "paper",
     "plot",
     "optimizers",
     "study",

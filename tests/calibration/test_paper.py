@@ -26,7 +26,9 @@ def test_the_three_angles_are_met(tmp_path) -> None:
     path = tmp_path / "angles.toml"
     path.write_text(text)
     chosen = {"base": "follows R_0", "merged": "first two"}
-    found = calibrate(package.load("finger"), path, samples=1024, starts=3, chosen=chosen)
+    found = calibrate(
+        package.load("finger", "calibrated"), path, samples=1024, starts=3, chosen=chosen
+    )
     assert found.best.met
     models = found.best.models()
     three, two = models["finger"], models["finger-2-links"]

@@ -134,7 +134,7 @@ def test_one_constant_sets_fields_of_several_models_and_bodies() -> None:
     value = "1 rad"
     tolerance = "1 rad"
     """
-    (variant,) = variants(parse(text, "made"), package.load("finger"), "made")
+    (variant,) = variants(parse(text, "made"), package.load("finger", "calibrated"), "made")
     three, two = (system.model([0.05]) for system in variant.systems.values())
     for model, joints in ((three, ("ph_1", "ph_3")), (two, ("ph_12", "ph_3"))):
         for joint in joints:
@@ -175,7 +175,7 @@ def test_choices_change_models_and_hold_constants() -> None:
     value = "1 rad"
     tolerance = "1 rad"
     """
-    made = variants(parse(text, "made"), package.load("finger"), "made")
+    made = variants(parse(text, "made"), package.load("finger", "calibrated"), "made")
     assert [dict(variant.options) for variant in made] == [
         {"base": base, "chamber": chamber}
         for base in ("follows", "fixed")

@@ -14,7 +14,7 @@ from flexor.model import Batch, Model, follow
 
 @pytest.fixture(scope="module")
 def finger() -> Model:
-    return flexor.load("finger")
+    return flexor.load("finger", "calibrated")
 
 
 def random_batch(model: Model, count: int) -> Batch:
