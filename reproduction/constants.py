@@ -88,8 +88,8 @@ def _experiments(name: str) -> Data:
         "k": float(three.slot("skin.stiffness")[0]),
         "turns_5": tip_angle(at_5) / (2.0 * pi),
         "turns_10": tip_angle(paths[alone]) / (2.0 * pi),
-        "strain_5": _largest_strain(at_5),
-        "strain_10": _largest_strain(paths[alone]),
+        "strain_5": _largest_strain(alone, at_5),
+        "strain_10": _largest_strain(alone, paths[alone]),
         "two_links": bending(paths[two]),
         "three_links": bending(paths[three]),
         "snaps": len(paths[two].events) + len(paths[three].events),
@@ -97,7 +97,7 @@ def _experiments(name: str) -> Data:
     }
 
 
-def _largest_strain(path: flexor.Path) -> float:
+def _largest_strain(model: flexor.Model, path: flexor.Path) -> float:
     """Return the largest axial strain along the rod at the last load."""
-    names = path.model.engine.coordinates
+    names = model.engine.coordinates
     return float(max(q for q, name in zip(path.q[-1], names, strict=True) if ".extend_x" in name))

@@ -8,7 +8,7 @@ import numpy as np
 
 import flexor
 from flexor.optimizers import starting_designs
-from flexor.survey import Landscape, SearchPath
+from flexor.survey import SearchPath
 from reproduction.optima import evaluated, optimum, target
 from reproduction.study import FINGER, PUBLISHED, SURFACE, Data, Study, model, parameters
 
@@ -63,7 +63,7 @@ def draw(study: Study, data: Data) -> dict[str, Figure]:
     }
 
 
-def _landscape(study: Study, contact: str) -> Landscape:
+def _landscape(study: Study, contact: str) -> flexor.Landscape:
     place, begun = study.subfolder(f"landscape-{contact}")
     if not begun:
         study.report_progress(f"landscape, contact by {contact}")
@@ -73,7 +73,7 @@ def _landscape(study: Study, contact: str) -> Landscape:
     )
 
 
-def _described(survey: Landscape) -> Data:
+def _described(survey: flexor.Landscape) -> Data:
     value = np.where(survey.failed, np.nan, survey.value)
     best = survey.minimum
     return {

@@ -8,7 +8,7 @@ import numpy as np
 
 import flexor
 from flexor.optimizers import available, entries
-from flexor.survey import ComparisonProgress, MethodComparison
+from flexor.survey import ComparisonProgress
 from reproduction.optima import optimum
 from reproduction.study import SETS, Data, Study, model
 
@@ -55,7 +55,7 @@ def draw(study: Study, data: Data) -> dict[str, Figure]:
     return {"optimisers": plot.profiles(_comparison(study))}
 
 
-def _comparison(study: Study) -> MethodComparison:
+def _comparison(study: Study) -> flexor.MethodComparison:
     """Carry out the comparison, or read the finished one; measured against the optima."""
     place, begun = study.subfolder("comparison")
 
