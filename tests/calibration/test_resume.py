@@ -46,7 +46,8 @@ weight = "held-out"
 options = { starts = 2, tolerance = 0.05 }
 """
 COMMAND = [sys.executable, "-c", "from flexor.cli.app import main; main()", "calibrate"]
-COARSE = ["--set", "exosuit.elements=4", "--set", "exosuit.gauss_points=2"]
+COARSE = ["--constants", "calibrated", "--set", "exosuit.elements=4"]
+COARSE += ["--set", "exosuit.gauss_points=2"]
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ STENCIL = {1: 45 / 60, 2: -9 / 60, 3: 1 / 60, -1: -45 / 60, -2: 9 / 60, -3: -1 /
 
 @pytest.fixture(scope="module")
 def finger() -> Model:
-    return load("finger")
+    return load("finger", "calibrated")
 
 
 def last(batch: Paths) -> np.ndarray:

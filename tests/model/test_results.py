@@ -16,7 +16,7 @@ from flexor.model.results import Results, States
 
 @pytest.fixture(scope="module")
 def finger() -> Model:
-    return flexor.load("finger")
+    return flexor.load("finger", "calibrated")
 
 
 @pytest.fixture(scope="module")

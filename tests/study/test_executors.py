@@ -48,7 +48,7 @@ def problem_of(model: Any, parameters: str = "R01") -> Problem:
 
 @pytest.fixture(scope="module")
 def finger() -> Problem:
-    return problem_of(flexor.load("finger"))
+    return problem_of(flexor.load("finger", "calibrated"))
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 8, 20])
@@ -158,7 +158,12 @@ def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any)
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
         with pytest.raises(InputError) as refusal:
-            optimize(flexor.load("finger"), "L", executor=address, folder=tmp_path / "study")
+            optimize(
+                flexor.load("finger", "calibrated"),
+                "L",
+                executor=address,
+                folder=tmp_path / "study",
+            )
     assert str(refusal.value) == (
         f'the cluster "{address}" cannot be reached: no Dask scheduler answers there within 0.2 s.'
     )
