@@ -121,6 +121,7 @@ def counted(record) -> int:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
     words = ["finger", file.name, "--out", "my folder", "--samples", "4096"]
     process = subprocess.Popen(

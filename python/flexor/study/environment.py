@@ -19,14 +19,16 @@ def environment() -> dict[str, str]:
     -------
     dict of str
         ``engine``, the first digits of the SHA-256 of the compiled engine, which tells builds of
-        one version apart; ``python``, ``system`` (with the kind of processor), and the packages
-        that compute.
+        one version apart; ``engine_path``, which of its builds (see `flexor._dispatch`);
+        ``python``, ``system`` (with the kind of processor), and the packages that compute.
     """
     from flexor import _engine
+    from flexor._dispatch import engine_path
 
     library = Path(str(_engine.__file__)).read_bytes()
     return {
         "engine": hashlib.sha256(library).hexdigest()[:16],
+        "engine_path": engine_path(),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
         **{name: installed(name) for name in _PACKAGES},
