@@ -1,9 +1,9 @@
 """Which build of the engine is used: the fastest that this processor can run.
 
 A wheel has the engine as `_engine_baseline`, which runs everywhere, and on x86-64 also as
-`_engine_avx2`, which needs AVX2 and FMA (x86-64-v3). ``./dev setup`` builds `_engine_native` for the
-machine it runs on. The environment variable ``FLEXOR_ENGINE`` overrides the choice. Results with and
-without FMA differ in the last bits.
+`_engine_avx2`, which needs AVX2 and FMA (x86-64-v3). ``./dev setup`` builds `_engine_native` for
+the machine it runs on. The environment variable ``FLEXOR_ENGINE`` overrides the choice. Results
+with and without FMA differ in the last bits.
 """
 
 from __future__ import annotations

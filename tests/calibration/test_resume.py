@@ -139,7 +139,7 @@ def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
         if record.exists() and counted(record) > 0:
             break
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=100)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert out == "" and "Traceback" not in err
     assert err.splitlines()[-1].strip() == (

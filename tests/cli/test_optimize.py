@@ -99,7 +99,7 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
     while evaluated(record) == 0 and process.poll() is None and time.monotonic() < until:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert out == ""
     assert "Traceback" not in err
