@@ -16,18 +16,18 @@ from flexor.errors import InputError
 
 @pytest.fixture
 def installed(monkeypatch: pytest.MonkeyPatch):
-    """Pretend that these builds are installed, on a processor with or without AVX2."""
+    """Pretend that these builds are installed, on a processor that runs some of the fast ones."""
 
-    def pretend(*names: str, avx2: bool = False, fused: bool = False) -> None:
+    def pretend(*names: str, runs: str = "", fused: bool = False) -> None:
         def find(module: str) -> object | None:
             return module.removeprefix("flexor._engine_") in names or None
 
         def build(name: str) -> SimpleNamespace:
-            assert avx2 or name != "avx2", "this processor would stop here"
+            assert name in ("baseline", "native") or name in runs, "this processor would stop here"
             return SimpleNamespace(
                 __name__=f"flexor._engine_{name}",
                 FUSED_MULTIPLY_ADD=fused,
-                cpu_has_avx2=lambda: avx2,
+                cpu_runs=runs.split,
             )
 
         monkeypatch.setattr(_dispatch, "find_spec", find)
@@ -39,17 +39,19 @@ def installed(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize(
-    ("names", "avx2", "chosen"),
+    ("names", "runs", "chosen"),
     [
-        (["baseline", "avx2"], True, "avx2"),
-        (["baseline", "avx2"], False, "baseline"),
-        (["baseline"], True, "baseline"),
-        (["native"], False, "native"),
-        (["native", "avx2", "baseline"], True, "native"),
+        (["baseline", "avx2", "avx512"], "avx512 avx2", "avx512"),
+        (["baseline", "avx2", "avx512"], "avx2", "avx2"),
+        (["baseline", "avx2", "avx512"], "", "baseline"),
+        (["baseline", "avx2"], "avx512 avx2", "avx2"),
+        (["baseline"], "avx2", "baseline"),
+        (["native"], "", "native"),
+        (["native", "avx2", "baseline"], "avx2", "native"),
     ],
 )
-def test_the_fastest_build_that_runs_is_chosen(installed, names, avx2: bool, chosen: str) -> None:
-    installed(*names, avx2=avx2)
+def test_the_fastest_build_that_runs_is_chosen(installed, names, runs: str, chosen: str) -> None:
+    installed(*names, runs=runs)
     assert engine_path() == chosen
 
 
@@ -58,9 +60,9 @@ def test_a_baseline_compiled_for_more_is_not_called_so(installed) -> None:
     assert engine_path() == "native"
 
 
-@pytest.mark.parametrize("name", ["baseline", "avx2"])
+@pytest.mark.parametrize("name", ["baseline", "avx2", "avx512"])
 def test_a_build_can_be_forced(installed, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    installed("native", "avx2", "baseline", avx2=True)
+    installed("native", "avx512", "avx2", "baseline", runs="avx512 avx2")
     monkeypatch.setenv("FLEXOR_ENGINE", name)
     assert engine_path() == name
 
@@ -68,9 +70,9 @@ def test_a_build_can_be_forced(installed, monkeypatch: pytest.MonkeyPatch, name:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("avx512", 'allowed are "native", "avx2", "baseline"'),
+        ("fast", 'allowed are "native", "avx512", "avx2", "baseline"'),
         ("native", "not installed here (there is: avx2, baseline)"),
-        ("avx2", "lacks AVX2 or FMA"),
+        ("avx2", "this processor cannot run (it runs: baseline)"),
     ],
 )
 def test_a_forced_build_that_cannot_be_had_is_explained(

@@ -1,9 +1,9 @@
 """Which build of the engine is used: the fastest that this processor can run.
 
 A wheel has the engine as `_engine_baseline`, which runs everywhere, and on x86-64 also as
-`_engine_avx2`, which needs AVX2 and FMA (x86-64-v3). ``./dev setup`` builds `_engine_native` for
-the machine it runs on. The environment variable ``FLEXOR_ENGINE`` overrides the choice. Results
-with and without FMA differ in the last bits.
+`_engine_avx2` (x86-64-v3: AVX2 and FMA) and `_engine_avx512` (x86-64-v4). ``./dev setup`` builds
+`_engine_native` for the machine it runs on. The environment variable ``FLEXOR_ENGINE`` overrides
+the choice. Results with and without FMA differ in the last bits.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from flexor.errors import InputError, alternatives
 
 __all__ = ["ENGINES", "engine_path", "load_engine"]
 
-ENGINES = ("native", "avx2", "baseline")
+ENGINES = ("native", "avx512", "avx2", "baseline")
 _VARIABLE = "FLEXOR_ENGINE"
 
 
@@ -40,7 +40,10 @@ def load_engine() -> ModuleType:
         If no build is installed.
     """
     there = [name for name in ENGINES if find_spec(f"flexor._engine_{name}") is not None]
-    name = os.environ.get(_VARIABLE) or _fastest(there)
+    runs = _running(there)
+    if not runs:
+        raise ImportError("flexor is installed without its compiled engine; install it again")
+    name = os.environ.get(_VARIABLE) or runs[0]
     if name not in ENGINES:
         raise InputError(f"the environment variable {_VARIABLE} is {alternatives(name, ENGINES)}")
     if name not in there:
@@ -48,16 +51,16 @@ def load_engine() -> ModuleType:
             f'the environment variable {_VARIABLE} is "{name}", a build of the engine that is not '
             f"installed here (there is: {', '.join(there)})"
         )
-    if name == "avx2" and not _cpu_has_avx2(there):
+    if name not in runs:
         raise InputError(
-            f'the environment variable {_VARIABLE} is "avx2", but this processor lacks AVX2 or '
-            "FMA (allowed: baseline)"
+            f'the environment variable {_VARIABLE} is "{name}", a build of the engine that this '
+            f"processor cannot run (it runs: {', '.join(runs)})"
         )
     return _build(name)
 
 
 def engine_path() -> str:
-    """Return the code path in use: ``"native"``, ``"avx2"`` or ``"baseline"``.
+    """Return the code path in use, one of `ENGINES`.
 
     Two paths may differ in the last bits of their results.
     """
@@ -67,19 +70,11 @@ def engine_path() -> str:
     return "native" if name == "baseline" and engine.FUSED_MULTIPLY_ADD else name
 
 
-def _fastest(there: list[str]) -> str:
-    """Return the name of the fastest build that this processor can run."""
-    if not there:
-        raise ImportError("flexor is installed without its compiled engine; install it again")
-    if there[0] == "avx2" and not _cpu_has_avx2(there):
-        return "baseline"
-    return there[0]
-
-
-def _cpu_has_avx2(there: list[str]) -> bool:
-    """Ask a build that runs here whether the processor has AVX2, FMA and what comes with them."""
-    safe = [name for name in there if name != "avx2"]
-    return bool(safe) and bool(_build(safe[-1]).cpu_has_avx2())
+def _running(there: list[str]) -> list[str]:
+    """Return those of the builds that this processor can run."""
+    safe = [name for name in there if name in ("native", "baseline")]
+    fast = _build(safe[-1]).cpu_runs() if safe else []
+    return [name for name in there if name in safe or name in fast]
 
 
 def _build(name: str) -> ModuleType:
