@@ -122,6 +122,7 @@ def counted(record) -> int:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
     words = ["finger", file.name, "--out", "my folder", "--samples", "4096"]
     process = subprocess.Popen(
@@ -139,7 +140,7 @@ def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
         if record.exists() and counted(record) > 0:
             break
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=100)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert out == "" and "Traceback" not in err
     assert err.splitlines()[-1].strip() == (

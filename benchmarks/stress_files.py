@@ -48,7 +48,7 @@ def main() -> int:
     reading.add_argument("--first", type=int, default=0, help="number of the first file")
     reading.add_argument("--seed", type=int, default=1)
     reading.add_argument("--longest", type=float, default=5.0, help="for a file [s]")
-    reading.add_argument("--keep", type=Path, default=Path("hostile-files"))
+    reading.add_argument("--keep", type=Path, default=Path("stress-files"))
     asked = reading.parse_args()
     counts: dict[str, Counter[str]] = {kind: Counter() for kind in KINDS}
     complaints: list[str] = []

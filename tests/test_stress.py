@@ -1,4 +1,4 @@
-"""A small sample of each command that treats Flexor badly; `./dev hostile` runs them whole."""
+"""A small sample of each command that treats Flexor badly; `./dev stress` runs them whole."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 
 
 def test_damaged_files_are_read_or_refused_in_one_sentence(run: Run) -> None:
-    assert "150 files, seed" in run("hostile_files", "--files", "150", "--seed", "11")
+    assert "150 files, seed" in run("stress_files", "--files", "150", "--seed", "11")
 
 
 def test_designs_out_of_all_bounds_end_with_a_status_and_the_count_resumes(run: Run) -> None:
-    said = run("hostile_designs", "--designs", "500", "--seed", "7")
+    said = run("stress_designs", "--designs", "500", "--seed", "7")
     assert "500 designs, seed 7" in said
     for status in ("converged", "iteration-limit", "invalid-design"):
         assert status in said
-    assert run("hostile_designs", "--designs", "500", "--seed", "7") == said
+    assert run("stress_designs", "--designs", "500", "--seed", "7") == said
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 def test_killed_and_resumed_a_study_is_the_same(run: Run) -> None:
-    assert "1 kills" in run("hostile_kills", "--kills", "1", "--starts", "2")
+    assert "1 kills" in run("stress_kills", "--kills", "1", "--starts", "2")

@@ -74,7 +74,7 @@ def main() -> int:
     reading.add_argument("--designs", type=int, default=1_000_000)
     reading.add_argument("--seed", type=int, default=1)
     reading.add_argument("--limit", type=int, default=100, help="iterations of one load step")
-    reading.add_argument("--state", type=Path, default=Path("hostile-designs.json"))
+    reading.add_argument("--state", type=Path, default=Path("stress-designs.json"))
     asked = reading.parse_args()
     count = resumed(asked.state, Count(asked.seed, asked.limit, engine()))
     models = [flexor.load(name) for name in MODELS]
