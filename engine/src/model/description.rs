@@ -11,7 +11,7 @@ pub use crate::tree::description::*;
 use serde::Deserialize;
 
 /// A whole system.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Description {
     /// Whether the system lives in the x–z plane.
