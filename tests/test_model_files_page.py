@@ -23,6 +23,7 @@ TABLES: dict[str, type[Table]] = {
     "Placement": schema.Placement,
     "Spheres": schema.SphereGroup,
     "Contacts": schema.Contact,
+    "Obstacles": schema.Obstacle,
     "Actuators": schema.Actuator,
     "Springs": schema.Spring,
     "Wrenches": schema.Wrench,

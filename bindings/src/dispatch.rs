@@ -57,7 +57,8 @@ pub struct State {
 /// A contact force.
 pub struct Touch {
     pub first: usize,
-    pub second: usize,
+    /// −1 where the first touches what is fixed in the world.
+    pub second: i64,
     pub cone: bool,
     pub force: [f64; 3],
     pub point: [f64; 3],
@@ -80,7 +81,7 @@ impl AnyModel {
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
                 touches: data.contact_forces(model).iter().map(|t| Touch {
                     first: t.first,
-                    second: t.nearest,
+                    second: t.nearest.map_or(-1, |i| i as i64),
                     cone: t.cone,
                     force: spatial(&t.force.0),
                     point: spatial(&t.point.0),

@@ -56,7 +56,7 @@ class Paths(TypedDict):
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
-    second: NDArray[np.uint32]
+    second: NDArray[np.int64]
     cone: NDArray[np.bool_]
     force: NDArray[np.float64]
     point: NDArray[np.float64]

@@ -96,7 +96,8 @@ def test_the_good_file_is_good() -> None:
             'name = "good"',
             'name = "good"\ngravitiy = { z = "-9.81 m/s^2" }',
             'it has the unknown key "gravitiy" (did you mean "gravity"?): allowed are "name", '
-            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "actuators", '
+            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
+            '"actuators", '
             '"springs", "wrenches", "design", "evaluation", "constants", "use".',
         ),
         (

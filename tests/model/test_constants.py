@@ -125,7 +125,8 @@ def test_changing_a_field_of_the_sets_changes_it_in_all_of_them() -> None:
             "siut.length",
             "8 cm",
             'unknown field "siut" (did you mean "suit"?): allowed are "suit", "chamber", "name", '
-            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "actuators", '
+            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
+            '"actuators", '
             '"springs", "wrenches", "design", "evaluation", "constants", "use".',
         ),
         (

@@ -10,11 +10,11 @@ use crate::systems::finger;
 type Planar<'m> = Continuation<'m, SE2, 3, 2>;
 
 /// Goes to the equilibrium at `load` nearest to the state at hand; returns what touches.
-fn go_to(path: &mut Planar, load: f64) -> Vec<[usize; 3]> {
+fn go_to(path: &mut Planar, load: f64) -> Vec<(usize, Option<[usize; 2]>)> {
     path.system.set_load(&[load]);
     assert_eq!(path.find_stable(0.1, 0.0), Status::Converged);
     path.system.velocity(&[1.0], &mut path.velocity[0]);
-    let of = |force: ContactForce<2>| [force.first, force.second[0], force.second[1]];
+    let of = |force: ContactForce<2>| (force.first, force.second);
     path.system.data().contact_forces(path.system.model()).into_iter().map(of).collect()
 }
 

@@ -92,10 +92,10 @@ pub struct ContactForce<const P: usize> {
     /// The sphere of the first group.
     pub first: usize,
     /// The sphere that it touches, twice; or those at the ends of the round cone that it touches
-    /// between them.
-    pub second: [usize; 2],
+    /// between them; none where it touches what is fixed in the world.
+    pub second: Option<[usize; 2]>,
     /// The one of these that is nearer.
-    pub nearest: usize,
+    pub nearest: Option<usize>,
     /// Whether it touches a round cone.
     pub cone: bool,
     /// Force on the first [N].

@@ -4,6 +4,7 @@
 
 pub use crate::forces::actuator::{ActuatorDescription, ActuatorKind};
 pub use crate::forces::contact::{ContactDescription, RoundConeDescription};
+pub use crate::forces::half_space::HalfSpaceDescription;
 pub use crate::forces::spring::SpringDescription;
 pub use crate::forces::wrench::{WrenchDescription, WrenchFrame};
 pub use crate::tree::description::*;
@@ -11,7 +12,7 @@ pub use crate::tree::description::*;
 use serde::Deserialize;
 
 /// A whole system.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Description {
     /// Whether the system lives in the x–z plane.
@@ -26,6 +27,9 @@ pub struct Description {
     /// Contacts between groups.
     #[serde(default)]
     pub contacts: Vec<ContactDescription>,
+    /// Fixed planes that spheres press on.
+    #[serde(default)]
+    pub half_spaces: Vec<HalfSpaceDescription>,
     /// Chambers and cables.
     #[serde(default)]
     pub actuators: Vec<ActuatorDescription>,

@@ -8,6 +8,7 @@ use crate::forces::element::{
     ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion,
 };
 use crate::forces::gravity::Gravity;
+use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
 use crate::forces::spring::Springs;
 use crate::forces::terms::Terms;
@@ -213,5 +214,6 @@ registry! {
     gravity: Gravity<P> = |tree, description| Gravity::build(tree, &description.gravity)?;
     springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
+    half_spaces: HalfSpaces<P> = |tree, description| HalfSpaces::build(tree, &description.half_spaces)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
 }

@@ -52,16 +52,7 @@ pub fn rod(
 }
 
 pub fn empty(planar: bool) -> Description {
-    Description {
-        planar,
-        gravity: [0.0; 3],
-        bodies: vec![],
-        spheres: vec![],
-        contacts: vec![],
-        actuators: vec![],
-        springs: vec![],
-        wrenches: vec![],
-    }
+    Description { planar, ..Description::default() }
 }
 
 pub fn body(

@@ -21,6 +21,7 @@ from flexor.model.schema import (
     Joint,
     Link,
     ModelFile,
+    Obstacle,
     PrismaticJoint,
     RevoluteJoint,
     Rod,
@@ -63,6 +64,7 @@ def lower(file: ModelFile) -> Json:
             lower_actuator(name, actuator, points(file.rod(actuator.rod)))
             for name, actuator in file.actuators.items()
         ],
+        "half_spaces": [_half_space(name, wall) for name, wall in file.obstacles.items()],
         "springs": [lower_spring(name, spring, bodies) for name, spring in file.springs.items()],
         "wrenches": [lower_wrench(name, wrench, bodies) for name, wrench in file.wrenches.items()],
     }
@@ -173,6 +175,16 @@ def _direction(axis: tuple[float, float, float]) -> list[float]:
     scaled = np.array(axis) / np.max(np.abs(axis))  # or the norm of a huge axis would overflow
     direction: list[float] = (scaled / np.linalg.norm(scaled)).tolist()
     return direction
+
+
+def _half_space(name: str, obstacle: Obstacle) -> Json:
+    return {
+        "name": name,
+        "spheres": list(obstacle.spheres),
+        "point": list(obstacle.point.components),
+        "normal": _direction(obstacle.normal),
+        "stiffness": float(obstacle.stiffness),
+    }
 
 
 def _joint(joint: Joint, planar: bool) -> Json:

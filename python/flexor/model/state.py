@@ -26,7 +26,7 @@ class ContactForces:
     ----------
     first, second : (m,) arrays
         Indices of the spheres, counted through all groups; of a round cone that is touched between
-        its ends, ``second`` is the nearer one.
+        its ends, ``second`` is the nearer one; -1 is a fixed obstacle.
     cone : (m,) array
         Whether the second is a round cone.
     force : (m, 3) array
@@ -38,7 +38,7 @@ class ContactForces:
     """
 
     first: NDArray[np.uint32]
-    second: NDArray[np.uint32]
+    second: NDArray[np.int64]
     cone: NDArray[np.bool_]
     force: Array
     point: Array

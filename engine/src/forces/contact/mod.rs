@@ -265,9 +265,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let inward = at.geometry.radii[pair.first] - 0.5 * pair.overlap;
             out.push(ContactForce {
                 first: pair.first,
-                second: pair.second,
+                second: Some(pair.second),
                 cone: !contact.cones.is_empty(),
-                nearest: pair.second[usize::from(pair.t >= 0.5)],
+                nearest: Some(pair.second[usize::from(pair.t >= 0.5)]),
                 force,
                 depth: pair.overlap,
                 point: *at.point(at.tree.spheres[pair.first].point) - pair.normal * inward,

@@ -19,6 +19,7 @@ from flexor.model.schema.joint import (
     UniversalJoint,
 )
 from flexor.model.schema.model_file import ModelFile
+from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.points import (
     Attachment,
     Contact,
@@ -48,6 +49,7 @@ __all__ = [
     "Link",
     "ModeBasis",
     "ModelFile",
+    "Obstacle",
     "Placement",
     "PrismaticJoint",
     "ReferenceStrain",

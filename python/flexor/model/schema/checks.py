@@ -12,9 +12,9 @@ from flexor.model.schema.points import Attachment, Contact, Station
 from flexor.model.schema.tables import Tables
 
 _NAME = re.compile(r"[A-Za-z]\w*(-\w+)*", re.ASCII)
-_TABLES = ("bodies", "spheres", "contacts", "actuators", "springs", "wrenches")
+_TABLES = ("bodies", "spheres", "contacts", "obstacles", "actuators", "springs", "wrenches")
 # What the engine finds by name alone; sphere groups may be called like the body they cover.
-_SHARED = ("bodies", "contacts", "actuators", "springs", "wrenches")
+_SHARED = ("bodies", "contacts", "obstacles", "actuators", "springs", "wrenches")
 
 
 def check_names(file: Tables) -> None:
@@ -62,6 +62,9 @@ def check_references(file: Tables) -> None:
         _demand(contact.first, "sphere group", file.spheres, f"contacts.{name}.first")
         _demand(contact.second, "sphere group", file.spheres, f"contacts.{name}.second")
         _check_shape(file, name, contact)
+    for name, obstacle in file.obstacles.items():
+        for stopped in obstacle.spheres:
+            _demand(stopped, "sphere group", file.spheres, f"obstacles.{name}.spheres", "names")
     for name, actuator in file.actuators.items():
         _demand_rod(file, actuator.rod, f"actuators.{name}.rod")
     for name, spring in file.springs.items():

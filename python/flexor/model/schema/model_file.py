@@ -10,6 +10,7 @@ from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.checks import check_names, check_references, check_tree
 from flexor.model.schema.design import Design, Evaluation
+from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar
 from flexor.model.schema.points import Contact, SphereGroup, Spring, Wrench
 from flexor.model.schema.table import Name, Switch, Table, Text
@@ -30,6 +31,7 @@ class ModelFile(Table):
     bodies: Annotated[dict[Name, Body], Field(min_length=1)]
     spheres: dict[Name, SphereGroup] = Field(default_factory=dict)
     contacts: dict[Name, Contact] = Field(default_factory=dict)
+    obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
     actuators: dict[Name, Actuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)

@@ -23,6 +23,11 @@ def check_planar(file: Tables) -> None:
     _in_plane(file.gravity, "gravity")
     for name, body in file.bodies.items():
         _check_body(body, f"bodies.{name}")
+    for name, obstacle in file.obstacles.items():
+        _in_plane(obstacle.point, f"obstacles.{name}.point")
+        if obstacle.normal[1] != 0.0:
+            tail = "in a planar model it must lie in the x-z plane"
+            raise fault(f"is {list(obstacle.normal)}: {tail}", f"obstacles.{name}.normal")
     for name, actuator in file.actuators.items():
         _check_actuator(actuator, f"actuators.{name}")
     for name, spring in file.springs.items():

@@ -3,13 +3,20 @@
 //! The gradient of ℓ is the actuation matrix B(q) of (9): at each Gauss point the unit tangent
 //! τ̂ of the path, τ = ξ_lin + ξ_ang × d + d′ in normalised strains.
 
+mod path;
+
 use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::strain::Mode;
-use crate::tree::{GaussPoint, ModelError, Rod, Shape, Tree, finite};
+use crate::tree::{GaussPoint, ModelError, Shape, Tree, finite};
+pub(crate) use path::Paths;
+use path::{
+    Actuator, PathColumn, PathPoint, RoutingPoint, add_strain, add_tangent_of, dot, tangent_by_offset,
+    tangent_of, unit_tangent,
+};
 use serde::Deserialize;
 
 /// What a thread-like actuator does with a positive input.
@@ -38,25 +45,6 @@ pub struct ActuatorDescription {
     pub path_slope: Vec<[f64; 2]>,
     /// Multiple of S(X) added to the offset (y, z).
     pub lever: [f64; 2],
-}
-
-/// A chamber or cable: one load input acting along a path on one rod.
-#[derive(Clone, Debug)]
-struct Actuator {
-    rod: usize,
-    /// +1 when a positive input lengthens the path, −1 when it shortens it.
-    sign: f64,
-    /// Parameter holding the lever (y, z).
-    lever: usize,
-    /// One per Gauss point of the rod.
-    routing: Vec<RoutingPoint>,
-}
-
-/// The part of the path at a Gauss point that no design changes.
-#[derive(Clone, Debug)]
-struct RoutingPoint {
-    offset: [f64; 2],
-    slope: [f64; 2],
 }
 
 /// All chambers and cables; the load inputs come first and in their order.
@@ -128,118 +116,6 @@ impl Actuators {
     }
 }
 
-impl Actuator {
-    /// Offset d and slope d′ of the path at a Gauss point.
-    fn path(&self, rod: &Rod, gauss: &GaussPoint, routing: &RoutingPoint, p: &[f64]) -> [[f64; 2]; 2] {
-        let (s, slope) = (p[rod.radius.start + gauss.point], p[rod.slope.start + gauss.point]);
-        let along = |i: usize, size: f64, fixed: [f64; 2]| fixed[i] + p[self.lever + i] * size;
-        [[0, 1].map(|i| along(i, s, routing.offset)), [0, 1].map(|i| along(i, slope, routing.slope))]
-    }
-}
-
-/// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.
-fn moment_arm(mode: Mode, d: [f64; 2]) -> [f64; 3] {
-    match mode {
-        Mode::TwistX => [0.0, -d[1], d[0]],
-        Mode::BendY => [d[1], 0.0, 0.0],
-        Mode::BendZ => [-d[0], 0.0, 0.0],
-        Mode::ExtendX => [1.0, 0.0, 0.0],
-        Mode::ShearY => [0.0, 1.0, 0.0],
-        Mode::ShearZ => [0.0, 0.0, 1.0],
-    }
-}
-
-/// Adds what strains contribute to the path's tangent at the offset `d`.
-fn add_tangent_of(strain: &[f64; 6], modes: &[Mode], d: [f64; 2], tau: &mut [f64; 3]) {
-    for mode in modes {
-        let arm = moment_arm(*mode, d);
-        for i in 0..3 {
-            tau[i] += strain[mode.index()] * arm[i];
-        }
-    }
-}
-
-/// τ̂ and |τ|.
-#[inline]
-fn unit_tangent(tau: [f64; 3], base: [f64; 3]) -> ([f64; 3], f64) {
-    // A path collapsed to a point has no direction; a tiny floor keeps the tangent finite.
-    let norm = dot(&tau, &tau).sqrt().max(1e-9 * base[0].abs());
-    (tau.map(|t| t / norm), norm)
-}
-
-#[inline]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The paths of a design at the rods' Gauss points.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Paths {
-    points: Vec<PathPoint>,
-    columns: Vec<PathColumn>,
-    /// One for each pair of a point's columns, the first not before the second.
-    pairs: Vec<ColumnPair>,
-}
-
-/// Tangent of an actuator's path at a Gauss point: τ = base + Σ q_c size_c e_axis, dℓ = weight |τ|.
-#[derive(Clone, Debug)]
-struct PathPoint {
-    base: [f64; 3],
-    weight: f64,
-    /// Ends of its columns, those along each axis; the first begin where the previous point's end.
-    ends: [usize; 3],
-}
-
-#[derive(Clone, Debug)]
-struct PathColumn {
-    dof: usize,
-    size: f64,
-}
-
-/// Inner product of two columns, and the entry of the tangent's half to which the pair adds.
-#[derive(Clone, Debug)]
-struct ColumnPair {
-    entry: usize,
-    product: f64,
-    /// One half for a column with itself.
-    share: f64,
-}
-
-impl Paths {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.columns.clear();
-        self.pairs.clear();
-    }
-
-    /// Appends the columns of a Gauss point, axis by axis, and their pairs.
-    fn push_columns(&mut self, gauss: &GaussPoint, length: f64, d: [f64; 2], dof: usize) -> [usize; 3] {
-        let first = self.columns.len();
-        let mut ends = [0; 3];
-        for (axis, end) in ends.iter_mut().enumerate() {
-            for &(dof, mode, phi) in &gauss.columns {
-                let mode = Mode::ALL[mode];
-                if moment_arm(mode, [1.0; 2])[axis] != 0.0 {
-                    let scale = if mode.is_angular() { phi } else { phi * length };
-                    self.columns.push(PathColumn { dof, size: moment_arm(mode, d)[axis] * scale });
-                }
-            }
-            *end = self.columns.len();
-        }
-        let columns = &self.columns[first..];
-        let axis = |m: usize| ends.iter().filter(|end| first + m >= **end).count();
-        for (m, a) in columns.iter().enumerate() {
-            for (l, b) in columns[..=m].iter().enumerate() {
-                let entry = a.dof.max(b.dof) * dof + a.dof.min(b.dof);
-                let product = if axis(m) == axis(l) { a.size * b.size } else { 0.0 };
-                let share = if m == l { 0.5 } else { 1.0 };
-                self.pairs.push(ColumnPair { entry, product, share });
-            }
-        }
-        ends
-    }
-}
-
 /// What the residual leaves for the tangent.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tangents {
@@ -262,31 +138,6 @@ pub(crate) struct PointSensitivity {
     /// Derivatives of τ with respect to the offset and to L.
     by_offset: [[f64; 3]; 2],
     by_length: [f64; 3],
-}
-
-/// Adds what coordinates contribute to the normalised strains at a Gauss point, mode by mode.
-fn add_strain(strain: &mut [f64; 6], columns: &[(usize, usize, f64)], length: f64, coordinates: &[f64]) {
-    for &(dof, mode, phi) in columns {
-        strain[mode] += coordinates[dof] * if mode < 3 { phi } else { phi * length };
-    }
-}
-
-/// What strains contribute to a path's tangent at an offset.
-fn tangent_of<G: LieGroup<D, P>, const D: usize, const P: usize>(strain: &[f64; 6], d: [f64; 2]) -> [f64; 3] {
-    let mut tau = [0.0; 3];
-    add_tangent_of(strain, &G::AXES, d, &mut tau);
-    tau
-}
-
-/// Its derivative with respect to the offset.
-fn tangent_by_offset<G: LieGroup<D, P>, const D: usize, const P: usize>(strain: &[f64; 6]) -> [[f64; 3]; 2] {
-    [[1.0, 0.0], [0.0, 1.0]].map(|side| {
-        let mut tau = [0.0; 3];
-        for mode in G::AXES.into_iter().filter(|mode| mode.is_angular()) {
-            add_tangent_of(strain, &[mode], side, &mut tau);
-        }
-        tau
-    })
 }
 
 impl<const P: usize> ForceMemory<P> for Actuators {

@@ -1,0 +1,253 @@
+//! Fixed planes that spheres press on: ½ k max(d, 0)² with d = R − n·(p − o), for each sphere.
+//!
+//! A round cone, the convex hull of two spheres, is deepest in a plane at one of them; so spheres
+//! suffice for groups of round cones, too.
+
+use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::terms::Terms;
+use crate::geometry::add_radius_slope;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::description::AttachmentDescription;
+use crate::tree::{ModelError, Tree, finite, positive};
+use serde::Deserialize;
+
+/// A fixed plane and the spheres that it stops.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HalfSpaceDescription {
+    /// Unique name.
+    pub name: String,
+    /// The sphere groups.
+    pub spheres: Vec<String>,
+    /// A point of the plane [m].
+    pub point: [f64; 3],
+    /// Unit vector out of the obstacle.
+    pub normal: [f64; 3],
+    /// Contact stiffness k of each sphere [N/m].
+    pub stiffness: f64,
+}
+
+#[derive(Clone, Debug)]
+struct HalfSpace<const P: usize> {
+    spheres: Vec<usize>,
+    /// A point of the tree, fixed in the world.
+    point: usize,
+    normal: Vector<P>,
+    /// Parameter holding k.
+    stiffness: usize,
+}
+
+/// All half-spaces.
+#[derive(Clone, Debug)]
+pub(crate) struct HalfSpaces<const P: usize>(Vec<HalfSpace<P>>);
+
+/// A sphere in a half-space.
+#[derive(Clone, Debug)]
+pub(crate) struct Pressed {
+    half_space: usize,
+    sphere: usize,
+    depth: f64,
+}
+
+/// Gap below which a sphere counts as being at the threshold, relative to its radius.
+const THRESHOLD: f64 = 1e-7;
+
+impl<const P: usize> HalfSpaces<P> {
+    pub fn build<G: LieGroup<D, P>, const D: usize>(
+        tree: &mut Tree<G, D, P>,
+        half_spaces: &[HalfSpaceDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for half_space in half_spaces {
+            let field = |f: &str| format!("half_spaces.{}.{f}", half_space.name);
+            positive(field("stiffness"), half_space.stiffness)?;
+            finite(field("normal"), &half_space.normal)?;
+            let normal = G::point_from_spatial(&half_space.normal)
+                .ok_or_else(|| ModelError::new(field("normal"), "leaves the x–z plane of a planar system"))?;
+            if (normal.norm() - 1.0).abs() > 1e-9 {
+                let problem = format!("found {:?}, a unit vector is needed", half_space.normal);
+                return Err(ModelError::new(field("normal"), problem));
+            }
+            let mut spheres = vec![];
+            for group in &half_space.spheres {
+                spheres.extend(tree.sphere_group(&field("spheres"), group)?);
+            }
+            let world = AttachmentDescription::World { world: half_space.point };
+            let point = tree.attach(&field("point"), &world)?;
+            let stiffness =
+                tree.slot(format!("{}.stiffness", half_space.name), &[half_space.stiffness]).start;
+            built.push(HalfSpace { spheres, point, normal, stiffness });
+        }
+        Ok(Self(built))
+    }
+
+    /// Visits the spheres that lack less than `margin` of a half-space.
+    #[inline]
+    fn for_each_near<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        margin: f64,
+        mut visit: impl FnMut(&HalfSpace<P>, Pressed),
+    ) {
+        for (index, half_space) in self.0.iter().enumerate() {
+            for &sphere in &half_space.spheres {
+                let depth = half_space.depth(at, sphere);
+                if depth > -margin {
+                    visit(half_space, Pressed { half_space: index, sphere, depth });
+                }
+            }
+        }
+    }
+
+    /// The pressed spheres: half-space, its stiffness, sphere, point of the sphere and depth.
+    fn pressed<'a, G: LieGroup<D, P>, const D: usize>(
+        &'a self,
+        at: &'a State<G, D, P>,
+        pressed: &'a [Pressed],
+    ) -> impl Iterator<Item = (&'a HalfSpace<P>, f64, usize, usize, f64)> {
+        pressed.iter().map(|&Pressed { half_space, sphere, depth }| {
+            let half_space = &self.0[half_space];
+            let k = at.parameters()[half_space.stiffness];
+            (half_space, k, sphere, at.tree.spheres[sphere].point, depth)
+        })
+    }
+}
+
+impl<const P: usize> HalfSpace<P> {
+    #[inline]
+    fn depth<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>, sphere: usize) -> f64 {
+        let r = *at.point(at.tree.spheres[sphere].point) - *at.point(self.point);
+        at.geometry.radii[sphere] - self.normal.dot(&r)
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for HalfSpaces<P> {
+    type Design = ();
+    /// The spheres that press.
+    type State = Vec<Pressed>;
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for HalfSpaces<P> {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<Pressed> {
+        Vec::with_capacity(self.0.iter().map(|half_space| half_space.spheres.len()).sum())
+    }
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|half_space| parameters[half_space.stiffness] >= 0.0)
+    }
+
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &mut Vec<Pressed>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        state.clear();
+        self.for_each_near(at, 0.0, |_, pressed| state.push(pressed));
+        for (half_space, k, _, point, depth) in self.pressed(at, state) {
+            out.energy += 0.5 * k * depth * depth;
+            out.add_force::<G, P>(at.frame(point), at.point(point), &(half_space.normal * (-k * depth)));
+        }
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Pressed>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for (half_space, k, _, point, depth) in self.pressed(at, state) {
+            let (frame, p, n) = (at.frame(point), at.point(point), &half_space.normal);
+            let row = G::point_jacobian(p).transpose_times(n);
+            out.stiffness[frame] += row.outer(&row) * k;
+            out.add_curvature::<G, P>(frame, p, &(*n * (-k * depth)));
+        }
+    }
+
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<Pressed>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        self.for_each_near(at, margin, |half_space, Pressed { sphere, depth, .. }| {
+            visit(Switch {
+                points: [at.tree.spheres[sphere].point, half_space.point, half_space.point],
+                t: 0.0,
+                normal: half_space.normal,
+                depth,
+                stiffness: at.parameters()[half_space.stiffness],
+            });
+        });
+    }
+
+    fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
+        self.0.iter().any(|half_space| {
+            half_space.spheres.iter().any(|&sphere| {
+                half_space.depth(at, sphere).abs() < THRESHOLD * at.geometry.radii[sphere]
+                    && moves(&[at.tree.spheres[sphere].point], &half_space.normal)
+            })
+        })
+    }
+
+    fn contact_forces(&self, at: &State<G, D, P>, state: &Vec<Pressed>, out: &mut Vec<ContactForce<P>>) {
+        for (half_space, k, first, point, depth) in self.pressed(at, state) {
+            let normal = half_space.normal;
+            let inward = at.geometry.radii[first] - 0.5 * depth;
+            out.push(ContactForce {
+                first,
+                second: None,
+                nearest: None,
+                cone: false,
+                force: normal * (k * depth),
+                depth,
+                point: *at.point(point) - normal * inward,
+            });
+        }
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Pressed>,
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for (half_space, k, sphere, point, depth) in self.pressed(at, state) {
+            let closing = -half_space.normal.dot(&motion.velocities.points[point]);
+            gradient[half_space.stiffness] += depth * closing;
+            let radius = at.tree.spheres[sphere].radius;
+            add_radius_slope(at.tree, at.parameters(), radius, k * closing, gradient);
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Pressed>,
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        for (half_space, k, _, point, depth) in self.pressed(at, state) {
+            let (n, velocity) = (&half_space.normal, &velocities.points[point]);
+            let shifted = motion.velocities.shifted::<G>(at.frame(point), velocity);
+            *work +=
+                k * (n.dot(velocity) * n.dot(&motion.velocities.points[point]) - depth * n.dot(&shifted));
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Half-spaces: closed forms of a pressed link, and derivatives against differences.
+
+mod systems;
+
+use flexor_engine::equilibrium::{ContinuationOptions, Status};
+use flexor_engine::lie::{LieGroup, SE2, SE3};
+use flexor_engine::model::*;
+use flexor_engine::sensitivity::Adjoint;
+use flexor_engine::strain::{BasisKind, Mode};
+use flexor_engine::{Batch, Data};
+use systems::{body, empty, joint, rod, strain};
+
+const STIFFNESS: f64 = 200.0;
+
+fn sphere(body: &str, station: Station) -> SphereDescription {
+    SphereDescription { body: body.into(), station }
+}
+
+fn floor(spheres: &[&str], point: [f64; 3], normal: [f64; 3]) -> HalfSpaceDescription {
+    HalfSpaceDescription {
+        name: "floor".into(),
+        spheres: spheres.iter().map(|name| (*name).into()).collect(),
+        point,
+        normal,
+        stiffness: STIFFNESS,
+    }
+}
+
+/// A block that slides along z, with a sphere of radius 1 cm, pushed down on a floor at z = −2 cm.
+fn block(planar: bool) -> Description {
+    let mut d = empty(planar);
+    let link = LinkDescription { length: 0.05, radius_base: 0.01, radius_tip: 0.01, density: 0.0 };
+    let mut slider = joint(JointKind::Prismatic);
+    slider.axis = [0.0, 0.0, 1.0];
+    slider.stiffness = vec![50.0];
+    d.bodies.push(body("block", None, [0.0; 3], slider, ShapeDescription::Link(link)));
+    let spheres = vec![sphere("block", Station::Fraction(1.0))];
+    d.spheres.push(SphereGroupDescription { name: "foot".into(), spheres });
+    d.half_spaces.push(floor(&["foot"], [0.3, 0.0, -0.02], [0.0, 0.0, 1.0]));
+    d.wrenches.push(WrenchDescription {
+        name: "push".into(),
+        at: AttachmentDescription::Body {
+            body: "block".into(),
+            station: Station::Fraction(0.0),
+            offset: [0.0; 3],
+        },
+        force: [0.0, 0.0, -1.0],
+        moment: [0.0; 3],
+        frame: WrenchFrame::World,
+        input: true,
+    });
+    d
+}
+
+fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    let model = Model::<G, D, P>::new(&block(D == 3)).unwrap();
+    let slot = model.layout().get("floor.stiffness").unwrap().start;
+    let loads = [0.0, 0.4, 3.0];
+    let batch = Batch {
+        base: model.parameters(),
+        varied: &[],
+        values: &[],
+        designs: 1,
+        loads: &loads,
+        steps: loads.len(),
+        gradient: &[slot],
+    };
+    let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
+    assert!(result.status.iter().all(|s| *s == Status::Converged as u8));
+    // The foot touches at z = −1 cm: 50 z = −F before, 50 z − 200 (−0.01 − z) = −F beyond.
+    for (q, z) in result.q.iter().zip([0.0, -0.4 / 50.0, touched_at(3.0)]) {
+        assert!((q - z).abs() < 1e-12, "{q} {z}");
+    }
+    // dz/dk = d / (50 + k) with d = −0.01 − z.
+    let depth = -0.01 - touched_at(3.0);
+    assert!((result.gradient[0] - depth / (50.0 + STIFFNESS)).abs() < 1e-12, "{}", result.gradient[0]);
+    let mut data = Data::new(&model);
+    data.evaluate(&model, &result.q[2..], &[3.0]);
+    let forces = data.contact_forces(&model);
+    assert_eq!(forces.len(), 1);
+    assert!(forces[0].second.is_none());
+    assert!((forces[0].force.norm() - STIFFNESS * depth).abs() < 1e-12);
+}
+
+/// Where a force F puts the block that touches.
+fn touched_at(force: f64) -> f64 {
+    (-force - STIFFNESS * 0.01) / (50.0 + STIFFNESS)
+}
+
+#[test]
+fn a_pressed_block_sinks_in_by_hookes_law() {
+    pressed_block::<SE2, 3, 2>();
+    pressed_block::<SE3, 6, 3>();
+}
+
+/// A rod with a link at its tip, both half in a tilted half-space, whatever the state.
+fn sunk(planar: bool) -> Description {
+    let mut d = empty(planar);
+    let modes: &[Mode] = if planar { &[Mode::BendY, Mode::ExtendX] } else { &Mode::ALL };
+    let modes = modes.iter().map(|m| strain(*m, BasisKind::NodalLinear)).collect();
+    let arm = rod(0.3, [0.05, 0.03], modes, 2, 2);
+    let points = arm.radius.len();
+    d.bodies.push(body("arm", None, [0.0; 3], joint(JointKind::Fixed), ShapeDescription::Rod(arm)));
+    let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
+    let hinge = joint(JointKind::Revolute);
+    d.bodies.push(body("hand", Some("arm"), [0.0; 3], hinge, ShapeDescription::Link(link)));
+    let spheres = (0..points).map(|k| sphere("arm", Station::Point(k))).collect();
+    d.spheres.push(SphereGroupDescription { name: "arm".into(), spheres });
+    let stations = [Station::Fraction(0.0), Station::Centroid, Station::Fraction(1.0)];
+    let spheres = stations.map(|station| sphere("hand", station)).to_vec();
+    d.spheres.push(SphereGroupDescription { name: "hand".into(), spheres });
+    d.half_spaces.push(floor(&["arm", "hand"], [0.0, 0.0, 0.1], [0.28, 0.0, 0.96]));
+    d
+}
+
+fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    let d = sunk(D == 3);
+    let model = Model::<G, D, P>::new(&d).unwrap();
+    let n = model.dof();
+    let q: Vec<f64> = (0..n).map(|i| 0.05 * (1.3 * i as f64 + 1.0).sin()).collect();
+    let lambda: Vec<f64> = (0..n).map(|i| (0.7 * i as f64 + 2.0).cos()).collect();
+    let mut data = Data::new(&model);
+    data.evaluate(&model, &q, &[]);
+    assert!(data.contact_forces(&model).len() > 3);
+    let (residual, tangent) = (data.residual().to_vec(), data.tangent().to_vec());
+    let h = 1e-4;
+    let stencil = [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];
+    let size = |v: &[f64]| v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    for j in 0..n {
+        let (mut slope, mut column) = (0.0, vec![0.0; n]);
+        for (step, weight) in stencil {
+            let mut moved = q.clone();
+            moved[j] += step * h;
+            data.evaluate_residual(&model, &moved, &[]);
+            slope += weight * data.energy() / (60.0 * h);
+            column.iter_mut().zip(data.residual()).for_each(|(c, r)| *c += weight * r / (60.0 * h));
+        }
+        assert!((slope - residual[j]).abs() < 1e-8 * size(&residual), "{j}: {slope} {}", residual[j]);
+        for i in 0..n {
+            let error = (column[i] - tangent[i * n + j]).abs();
+            assert!(error < 1e-8 * size(&tangent), "{i}, {j}: {} {}", column[i], tangent[i * n + j]);
+        }
+    }
+    let all: Vec<usize> = (0..model.parameters().len()).collect();
+    let mut adjoint = Adjoint::new(&model, &all);
+    data.evaluate(&model, &q, &[]);
+    let exact = adjoint.virtual_work_gradient(&model, &data, &q, &[], &lambda).to_vec();
+    let mut checked = 0;
+    for (name, range) in model.layout().iter() {
+        for i in range.clone() {
+            let component = i - range.start;
+            let turns = name.ends_with("rotation");
+            // A planar system has no third direction to move in.
+            if D == 3 && (turns || name.ends_with("translation")) && (component == 1) != turns {
+                continue;
+            }
+            let p = model.parameters();
+            let h = 1e-4 * if p[i] == 0.0 { 0.1 } else { p[i].abs() };
+            let mut difference = 0.0;
+            for (step, weight) in stencil {
+                let mut moved = p.to_vec();
+                moved[i] += step * h;
+                data.set_parameters(&model, &moved);
+                data.evaluate_residual(&model, &q, &[]);
+                let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
+                difference += weight * work / (60.0 * h);
+            }
+            let scale = 1e-8 * (size(&residual) / h).min(1e3) + 1e-7 * difference.abs();
+            assert!((difference - exact[i]).abs() < scale, "{name}[{component}]: {difference} {}", exact[i]);
+            checked += 1;
+        }
+    }
+    assert!(checked > 20);
+}
+
+#[test]
+fn derivatives_are_those_of_differences() {
+    differences::<SE2, 3, 2>();
+    differences::<SE3, 6, 3>();
+}
+
+#[test]
+fn what_makes_no_half_space_is_refused() {
+    let refused = |change: &dyn Fn(&mut HalfSpaceDescription)| {
+        let mut d = block(true);
+        change(&mut d.half_spaces[0]);
+        Model::<SE2, 3, 2>::new(&d).unwrap_err().to_string()
+    };
+    let unit = refused(&|h| h.normal = [0.0, 0.0, 2.0]);
+    assert!(unit.starts_with("half_spaces.floor.normal: found"), "{unit}");
+    let group = refused(&|h| h.spheres = vec!["hand".into()]);
+    assert_eq!(group, "half_spaces.floor.spheres: no sphere group is named `hand`");
+    let plane = refused(&|h| h.normal = [0.0, 1.0, 0.0]);
+    assert_eq!(plane, "half_spaces.floor.normal: leaves the x–z plane of a planar system");
+    let stiffness = refused(&|h| h.stiffness = 0.0);
+    assert!(stiffness.starts_with("half_spaces.floor.stiffness: found 0"), "{stiffness}");
+}
