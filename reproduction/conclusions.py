@@ -24,6 +24,7 @@ from reproduction.study import (
     PUBLISHED,
     SETS,
     SURFACE,
+    SYMBOLS,
     Array,
     Data,
     Study,
@@ -168,7 +169,7 @@ def _on_objectives(best: Data) -> list[Row]:
             "of the objectives, f_b bends the finger furthest",
             "Sec. IV",
             max(angle.values()) < 1.01 * angle["bending"],
-            ", ".join(f"{name} {angle[name]:.2f} rad" for name in OBJECTIVES),
+            ", ".join(f"{SYMBOLS[name]} {angle[name]:.2f} rad" for name in OBJECTIVES),
         )
     )
     return rows

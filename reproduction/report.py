@@ -31,6 +31,7 @@ from reproduction.study import (
     OBJECTIVES,
     PUBLISHED,
     SETS,
+    SYMBOLS,
     Data,
     Study,
     parameters,
@@ -50,12 +51,6 @@ ITEMS: dict[str, ModuleType] = {
     "fig6": fig6,
     "mesh": mesh,
     "optimisers": optimisers,
-}
-SYMBOLS = {
-    "bending": "f_b",
-    "tip-force": "f_exo",
-    "bending-contact": "f_bc",
-    "bending-contact-printed": "f_bc as printed",
 }
 
 

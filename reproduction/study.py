@@ -38,6 +38,12 @@ SURFACE, PRINTED = "surface", "printed"
 CONSTANTS = (SURFACE, "calibrated", "calibrated-optimum")
 SETS: tuple[str, ...] = tuple(PUBLISHED["table3"])
 OBJECTIVES: tuple[str, ...] = tuple(PUBLISHED["table4"])
+SYMBOLS = {
+    "bending": "f_b",
+    "tip-force": "f_exo",
+    "bending-contact": "f_bc",
+    "bending-contact-printed": "f_bc as printed",
+}
 # The set that Table IV and Fig. 6 are about.
 LINEAR = "L+R01"
 LIBRARIES = ("numpy", "scipy", "pymoo", "cma", "PyNomadBBO")
