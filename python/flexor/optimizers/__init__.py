@@ -1,13 +1,13 @@
-"""Search: optimisers behind one interface, each in a file of its own."""
+"""Optimisers with a common interface, one per file."""
 
 from __future__ import annotations
 
 from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.counted import BudgetSpent, Counted
 from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
+from flexor.optimizers.evaluator import BudgetExhausted, CachedEvaluator
 from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
 from flexor.optimizers.grid import Grid, grid_axes, grid_designs
 from flexor.optimizers.interface import (
@@ -35,9 +35,9 @@ from flexor.optimizers.surrogate import Surrogate
 __all__ = [
     "BatchFunction",
     "Budget",
-    "BudgetSpent",
+    "BudgetExhausted",
+    "CachedEvaluator",
     "CmaEs",
-    "Counted",
     "DifferentiableFunction",
     "DifferentiableVectorFunction",
     "DifferentialEvolution",
