@@ -45,7 +45,7 @@ DESIGN = {"parameters": '"R01"', "design": '{ R_0 = "1 cm", R_1 = "1 cm" }'}
         ("[[target]", "not valid TOML at line 1"),
         (BEND, "has no [[constant]]"),
         (E, "has no [[target]]"),
-        ("constant = 3\n" + BEND, "constant is 3: a list is needed"),
+        ("constant = 3\n" + BEND, "constant is 3: expected a list"),
         (E + E + BEND, 'has the name "E" twice'),
         (E + BEND + BEND, 'has the name "bend" twice'),
         # constants
@@ -67,7 +67,7 @@ DESIGN = {"parameters": '"R01"', "design": '{ R_0 = "1 cm", R_1 = "1 cm" }'}
         (constant(span='["0 MPa", "2 MPa"]') + 'scale = "log"' + BEND, "on a log scale"),
         (constant(span='["1 MPa"]') + BEND, "write two values"),
         (constant(span="[0.0, nan]") + BEND, "must be a finite number"),
-        (constant() + 'scale = "logarithmic"' + BEND, 'allowed are "linear", "log"'),
+        (constant() + 'scale = "logarithmic"' + BEND, 'expected one of "linear", "log"'),
         (constant() + "unit = 3" + BEND, 'unknown key "unit"'),
         # targets
         (E + target(value='"0.5"'), "a number without a unit"),
@@ -89,13 +89,13 @@ DESIGN = {"parameters": '"R01"', "design": '{ R_0 = "1 cm", R_1 = "1 cm" }'}
             "a multiple of 1/10",
         ),
         (E + target(observable='"z"', of='"ph_1"', at="0.5", value='"1 cm"'), '"base" or "tip"'),
-        (E + target(observable='"x"', of='"ph_1"', at='"end"', value='"1 cm"'), "allowed are"),
+        (E + target(observable='"x"', of='"ph_1"', at='"end"', value='"1 cm"'), "expected one of"),
         (E + target(observable='"contacts"', value='"3"'), "a plain number is needed"),
         (E + target(model='"fingr"'), 'unknown model "fingr"'),
         (E + target(force='"0:10"', value='["1 rad", "2 rad"]'), "2 entries for 11 forces"),
         (E + target(force='"5:0:1"'), "must not decrease"),
         (E + target(force='["1 rad"]'), "is not a force"),
-        (E + target(weight='"strong"'), 'allowed are "hard", "soft", "held-out"'),
+        (E + target(weight='"strong"'), 'expected one of "hard", "soft", "held-out"'),
         (E + target(weight='"held-out"'), "held-out targets only"),
         (E + target(design="{ L = 1 }"), "parameters is missing"),
         (E + target(parameters='"L"'), "design is missing"),
@@ -194,7 +194,7 @@ def test_an_unknown_option_suggests_the_nearest(flexor, targets) -> None:
     path = targets(E, choice, BEND)
     ran = flexor("calibrate", "finger", path, "--choose", "base=fixd")
     assert ran.code == 2
-    assert 'choice "base" has the unknown option "fixd" (did you mean "fixed"?)' in ran.err
+    assert 'choice "base" has an unknown option "fixd" (did you mean "fixed"?)' in ran.err
 
 
 def test_a_taken_folder_is_left_alone(flexor, targets, tmp_path) -> None:

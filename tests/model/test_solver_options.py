@@ -13,7 +13,7 @@ from flexor.errors import InputError
     [
         (
             {"tolerence": 1e-9},
-            'unknown solver option "tolerence" (did you mean "tolerance"?): allowed are '
+            'unknown solver option "tolerence" (did you mean "tolerance"?): expected one of '
             '"tolerance", "max_iterations", "min_step".',
         ),
         ({"tolerance": 0.0}, "solver option tolerance is 0.0: it must be above 0 and at most 1."),
@@ -21,7 +21,7 @@ from flexor.errors import InputError
             {"tolerance": float("nan")},
             "solver option tolerance is nan: it must be above 0 and at most 1.",
         ),
-        ({"tolerance": "fine"}, 'solver option tolerance is "fine": a number is needed.'),
+        ({"tolerance": "fine"}, 'solver option tolerance is "fine": expected a number.'),
         ({"min_step": -1}, "solver option min_step is -1: it must be above 0 and at most 1."),
         (
             {"max_iterations": -1},
@@ -35,7 +35,7 @@ from flexor.errors import InputError
             {"max_iterations": float("inf")},
             "solver option max_iterations is inf: a whole number from 1 is needed.",
         ),
-        ({"max_iterations": True}, "solver option max_iterations is true: a number is needed."),
+        ({"max_iterations": True}, "solver option max_iterations is true: expected a number."),
     ],
 )
 def test_one_sentence(option: dict[str, float], sentence: str) -> None:

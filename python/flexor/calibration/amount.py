@@ -9,8 +9,8 @@ from pydantic_core import PydanticCustomError
 
 from flexor.errors import InputError
 from flexor.model import units
-from flexor.model.fault import shown
 from flexor.model.units import Dimension
+from flexor.model.validation import describe
 
 # In this order, because to a computer of units N*m/rad and N*m are the same.
 _KINDS = (
@@ -38,7 +38,7 @@ class Unit:
     factor: float = 1.0
     si: str = ""
 
-    def shown(self, value: float, digits: int = 5) -> str:
+    def describe(self, value: float, digits: int = 5) -> str:
         """Return an SI value in this unit, with so many significant digits."""
         number = f"{value / self.factor:.{digits}g}"
         number = "0" if float(number) == 0.0 else number
@@ -74,7 +74,7 @@ def amount(value: object, kind: Dimension | None, place: str) -> tuple[float, Un
     if kind is None:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             return _finite(float(value), place), Unit()
-        raise InputError(f"{place} is {shown(value)}: a plain number is needed.")
+        raise InputError(f"{place} is {describe(value)}: a plain number is needed.")
     try:
         number = kind.parse(value)
         text = _unit(number.text)
@@ -94,7 +94,7 @@ def any_amount(value: object, place: str) -> tuple[float, Unit]:
             continue
         return amount(value, kind, place)
     example = 'such as "30 kPa", or a plain number for what has none'
-    raise InputError(f"{place} is {shown(value)}: write a value with its unit, {example}.")
+    raise InputError(f"{place} is {describe(value)}: write a value with its unit, {example}.")
 
 
 def _unit(text: str) -> str:

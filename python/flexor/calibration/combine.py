@@ -71,7 +71,7 @@ def _wanted(file: TargetsFile, source: str, chosen: Mapping[str, str]) -> list[t
         name = chosen[choice.name]
         if name not in options:
             what = unknown_name("option", name, options)
-            raise InputError(f'{source}: choice "{choice.name}" has the {what}.')
+            raise InputError(f'{source}: choice "{choice.name}" has an {what}.')
         wanted.append((options[name],))
     return wanted
 
@@ -85,7 +85,7 @@ def _held(
         place = f'{source}: choice "{choice}", option "{option.name}", hold'
         for name, value in option.hold.items():
             if name not in known:
-                raise InputError(f"{place} has the {unknown_name('constant', name, known)}.")
+                raise InputError(f"{place} has an {unknown_name('constant', name, known)}.")
             held[name] = known[name].held(value, f"{place}.{name}")
     if len(held) == len(known):
         raise InputError(f"{source}: its options hold every constant: leave one to be found.")
@@ -101,7 +101,7 @@ def _files(file: TargetsFile, main: Model, options: Mapping[str, Option], source
         for name, other in option.models.items():
             if name not in given:
                 place = f'{source}: choice "{choice}", option "{option.name}", models'
-                raise InputError(f"{place} has the {unknown_name('model', name, given)}.")
+                raise InputError(f"{place} has an {unknown_name('model', name, given)}.")
             given[name] = other
     files = {main.name: main.file}
     for name, each in given.items():

@@ -36,7 +36,7 @@ class Legendre:
         return radius, slope
 
     def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return dS/dp and d(dS/dX)/dp, each (n, m, count); the profile is linear in its parameters."""
+        """Return dS/dp and d(dS/dX)/dp, each (n, m, count); both are constant in p."""
         shape = (p.shape[0], X.size, self.count)
         radius_basis, slope_basis = self._basis(X)
         return (

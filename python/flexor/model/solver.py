@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from flexor.errors import InputError, unknown
-from flexor.model.fault import shown
+from flexor.model.validation import describe
 
 _NAMES = ("tolerance", "max_iterations", "min_step")
 
@@ -36,17 +36,17 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
         if name not in _NAMES:
             raise unknown("solver option", name, _NAMES)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"solver option {name} is {shown(value)}: a number is needed.")
+            raise InputError(f"solver option {name} is {describe(value)}: expected a number.")
         if name == "max_iterations":
             if not 1 <= value <= 10**9 or value != int(value):
                 raise InputError(
-                    f"solver option {name} is {shown(value)}: a whole number from 1 is needed."
+                    f"solver option {name} is {describe(value)}: a whole number from 1 is needed."
                 )
             checked[name] = int(value)
             continue
         if not 0.0 < value <= 1.0 or not math.isfinite(value):
             raise InputError(
-                f"solver option {name} is {shown(value)}: it must be above 0 and at most 1."
+                f"solver option {name} is {describe(value)}: it must be above 0 and at most 1."
             )
         checked[name] = float(value)
     return checked

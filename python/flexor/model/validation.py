@@ -1,7 +1,7 @@
-"""What is wrong with one field, said so that a sentence can be made of it.
+"""Errors of single fields, and their conversion to messages.
 
-Validators raise a fault with the *tail* of the sentence ("is 10, a number without a unit: …");
-`sentence` puts the file and the field in front of it.
+Validators raise `field_error` with the *tail* of the message ("is 10, a number without a unit: …");
+`first_error` returns it together with the path of the field.
 """
 
 from __future__ import annotations
@@ -19,39 +19,39 @@ _TAILS = {
     "greater_than": "is {input}: it must be greater than {gt}",
     "greater_than_equal": "is {input}: it must be at least {ge}",
     "less_than_equal": "is {input}: it must be at most {le}",
-    "int_type": "is {input}: a whole number is needed",
-    "float_type": "is {input}: a number is needed",
-    "bool_type": "is {input}: true or false is needed",
-    "string_type": "is {input}: text in quotes is needed",
-    "dict_type": "is {input}: a table is needed",
-    "model_attributes_type": "is {input}: a table is needed",
-    "tuple_type": "is {input}: a list is needed",
-    "too_short": "has too few entries ({actual_length}): at least {min_length} are needed",
+    "int_type": "is {input}: expected an integer",
+    "float_type": "is {input}: expected a number",
+    "bool_type": "is {input}: expected true or false",
+    "string_type": "is {input}: expected a string in quotes",
+    "dict_type": "is {input}: expected a table",
+    "model_attributes_type": "is {input}: expected a table",
+    "tuple_type": "is {input}: expected a list",
+    "too_short": "has too few entries ({actual_length}): expected at least {min_length}",
     "missing": "is missing",
 }
 
 
-def fault(tail: str, path: str = "") -> PydanticCustomError:
+def field_error(tail: str, path: str = "") -> PydanticCustomError:
     """Return the exception for a validator to raise.
 
     Parameters
     ----------
     tail
-        The sentence after the name of the field, without its full stop.
+        The message after the name of the field, without a full stop.
     path
-        Dotted path of the field below the place where the validator sits.
+        Dotted path of the field relative to the validator.
     """
     return PydanticCustomError(_KIND, "{tail}", {"tail": tail, "path": path})
 
 
-def shown(value: object) -> str:
-    """Return a value as it may stand in a sentence."""
+def describe(value: object) -> str:
+    """Describe a value for use in a message."""
     if isinstance(value, str):
         return '"' + shortened(value).replace("\n", " ") + '"'
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, int) and abs(value) > 10**20:
-        return "a whole number of many digits"  # Python refuses to print the longest
+        return "a very large integer"  # str() is limited in digits
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, Mapping):
@@ -59,41 +59,41 @@ def shown(value: object) -> str:
     return "a list" if isinstance(value, Sequence) else f"of type {type(value).__name__}"
 
 
-def sentence(error: ValidationError, document: Mapping[str, object]) -> tuple[str, str]:
-    """Describe the first thing that pydantic found wrong.
+def first_error(error: ValidationError, document: Mapping[str, object]) -> tuple[str, str]:
+    """Describe the first error that pydantic reports.
 
     Parameters
     ----------
     error
-        Everything that pydantic found.
+        The error.
     document
-        What it was given, to tell the keys in a location from the names of union members.
+        The validated document, to distinguish keys in a location from names of union members.
 
     Returns
     -------
     path, tail : str
-        The dotted path of the field, and the sentence after it without its full stop.
+        Dotted path of the field, and the message after it without a full stop.
     """
     first = error.errors(include_url=False)[0]
     path = _path(first, document)
     if first["type"] == _KIND:
-        below = first["ctx"]["path"]
-        return ".".join(part for part in (path, below) if part), first["ctx"]["tail"]
+        relative = first["ctx"]["path"]
+        return ".".join(part for part in (path, relative) if part), first["ctx"]["tail"]
     context = first.get("ctx", {})
     tail = _TAILS.get(first["type"])
     if tail is None:
-        return path, f"is {shown(first['input'])}: {first['msg']}"
-    return path, tail.format_map({**context, "input": shown(first["input"])})
+        return path, f"is {describe(first['input'])}: {first['msg']}"
+    return path, tail.format_map({**context, "input": describe(first["input"])})
 
 
 def _path(details: ErrorDetails, document: Mapping[str, object]) -> str:
-    here: object = document
+    node: object = document
     path = ""
     for depth, part in enumerate(details["loc"]):
-        if isinstance(part, int) and isinstance(here, Sequence) and part < len(here):
-            here, path = here[part], f"{path}[{part}]"
-        elif isinstance(here, Mapping) and part in here:
-            here, path = here[str(part)], f"{path}.{part}"
+        if isinstance(part, int) and isinstance(node, Sequence) and part < len(node):
+            node, path = node[part], f"{path}[{part}]"
+        elif isinstance(node, Mapping) and part in node:
+            node, path = node[str(part)], f"{path}.{part}"
         elif details["type"] == "missing" and depth == len(details["loc"]) - 1:
             path = f"{path}.{part}"
     return path.removeprefix(".")
