@@ -33,4 +33,4 @@ def test_one_item(flexor, tmp_path) -> None:
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
     (tmp_path / "file").write_text("")
     ran = flexor("reproduce", *arguments)
-    assert words in ran.refusal
+    assert words in ran.error

@@ -89,7 +89,7 @@ def test_cases_are_chosen_by_name(flexor) -> None:
 def test_unknown_names_get_one_sentence(flexor) -> None:
     code, out, err = flexor({"good": _good}, "--only", "good,goood")
     assert (code, out) == (2, "")
-    assert err == 'error: unknown case "goood" (did you mean "good"?): allowed is "good".\n'
+    assert err == 'error: unknown case "goood" (did you mean "good"?): expected "good".\n'
 
 
 def test_the_list_runs_nothing(flexor) -> None:

@@ -15,15 +15,15 @@ from flexor.cli.evaluation import executor_for
 from flexor.cli.options import (
     Cluster,
     Constants,
-    JudgedForce,
-    ModelUnlessResumed,
+    EvaluationForce,
+    OptionalModel,
     Parameters,
     Set,
     StudyFolder,
     Threads,
 )
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted, refuse_settled
+from flexor.cli.studies import interrupted, new_folder, reject_fixed_options
 from flexor.cli.table import number
 from flexor.errors import ClusterError, InputError
 
@@ -35,57 +35,59 @@ if TYPE_CHECKING:
 
 def landscape(
     context: typer.Context,
-    model: ModelUnlessResumed = None,
+    model: OptionalModel = None,
     parameters: Parameters = "R01",
     objective: Annotated[
-        str, typer.Option("--objective", "-o", help="What is evaluated (see `flexor sets`).")
+        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
     ] = "bending",
-    grid: Annotated[int, typer.Option(help="Points along each axis.")] = 81,
+    grid: Annotated[int, typer.Option(help="Number of points per axis.")] = 81,
     axes: Annotated[
         str | None,
         typer.Option(
-            help="The one or two parameters to vary, such as `R_0,R_1`; the others stay at the "
-            "start. Needed if the set has more than two."
+            help="One or two parameters to vary, such as `R_0,R_1`; the others are fixed at the "
+            "start. Required if the set has more than two."
         ),
     ] = None,
     start: Annotated[
         str | None,
-        typer.Option(help="Where the others stay, such as `L=8 cm`; the model's own by default."),
+        typer.Option(
+            help="Values of the fixed parameters, such as `L=8 cm`; the model's own by default."
+        ),
     ] = None,
-    force: JudgedForce = None,
+    force: EvaluationForce = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
             "--study",
-            help="Lay the way of this study (a folder of `flexor optimize`) over the landscape; "
-            "may be repeated.",
+            help="Overlay the search path of this study (a folder of `flexor optimize`); may be "
+            "repeated.",
         ),
     ] = None,
     folder: StudyFolder = None,
     resume: Annotated[
-        FilePath | None, typer.Option(help="Go on with the landscape in this folder.")
+        FilePath | None, typer.Option(help="Resume the landscape in this folder.")
     ] = None,
     threads: Threads = 0,
     cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
-        FilePath | None, typer.Option(help="Draw into this PNG, SVG or PDF as well.")
+        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of sentences.")
+        bool, typer.Option("--json", help="Print a JSON object instead of text.")
     ] = False,
 ) -> int:
-    """Evaluate an objective on a grid over one or two parameters, and draw it.
+    """Evaluate and plot an objective on a grid over one or two parameters.
 
-    Every design that is evaluated is kept in the study folder at once, so a landscape can be
-    interrupted (Ctrl-C) and resumed. At the end the folder has the arrays (`landscape.npz`), a row
-    for each design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): in
-    perspective and from above, with the minimum of the grid, the designs that snap on their way
-    and those that failed.
+    Every evaluated design is recorded immediately in the study folder, so a landscape can be
+    interrupted (Ctrl-C) and resumed. The completed folder contains the arrays (`landscape.npz`),
+    a row per design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): a
+    surface and a contour plot with the minimum of the grid, the designs that snap and those that
+    failed.
 
-    For example:
-
+    Examples
+    --------
     * `flexor landscape finger --parameters R01 --objective f_b`
     * `flexor landscape finger -p L+R01 --axes L,R_1 --start "R_0=0.7 cm" --grid 41`
     * `flexor landscape finger -p L --grid 201 --constants printed --out studies/length`
@@ -100,12 +102,12 @@ def landscape(
 
         writable(plot)
     if model is None and resume is None:
-        raise InputError("give a MODEL, or --resume FOLDER to go on with a landscape.")
+        raise InputError("give a MODEL, or --resume FOLDER to resume a landscape.")
     if resume is not None and (folder is not None or model is not None):
-        raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+        raise InputError("--resume takes only the folder: omit MODEL and --out.")
     if resume is not None:
-        refuse_settled(context, resume, "searches", "threads", "cluster", "plot", "as_json")
-    ways = [(each, studies.Study.open(each)) for each in searches or []]
+        reject_fixed_options(context, resume, "searches", "threads", "cluster", "plot", "as_json")
+    overlays = [(each, studies.Study.open(each)) for each in searches or []]
     began, place = time.monotonic(), resume
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
@@ -117,9 +119,9 @@ def landscape(
                 loaded = load_changed(model, constants, changes or [])
                 settings = _settings(loaded, parameters, axes, grid, start, force)
                 chosen = settings["parameters"]
-                for each, way in ways:
-                    _check_same_set(each, way, chosen)
-                place = folder or free_folder(loaded.name, chosen.name, objective, "landscape")
+                for each, search in overlays:
+                    _check_same_set(each, search, chosen)
+                place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
                 study = studies.optimize(
                     loaded,
                     objective=objective,
@@ -132,13 +134,15 @@ def landscape(
         return interrupted(place, "flexor landscape --resume", error)
     found = Landscape.of(study)
     seconds = time.monotonic() - began
-    for each, way in ways:
-        _check_same_set(each, way, study.problem.parameters)
-    files = _keep(found, [SearchPath.from_study(way, each.name) for each, way in ways], plot)
+    for each, search in overlays:
+        _check_same_set(each, search, study.problem.parameters)
+    files = _keep(
+        found, [SearchPath.from_study(search, each.name) for each, search in overlays], plot
+    )
     if as_json:
         print(json.dumps(_as_json(found, seconds, files), allow_nan=False))
     else:
-        _tell(found, seconds, files)
+        _print_summary(found, seconds, files)
     return 0
 
 
@@ -162,11 +166,11 @@ def _settings(
     }
 
 
-def _check_same_set(folder: FilePath, way: Study, chosen: ParameterSet) -> None:
-    theirs = way.problem.parameters
-    if theirs.labels != chosen.labels:
+def _check_same_set(folder: FilePath, search: Study, chosen: ParameterSet) -> None:
+    searched = search.problem.parameters
+    if searched.labels != chosen.labels:
         raise InputError(
-            f'--study "{folder}" searched {theirs.name} ({", ".join(theirs.labels)}), '
+            f'--study "{folder}" searched {searched.name} ({", ".join(searched.labels)}), '
             f"but the landscape is of {chosen.name} ({', '.join(chosen.labels)})."
         )
 
@@ -187,7 +191,7 @@ def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> l
     return files
 
 
-def _tell(found: Landscape, seconds: float, files: list[FilePath]) -> None:
+def _print_summary(found: Landscape, seconds: float, files: list[FilePath]) -> None:
     objective, failed = found.problem.objective, int(found.failed.sum())
     size = " × ".join(str(n) for n in found.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
@@ -203,15 +207,15 @@ def _tell(found: Landscape, seconds: float, files: list[FilePath]) -> None:
                 strict=True,
             )
         )
-        said = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
-        sentences.append(f"The best of them is {at}: {said}.")
+        value = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
+        sentences.append(f"Minimum of the grid at {at}: {value}.")
         minima, snap = len(found.local_minima()), _share(float((found.events > 0).mean()))
         sentences.append(
-            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap "
-            f"on their way, {_share(float(found.failed.mean()))} fail."
+            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
+            f"{_share(float(found.failed.mean()))} fail."
         )
     else:
-        sentences.append(f"Every design failed: {found.reason.flat[0]}.")
+        sentences.append(f"All designs failed: {found.reason.flat[0]}.")
     for sentence in sentences:
         out.print(sentence, markup=False, soft_wrap=True)
     for file in files:
