@@ -1,11 +1,10 @@
-"""What a cluster costs: batches of 256 designs on two workers, against two threads of one process.
+"""Overhead of a cluster: batches of 256 designs on two workers, compared with two threads.
 
-A real scheduler and two workers on this machine, one thread each, evaluate random designs of L+R01
-on the paper's finger (0 to 5 N in 1 N steps), many batches at once as landscapes and generations
-give them; threads and cluster take turns, and each number is a median. Wall times of two ways that
-take turns are disturbed alike by whatever else runs; their processor times hardly. The processor
-time of the cluster is that of scheduler, client and both workers, so that the difference is what
-sending designs and outcomes to and fro costs. Bytes are those of the pickled messages.
+A scheduler and two single-threaded workers on this machine evaluate random designs of L+R01 on the
+paper's finger (0 to 5 N in 1 N steps), many batches at once, as in landscapes and generations.
+Threads and cluster are interleaved, and numbers are medians. The processor time of the cluster
+includes scheduler, client and both workers, so that the difference is the cost of communication.
+Message sizes are those of the pickled messages.
 """
 
 from __future__ import annotations
@@ -39,41 +38,43 @@ WORKERS = 2
 
 @dataclass
 class Taken:
-    """What one way took, run by run."""
+    """Times of one executor, run by run."""
 
     wall: list[float]
     processor: list[float]
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--batches", type=int, default=16, help="of 256 designs, in each run")
-    reading.add_argument("--runs", type=int, default=5, help="of which the median is printed")
-    asked = reading.parse_args()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--batches", type=int, default=16, help="batches of 256 designs per run")
+    parser.add_argument("--runs", type=int, default=5, help="number of runs; medians are reported")
+    arguments = parser.parse_args()
     model = flexor.load("finger", "calibrated")
     chosen = parameter_set("L+R01", model.design)
     problem = Problem(model, chosen, objective("bending"))
     random = np.random.default_rng(1)
     span = chosen.upper - chosen.lower
-    designs = chosen.lower + span * random.random((asked.batches * PART, chosen.size))
+    designs = chosen.lower + span * random.random((arguments.batches * PART, chosen.size))
     taken = {"threads": Taken([], []), "cluster": Taken([], [])}
     with Cluster(f"local:{WORKERS}") as cluster, Progress(console=Console(stderr=True)) as progress:
         ways: dict[str, Executor] = {"threads": Threads(WORKERS), "cluster": cluster}
         expected = problem.evaluate(designs)  # warms caches, as the next does
         cluster.evaluate(problem, designs)
-        for _ in progress.track(range(asked.runs), description="batches"):
+        for _ in progress.track(range(arguments.runs), description="batches"):
             for name, executor in ways.items():
                 found, wall, processor = timed(partial(executor.evaluate, problem, designs))
                 assert same(found, expected), "the cluster's outcomes differ"
                 taken[name].wall.append(wall)
                 taken[name].processor.append(processor)
         trips = [timed(lambda: cluster.evaluate(problem, designs[:1]))[1] for _ in range(30)]
-    report(taken, asked.batches, asked.runs, statistics.median(trips), problem, designs[:PART])
+    report(
+        taken, arguments.batches, arguments.runs, statistics.median(trips), problem, designs[:PART]
+    )
 
 
 def timed(work: Callable[[], Outcomes]) -> tuple[Outcomes, float, float]:
-    """Return what came out, wall time and processor time of this process and its children [s]."""
+    """Return the result, wall time, and processor time of this process and its children [s]."""
     wall, processor = time.perf_counter(), processor_time()
     found = work()
     return found, time.perf_counter() - wall, processor_time() - processor
@@ -87,7 +88,7 @@ def processor_time() -> float:
 
 
 def same(one: Outcomes, other: Outcomes) -> bool:
-    """Say whether two outcomes agree to the last bit."""
+    """Return whether two outcomes are bit-identical."""
     return all(
         getattr(one, name).tobytes() == getattr(other, name).tobytes()
         for name in ("value", "joint_angles", "tip_force", "touching", "iterations")

@@ -1,14 +1,13 @@
-"""What exact gradients cost, how exact they are, and what they save, on all seven parameter sets.
+"""Cost, accuracy and benefit of exact gradients on all seven parameter sets.
 
-Three tables: the processor time of value and gradient over that of the value alone, from random
-designs followed on one thread; derivatives of joint angles and tip force along a random direction
-against central differences of sixth order, at random designs that the engine calls regular and
-whose stencil crosses no change of contact; and the designs that searches need for f_b within 1 %
-(and 0.1 %) of the best value that any of them found.
+Three tables: the processor time of value and gradient relative to the value alone, for random
+designs on one thread; derivatives of joint angles and tip force along a random direction compared
+with sixth-order central differences, at random designs that are regular and whose stencil crosses
+no change of contact; and the number of designs until a search reaches f_b within 1 % (and 0.1 %) of
+the best value found by any of them.
 
-Searches begin at the same random designs. Each is begun again from the next seed until all are
-spent: the number is the designs of all seeds over the seeds that arrived (designs after the arrival
-are not counted), which is what one has to expect with restarts.
+Searches start from the same random designs. The number of designs is that of all seeds, up to
+success, divided by the number of successful seeds, which is the expected number with restarts.
 """
 
 from __future__ import annotations
@@ -42,39 +41,41 @@ WITHIN = (0.01, 0.001)
 
 
 def main() -> None:
-    """Measure, and print the tables."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=200, help="of each set")
-    reading.add_argument("--runs", type=int, default=3, help="of the timing; medians are shown")
-    reading.add_argument("--seeds", type=int, default=8, help="of each search")
-    reading.add_argument("--budget", type=int, default=3000, help="designs of each search")
-    asked = reading.parse_args()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=200, help="number of designs per set")
+    parser.add_argument("--runs", type=int, default=3, help="timing runs; medians are reported")
+    parser.add_argument("--seeds", type=int, default=8, help="seeds per method and set")
+    parser.add_argument("--budget", type=int, default=3000, help="maximum designs per search")
+    arguments = parser.parse_args()
     model, console = flexor.load("finger"), Console()
-    section = measure(asked.designs, asked.runs)
+    section = measure(arguments.designs, arguments.runs)
     section.report()
-    found = {name: searches(model, name, asked.seeds, asked.budget) for name in SETS}
+    found = {name: searches(model, name, arguments.seeds, arguments.budget) for name in SETS}
     for within in WITHIN:
-        saved = Table("set", "best f_b", *METHODS, "times fewer")
+        saved = Table("set", "best f_b", *METHODS, "reduction factor")
         for name, results in found.items():
             saved.add_row(name, *savings(results, within))
-        console.print(f"Designs to within {within:.1%} of the best known f_b, {asked.seeds} seeds")
+        console.print(
+            f"Designs to within {within:.1%} of the best known f_b, {arguments.seeds} seeds"
+        )
         console.print(saved)
 
 
 def measure(designs: int, runs: int) -> Section:
-    """Measure cost and error of gradients, and write it up."""
-    made = table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
+    """Measure cost and accuracy of gradients, and return the report."""
+    result = table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
     model = flexor.load("finger")
     with progress() as bar:
         for name in bar.track(SETS, description="gradients"):
-            made.add_row(name, *accuracy(model, name, designs, runs))
+            result.add_row(name, *accuracy(model, name, designs, runs))
     section = Section("Gradients", "./dev bench gradients")
     section.parts += [
         f"Value and gradient of {designs} random designs of each parameter set: *time*, processor "
-        f"time over that of the value alone (median of {runs} runs); and relative errors of "
-        "derivatives along a random direction against central differences of sixth order, at "
-        "designs that the engine calls regular and whose stencil crosses no change of contact.",
-        made,
+        f"time relative to the value alone (median of {runs} runs); and relative errors of "
+        "derivatives along a random direction with respect to sixth-order central differences, at "
+        "designs that are regular and whose stencil crosses no change of contact.",
+        result,
     ]
     return section
 
@@ -92,13 +93,13 @@ def accuracy(model: Model, name: str, count: int, runs: int) -> list[str]:
 
 
 def random_designs(chosen: ParameterSet, count: int) -> NDArray[np.float64]:
-    """Draw designs from the whole of the bounds, (count, k)."""
+    """Draw designs uniformly within the bounds, (count, k)."""
     unit = np.random.default_rng(5).uniform(size=(count, chosen.size))
     return chosen.lower + unit * (chosen.upper - chosen.lower)
 
 
 def cost(model: Model, chosen: ParameterSet, designs: NDArray[np.float64]) -> float:
-    """Processor time of value and gradient, chained to the parameters, over that of the value."""
+    """Return the processor time of value and parameter gradient relative to the value alone."""
     geometry, seconds = chosen.geometry(designs, model.X), []
     for gradient in (False, True):
         began = time.process_time()
@@ -137,7 +138,7 @@ def savings(results: dict[str, list[SearchResult]], within: float) -> list[str]:
 
 
 def expected(runs: list[SearchResult], target: float) -> tuple[float, int]:
-    """Return the designs per arrival at a value, with restarts, and how many runs arrived."""
+    """Return the expected number of designs with restarts, and the number of successful runs."""
     spent = arrived = 0
     for run in runs:
         there = np.flatnonzero(run.improvement_values <= target)

@@ -1,9 +1,9 @@
-"""Where the engine's time goes: samples of `perf`, by the part of the engine they fell into.
+"""Profile of the engine with `perf`, by component.
 
-Needs Linux with `perf` and `addr2line`. The engine is built once more with its symbols (in
-`target/profile`, which takes a few minutes the first time), the finger is followed on one thread,
-and each sample is counted for the innermost function that says what it is for: small products and
-group operations belong to whoever asked for them.
+Requires Linux with `perf` and `addr2line`. The engine is built with symbols (in `target/profile`,
+which takes a few minutes the first time), random designs are evaluated on one thread, and each
+sample is attributed to the innermost function that identifies a component: small products and
+group operations are attributed to their callers.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from _timing import progress
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "target" / "profile"
 FREQUENCY = 2_000  # Hz
-# Elements of the exosuit and designs, each about as long.
+# Elements of the exosuit and number of designs, for similar run times.
 LOADS = ((10, 4_000), (80, 400), (320, 60))
 QUICK_LOADS = ((10, 1_500), (80, 100))
-# The first that fits, from the innermost inlined function outward: part, file, function.
+# Component, file, function; the first match counts, from the innermost inlined function outward.
 PARTS: tuple[tuple[str, str, str], ...] = (
     ("contact", "potential/contact.rs", ""),
     ("contact", "potential/enclosure.rs", ""),
@@ -60,17 +60,17 @@ CLEARING = -1  # in place of an address
 
 
 def main() -> int:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="shorter runs")
-    reading.add_argument("--load", nargs=3, help=argparse.SUPPRESS)
-    asked = reading.parse_args()
-    if asked.load:
-        follow(Path(asked.load[0]), int(asked.load[1]), int(asked.load[2]))
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="shorter runs")
+    parser.add_argument("--load", nargs=3, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.load:
+        follow(Path(arguments.load[0]), int(arguments.load[1]), int(arguments.load[2]))
         return 0
     try:
-        section = measure(asked.runs, quick=asked.quick)
+        section = measure(arguments.runs, quick=arguments.quick)
     except Missing as missing:
         print(f"error: {missing}", file=sys.stderr)
         return 2
@@ -79,10 +79,10 @@ def main() -> int:
 
 
 def measure(runs: int, *, quick: bool) -> Section:
-    """Measure everything, and write it up."""
+    """Run the benchmark and return its report."""
     for tool in ("perf", "addr2line", "cargo"):
         if shutil.which(tool) is None:
-            raise Missing(f"{tool} is missing, with which the engine is profiled.")
+            raise Missing(f"{tool}, which is required for profiling, is not installed.")
     loads = QUICK_LOADS if quick else LOADS
     with tempfile.TemporaryDirectory() as folder:
         engine = built(Path(folder))
@@ -92,17 +92,17 @@ def measure(runs: int, *, quick: bool) -> Section:
                 turns = bar.track(range(runs), description=f"profile, {elements} elements")
                 samples[elements] = [sampled(engine, elements, designs) for _ in turns]
         shares = list(shared(engine, samples))
-    made = table("part", *(f"{2 * elements + 5} DOF" for elements, _ in loads))
+    result = table("part", *(f"{2 * elements + 5} DOF" for elements, _ in loads))
     order = {name for share in shares for name in share}
     for part in sorted(order, key=lambda part: -shares[0].get(part, 0.0)):
         if any(share.get(part, 0.0) >= 0.002 for share in shares):
-            made.add_row(part, *(f"{share.get(part, 0.0):.1%}" for share in shares))
-    section = Section("Where the time goes", "./dev bench hotspots" + " --quick" * quick)
+            result.add_row(part, *(f"{share.get(part, 0.0):.1%}" for share in shares))
+    section = Section("Profile", "./dev bench hotspots" + " --quick" * quick)
     section.parts += [
-        "Samples of the processor's clock (`perf`) while random designs of finger and exosuit are "
-        "followed from 0 to 5 N on one thread, by the part of the engine they fell into, for the "
-        "exosuit of the paper and finer ones:",
-        made,
+        "Samples of processor time (`perf`) by component of the engine, for random designs of "
+        "finger and exosuit from 0 to 5 N on one thread, with the paper's discretisation and finer "
+        "ones:",
+        result,
     ]
     return section
 
@@ -112,14 +112,14 @@ def built(folder: Path) -> Path:
     build = ("build", "--quiet", "--release", "--locked", "--package", "flexor-bindings")
     options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false")
     if subprocess.run(["cargo", *build, *options], cwd=ROOT, check=False).returncode:
-        raise Missing("cargo could not build the engine with its symbols.")
+        raise Missing("cargo could not build the engine with symbols.")
     module = folder / "_engine.abi3.so"
     shutil.copy(TARGET / "release" / "lib_engine.so", module)
     return module
 
 
 def follow(module: Path, elements: int, designs: int) -> None:
-    """Follow random designs with the engine in a file: what is sampled."""
+    """Evaluate random designs with the engine in a file, to be sampled."""
     spec = spec_from_file_location(
         "flexor._engine", module, loader=ExtensionFileLoader("flexor._engine", str(module))
     )
@@ -135,7 +135,7 @@ def follow(module: Path, elements: int, designs: int) -> None:
 
 
 def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
-    """Sample one run: how often each address of the engine was met (`CLEARING`: of libc)."""
+    """Sample one run: count the samples at each address of the engine (`CLEARING`: in libc)."""
     data = module.parent / "samples"
     command = [sys.executable, __file__, "--load", str(module), str(elements), str(designs)]
     record = ["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(FREQUENCY), "-o", str(data)]
@@ -159,7 +159,7 @@ def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
 
 
 def shared(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dict[str, float]]:
-    """Yield each load's share of every part, the median of its runs."""
+    """Yield the share of every component for each size, as the median of its runs."""
     met = {address for runs in samples.values() for run in runs for address in run}
     part_of = {a: part(stack) for a, stack in stacks(module, sorted(met - {CLEARING})).items()}
     part_of[CLEARING] = "clearing and copying of memory"
@@ -175,7 +175,7 @@ def shared(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dic
 
 
 def virtual(module: Path, offset: int) -> int:
-    """Return the address at which a place of the file is meant to be loaded."""
+    """Return the virtual address of an offset in the file."""
     listed = subprocess.run(
         ["readelf", "-lW", str(module)], capture_output=True, text=True, check=True
     ).stdout
@@ -190,9 +190,11 @@ def virtual(module: Path, offset: int) -> int:
 
 def stacks(module: Path, addresses: list[int]) -> dict[int, list[tuple[str, str]]]:
     """Return function and file of every address, from the innermost inlined one outward."""
-    asked = "\n".join(f"{address:#x}" for address in addresses)
+    arguments = "\n".join(f"{address:#x}" for address in addresses)
     command = ["addr2line", "-a", "-f", "-i", "-C", "-e", str(module)]
-    said = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(
+        command, input=arguments, capture_output=True, text=True, check=True
+    ).stdout
     found: dict[int, list[tuple[str, str]]] = {}
     lines = iter(said.splitlines())
     for line in lines:
@@ -205,7 +207,7 @@ def stacks(module: Path, addresses: list[int]) -> dict[int, list[tuple[str, str]
 
 
 def part(stack: list[tuple[str, str]]) -> str:
-    """Name the part of the engine that a place belongs to."""
+    """Return the component of the engine to which a stack belongs."""
     small = ("linalg/fixed.rs", "lie/")
     for function, file in stack:
         if "engine/src/" not in file or any(name in file for name in small):

@@ -1,9 +1,8 @@
-"""Whether the load step matters: random designs taken to 5 N in 1 N and in 0.1 N steps.
+"""Dependence on the load step: random designs loaded to 5 N in 1 N and in 0.1 N steps.
 
 States (joint angles, bending as L kappa, strains) are compared at every force of the coarse path
-that lies before the first event of either path, all of them where there is none; the exit code is 1
-if they differ by more than 1e-8 anywhere. Events say where a branch ended; designs with events are
-counted, and how many of them end alike all the same.
+before the first event of either path; the exit code is 1 if they differ by more than 1e-8. Designs
+with events are counted, and how many of them nevertheless reach the same final state.
 """
 
 from __future__ import annotations
@@ -26,20 +25,20 @@ BAR = 1e-8  # rad
 
 
 def main() -> int:
-    """Evaluate, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=1_000, help="of each set of constants")
-    reading.add_argument(
-        "--seeds", type=int, nargs="+", default=[3], help="of so many designs each"
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--designs", type=int, default=1_000, help="number of designs per set of constants"
     )
-    asked = reading.parse_args()
-    section, good = measure(asked.designs, tuple(asked.seeds))
+    parser.add_argument("--seeds", type=int, nargs="+", default=[3], help="random seeds")
+    arguments = parser.parse_args()
+    section, good = measure(arguments.designs, tuple(arguments.seeds))
     section.report()
     return 0 if good else 1
 
 
 def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]:
-    """Evaluate so many random designs from each seed, and write it up; say whether all is well."""
+    """Run the benchmark; return its report and whether all states agree."""
     columns = ("calibrated", "printed")
     rows: dict[str, list[str]] = {}
     good = True
@@ -64,25 +63,25 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
         good &= max(apart) <= BAR
         facts = {
             "designs": f"{total:,}",
-            "without an event": f"{(~events).sum():,}",
-            "of them ending alike to 1e-8 rad": f"{(same & ~events).sum():,}",
-            "with an event": f"{events.sum():,}",
-            "of them ending alike all the same": f"{(same & events).sum():,}",
-            "steps compared, before any event": f"{compared:,}",
-            "largest difference there / rad": f"{max(apart):.1e}",
-            "designs that differ there": f"{sum(gap > BAR for gap in apart):,}",
+            "without events": f"{(~events).sum():,}",
+            "with equal final states (1e-8 rad)": f"{(same & ~events).sum():,}",
+            "with events": f"{events.sum():,}",
+            "with equal final states nevertheless": f"{(same & events).sum():,}",
+            "steps compared before any event": f"{compared:,}",
+            "largest difference / rad": f"{max(apart):.1e}",
+            "designs that differ": f"{sum(gap > BAR for gap in apart):,}",
         }
         for name, value in facts.items():
             rows.setdefault(name, []).append(value)
-    made = table("", *columns)
+    result = table("", *columns)
     for name, values in rows.items():
-        made.add_row(name, *values)
+        result.add_row(name, *values)
     command = f"./dev bench load_steps --designs {designs} --seeds {' '.join(map(str, seeds))}"
     section = Section("Independence of the load step", command)
     section.parts += [
-        "Random designs taken to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
-        "coarse path before the first event of either:",
-        made,
+        "Random designs loaded to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
+        "coarse path before the first event of either path:",
+        result,
     ]
     return section, good
 

@@ -1,8 +1,8 @@
-"""How 10,000 random designs end: every status, with both sets of constants.
+"""Solver status of 10,000 random designs with both sets of constants.
 
-Designs are drawn from the whole of the search bounds of L+R01 and followed from 0 to 5 N in 1 N
-steps. A design counts by the worst that happened on its way; the exit code is 1 if a number of a
-step that converged is not finite, or fewer than 99.9 % converged and are stable at every step.
+Designs are sampled within the search bounds of L+R01 and loaded from 0 to 5 N in 1 N steps. A
+design counts by its worst status; the exit code is 1 if a result of a converged step is not finite,
+or if fewer than 99.9 % of the designs converge to stable equilibria at every step.
 """
 
 from __future__ import annotations
@@ -27,20 +27,22 @@ GOOD = "converged and stable at every step"
 
 
 def main() -> int:
-    """Evaluate, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=10_000, help="of each set of constants")
-    asked = reading.parse_args()
-    table = Table("constants", "how designs end", "designs", "share")
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--designs", type=int, default=10_000, help="number of designs per set of constants"
+    )
+    arguments = parser.parse_args()
+    table = Table("constants", "status", "designs", "share")
     for column in table.columns[2:]:
         column.justify = "right"
     good = True
     for constants in ("calibrated", "printed"):
         model = flexor.load("finger", constants)
-        vectors = random_vectors(model, asked.designs, seed=2)
+        vectors = random_vectors(model, arguments.designs, seed=2)
         ends: Counter[str] = Counter()
         events = iterations = snapping = broken = 0
-        parts = range(0, asked.designs, PART)
+        parts = range(0, arguments.designs, PART)
         for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
             batch = model.evaluate(geometry(model, vectors[first : first + PART]))
             ends.update(worst(batch))
@@ -48,14 +50,14 @@ def main() -> int:
             snapping += len(set(batch.events["design"].tolist()))
             iterations += int(batch.iterations.sum())
             broken += not_finite(batch)
-        good &= ends[GOOD] >= 0.999 * asked.designs and broken == 0
+        good &= ends[GOOD] >= 0.999 * arguments.designs and broken == 0
         for status, count in ends.most_common():
-            table.add_row(constants, status, f"{count:,}", f"{count / asked.designs:.2%}")
+            table.add_row(constants, status, f"{count:,}", f"{count / arguments.designs:.2%}")
             constants = ""
-        table.add_row("", "of them with events", f"{snapping:,}", f"{snapping / asked.designs:.2%}")
-        table.add_row("", "events per design", f"{events / asked.designs:.2f}", "")
-        table.add_row("", "iterations per design", f"{iterations / asked.designs:.1f}", "")
-        table.add_row("", "converged steps with a number not finite", f"{broken:,}", "")
+        table.add_row("", "with events", f"{snapping:,}", f"{snapping / arguments.designs:.2%}")
+        table.add_row("", "events per design", f"{events / arguments.designs:.2f}", "")
+        table.add_row("", "iterations per design", f"{iterations / arguments.designs:.1f}", "")
+        table.add_row("", "converged steps with non-finite results", f"{broken:,}", "")
         table.add_section()
     console = Console()
     console.print(machine(), markup=False)
@@ -64,7 +66,7 @@ def main() -> int:
 
 
 def worst(batch: Batch) -> list[str]:
-    """Name the first status of each design that is not the good one."""
+    """Return the first status of each design other than converged and stable."""
     names = []
     for codes, stable in zip(batch.status.tolist(), batch.stable.tolist(), strict=True):
         bad = [STATUS[code] for code in codes if STATUS[code] != "converged"]
@@ -73,7 +75,7 @@ def worst(batch: Batch) -> list[str]:
 
 
 def not_finite(batch: Batch) -> int:
-    """Count the converged steps of which any number is not finite."""
+    """Count the converged steps with non-finite results."""
     finite = np.isfinite(batch.q).all(axis=2)
     for numbers in (batch.energy, batch.residual, batch.tip_force):
         finite &= np.isfinite(numbers)
