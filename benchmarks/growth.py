@@ -154,9 +154,9 @@ def designs(counts: Sequence[int], runs: int) -> tuple[Growth, Growth]:
     with progress() as bar:
         for count in bar.track(counts, description="designs"):
             repeats = runs if count < 1_000_000 else 1
-            found = list(_processes(count, repeats))
-            seconds.append(statistics.median(second for second, _ in found))
-            peaks.append(statistics.median(memory for _, memory in found))
+            samples = list(_processes(count, repeats))
+            seconds.append(statistics.median(second for second, _ in samples))
+            peaks.append(statistics.median(memory for _, memory in samples))
     return Growth(list(counts), seconds, []), Growth(list(counts), peaks, [])
 
 

@@ -88,9 +88,9 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
 
 def first_event(batch: Batch) -> NDArray[np.float64]:
     """Return the force of each design's first event, (n,) [N]; infinite without one."""
-    found = np.full(len(batch), np.inf)
-    np.minimum.at(found, batch.events["design"], batch.events["load"][:, 0])
-    return found
+    first = np.full(len(batch), np.inf)
+    np.minimum.at(first, batch.events["design"], batch.events["load"][:, 0])
+    return first
 
 
 if __name__ == "__main__":

@@ -111,7 +111,7 @@ def measure(designs: int, runs: int) -> Section:
             times = {case: Times() for case in chosen}
             best = {case[0]: np.full(len(parts), np.inf) for case in chosen}
             # Warms caches and threads, too.
-            found = {force: evaluated(model, whole, force, 2) for force, _ in chosen}
+            batches = {force: evaluated(model, whole, force, 2) for force, _ in chosen}
             for _ in bar.track(range(runs), description=name):
                 for case in chosen:
                     force, threads = case
@@ -128,11 +128,11 @@ def measure(designs: int, runs: int) -> Section:
                     str(threads),
                     f"{count / statistics.median(times[case].wall):,.0f}",
                     f"{count / best[force].sum():,.0f}" if threads == 1 else "",
-                    f"{1e6 * alone.median / found[force].iterations.sum():.1f}"
+                    f"{1e6 * alone.median / batches[force].iterations.sum():.1f}"
                     if threads == 1
                     else "",
                 )
-            for force, batch in found.items():
+            for force, batch in batches.items():
                 counts.add_row(name, force.rpartition(":")[2], *iterations(batch))
             if (STEPWISE, 2) in times:
                 pairs = zip(times[STEPWISE, 1].wall, times[STEPWISE, 2].wall, strict=True)

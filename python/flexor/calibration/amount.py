@@ -38,7 +38,7 @@ class Unit:
     factor: float = 1.0
     si: str = ""
 
-    def describe(self, value: float, digits: int = 5) -> str:
+    def shown(self, value: float, digits: int = 5) -> str:
         """Return an SI value in this unit, with so many significant digits."""
         number = f"{value / self.factor:.{digits}g}"
         number = "0" if float(number) == 0.0 else number

@@ -109,7 +109,7 @@ def compare(
     try:
         with executor_if(cluster) as executor, ComparisonBar() as progress:
             if resume is not None:
-                found = survey.resume_comparison(
+                result = survey.resume_comparison(
                     resume, progress=progress, executor=executor, workers=workers
                 )
             else:
@@ -118,7 +118,7 @@ def compare(
 
                 loaded = load_changed(model, constants, changes or [])
                 place = folder or new_folder(loaded.name, objective, "comparison")
-                found = survey.compare(
+                result = survey.compare(
                     loaded,
                     survey.PAPER_SETS if parameters is None else parameters,
                     objective,
@@ -134,19 +134,19 @@ def compare(
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor compare --resume", error)
     assert place is not None
-    files = _keep(found, place, plot)
+    files = _keep(result, place, plot)
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(found, seconds, place, files), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds, place, files), allow_nan=False))
     else:
-        _print_summary(found, seconds, files)
+        _print_summary(result, seconds, files)
     return 0
 
 
-def _print_summary(found: MethodComparison, seconds: float, files: list[FilePath]) -> None:
+def _print_summary(result: MethodComparison, seconds: float, files: list[FilePath]) -> None:
     headings = ("", "best", "median", "success", "to 1 %", "expected", "time")
-    for name in found.sets:
-        summaries = [found.summary(name, method) for method in found.methods]
+    for name in result.sets:
+        summaries = [result.summary(name, method) for method in result.methods]
         rows = [
             (
                 each.method,
@@ -159,17 +159,18 @@ def _print_summary(found: MethodComparison, seconds: float, files: list[FilePath
             )
             for each in sorted(summaries, key=_rank)
         ]
-        first, best = found.reference[name], found.best_known(name)
+        first, best = result.reference[name], result.best_known(name)
         out.print(
-            f"{name}: objective {found.objective.name} {number(first, 5)} for the model's own "
+            f"{name}: objective {result.objective.name} {number(first, 5)} for the model's own "
             f"exosuit, {number(best, 5)} for the best known design",
             markup=False,
             soft_wrap=True,
         )
         show((name, *headings[1:]), rows)
-    searches = len(found.runs)
+    searches = len(result.runs)
     out.print(
-        f"{searches} searches of at most {found.budget} designs, {len(found.seeds)} per method and "
+        f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per "
+        "method and "
         f"set, in {duration(seconds)}.",
         markup=False,
         soft_wrap=True,
@@ -186,13 +187,13 @@ def _count(evaluations: float) -> str:
     return f"{evaluations:.0f}" if math.isfinite(evaluations) else "-"
 
 
-def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> list[FilePath]:
+def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> list[FilePath]:
     from dataclasses import asdict
 
     from flexor import plot
 
-    summaries = [asdict(each) for each in found.summaries()]
-    searches = found.table()
+    summaries = [asdict(each) for each in result.summaries()]
+    searches = result.table()
     rows = [
         dict(zip(searches, row, strict=True))
         for row in zip(*(column.tolist() for column in searches.values()), strict=True)
@@ -204,7 +205,7 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
             writer.writeheader()
             writer.writerows(lines)
     with err.status("drawing the profiles"):
-        figure = plot.profiles(found)
+        figure = plot.profiles(result)
         for picture in (place / "profiles.png", place / "profiles.svg", also):
             if picture is not None:
                 files.append(plot.save(figure, picture))
@@ -212,7 +213,7 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
 
 
 def _as_json(
-    found: MethodComparison, seconds: float, place: FilePath, files: list[FilePath]
+    result: MethodComparison, seconds: float, place: FilePath, files: list[FilePath]
 ) -> dict[str, Any]:
     """Return every summary, and for each set the best design (SI) and the target."""
     from dataclasses import asdict
@@ -221,21 +222,22 @@ def _as_json(
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     return {
-        "objective": found.objective.name,
-        "budget": found.budget,
-        "seeds": list(found.seeds),
+        "objective": result.objective.name,
+        "budget": result.budget,
+        "seeds": list(result.seeds),
         "sets": {
             name: {
-                "reference": plain(found.reference[name]),
-                "best": plain(found.best_known(name)),
-                "design": found.best(name).result.design.tolist(),
-                "method": found.best(name).method,
-                "target": plain(found.target(name)),
+                "reference": plain(result.reference[name]),
+                "best": plain(result.best_known(name)),
+                "design": result.best(name).result.design.tolist(),
+                "method": result.best(name).method,
+                "target": plain(result.target(name)),
             }
-            for name in found.sets
+            for name in result.sets
         },
         "summaries": [
-            {key: plain(value) for key, value in asdict(each).items()} for each in found.summaries()
+            {key: plain(value) for key, value in asdict(each).items()}
+            for each in result.summaries()
         ],
         "seconds": seconds,
         "folder": str(place),

@@ -132,17 +132,17 @@ def landscape(
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)
-    found = Landscape.of(study)
+    result = Landscape.of(study)
     seconds = time.monotonic() - began
     for each, search in overlays:
         _check_same_set(each, search, study.problem.parameters)
     files = _keep(
-        found, [SearchPath.from_study(search, each.name) for each, search in overlays], plot
+        result, [SearchPath.from_study(search, each.name) for each, search in overlays], plot
     )
     if as_json:
-        print(json.dumps(_as_json(found, seconds, files), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds, files), allow_nan=False))
     else:
-        _print_summary(found, seconds, files)
+        _print_summary(result, seconds, files)
     return 0
 
 
@@ -175,14 +175,14 @@ def _check_same_set(folder: FilePath, search: Study, chosen: ParameterSet) -> No
         )
 
 
-def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> list[FilePath]:
+def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> list[FilePath]:
     from flexor import plot
 
-    place = found.study.folder
+    place = result.study.folder
     assert place is not None
-    files = found.save(place)
+    files = result.save(place)
     with err.status("drawing the landscape"):
-        figure = plot.landscape(found, paths)
+        figure = plot.landscape(result, paths)
         files += [
             plot.save(figure, file)
             for file in (place / "landscape.png", place / "landscape.svg", also)
@@ -191,31 +191,31 @@ def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> l
     return files
 
 
-def _print_summary(found: Landscape, seconds: float, files: list[FilePath]) -> None:
-    objective, failed = found.problem.objective, int(found.failed.sum())
-    size = " × ".join(str(n) for n in found.value.shape)
+def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
+    objective, failed = result.problem.objective, int(result.failed.sum())
+    size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
-    if failed < found.value.size:
-        best = found.minimum
+    if failed < result.value.size:
+        best = result.minimum
         at = ", ".join(
             f"{label} = {number(value / scale)}{'' if unit == '1' else ' ' + unit}"
             for label, value, scale, unit in zip(
-                found.problem.parameters.labels,
+                result.problem.parameters.labels,
                 best.vector.tolist(),
-                found.problem.parameters.scale.tolist(),
-                found.problem.parameters.units,
+                result.problem.parameters.scale.tolist(),
+                result.problem.parameters.units,
                 strict=True,
             )
         )
         value = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
         sentences.append(f"Minimum of the grid at {at}: {value}.")
-        minima, snap = len(found.local_minima()), _share(float((found.events > 0).mean()))
+        minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
             f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
-            f"{_share(float(found.failed.mean()))} fail."
+            f"{_share(float(result.failed.mean()))} fail."
         )
     else:
-        sentences.append(f"All designs failed: {found.reason.flat[0]}.")
+        sentences.append(f"All designs failed: {result.reason.flat[0]}.")
     for sentence in sentences:
         out.print(sentence, markup=False, soft_wrap=True)
     for file in files:
@@ -226,24 +226,24 @@ def _share(part: float) -> str:
     return "none" if part == 0.0 else f"{100.0 * part:.2g} %"
 
 
-def _as_json(found: Landscape, seconds: float, files: list[FilePath]) -> dict[str, Any]:
+def _as_json(result: Landscape, seconds: float, files: list[FilePath]) -> dict[str, Any]:
     """Return parameters in SI, `value` and `bending` [rad] of the minimum, and counts."""
     minimum = None
-    if not found.failed.all():
-        best = found.minimum
+    if not result.failed.all():
+        best = result.minimum
         minimum = {"parameters": best.parameters, "value": best.value, "bending": best.bending}
     return {
-        "parameters": found.problem.parameters.name,
-        "objective": found.problem.objective.name,
+        "parameters": result.problem.parameters.name,
+        "objective": result.problem.objective.name,
         "axes": {
-            label: axis.tolist() for label, axis in zip(found.labels, found.axes, strict=True)
+            label: axis.tolist() for label, axis in zip(result.labels, result.axes, strict=True)
         },
         "minimum": minimum,
-        "local_minima": len(found.local_minima()),
-        "designs": int(found.value.size),
-        "snapping": int((found.events > 0).sum()),
-        "failed": int(found.failed.sum()),
+        "local_minima": len(result.local_minima()),
+        "designs": int(result.value.size),
+        "snapping": int((result.events > 0).sum()),
+        "failed": int(result.failed.sum()),
         "seconds": seconds,
-        "folder": str(found.study.folder),
+        "folder": str(result.study.folder),
         "files": [str(file) for file in files],
     }

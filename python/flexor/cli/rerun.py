@@ -57,29 +57,29 @@ def rerun(
     began = time.monotonic()
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
-            found = studies.rerun(study, into=folder, progress=progress, executor=executor)
+            result = studies.rerun(study, into=folder, progress=progress, executor=executor)
     except KeyboardInterrupt:
         err.print(f"interrupted; {study} is unchanged.", markup=False, soft_wrap=True)
         return 130
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(found, seconds), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds), allow_nan=False))
     else:
-        _print_summary(found, seconds)
-    return 0 if found.same else 1
+        _print_summary(result, seconds)
+    return 0 if result.same else 1
 
 
-def _print_summary(found: Rerun, seconds: float) -> None:
-    count = f"{found.evaluations:,} designs"
-    if found.difference is None:
+def _print_summary(result: Rerun, seconds: float) -> None:
+    count = f"{result.evaluations:,} designs"
+    if result.difference is None:
         _print(f"Bit-identical: {count} re-evaluated in {duration(seconds)}.")
     else:
-        _print(_first_difference(found.difference))
-        _print(f"{_deviation(found)} ({count} recorded, repeated in {duration(seconds)}).")
-    if found.changed:
-        rows = [(each.what, each.then or "not recorded", each.now) for each in found.changed]
+        _print(_first_difference(result.difference))
+        _print(f"{_deviation(result)} ({count} recorded, repeated in {duration(seconds)}).")
+    if result.changed:
+        rows = [(each.what, each.then or "not recorded", each.now) for each in result.changed]
         show(("changed", "then", "now"), rows, left=3)
-    elif not found.same:
+    elif not result.same:
         _print("Versions and system are unchanged: the processor or the study's files differ.")
 
 
@@ -91,15 +91,15 @@ def _first_difference(difference: Difference) -> str:
     )
 
 
-def _deviation(found: Rerun) -> str:
-    if not found.common:
+def _deviation(result: Rerun) -> str:
+    if not result.common:
         return "The studies have no common designs"
-    values = f"The values of the {found.common:,} common designs"
-    if found.deviation == 0.0:
+    values = f"The values of the {result.common:,} common designs"
+    if result.deviation == 0.0:
         return f"{values} are identical"
-    if math.isinf(found.deviation):
+    if math.isinf(result.deviation):
         return f"{values} differ: one failed in one study only"
-    return f"{values} differ by at most {found.deviation:.1e}"
+    return f"{values} differ by at most {result.deviation:.1e}"
 
 
 def _truncated(text: str) -> str:
@@ -110,17 +110,17 @@ def _print(sentence: str) -> None:
     out.print(sentence, markup=False, soft_wrap=True)
 
 
-def _as_json(found: Rerun, seconds: float) -> dict[str, Any]:
+def _as_json(result: Rerun, seconds: float) -> dict[str, Any]:
     """Return the result, the first difference, and the changed versions."""
     from dataclasses import asdict
 
     return {
-        "same": found.same,
-        "evaluations": found.evaluations,
-        "difference": None if found.difference is None else asdict(found.difference),
-        "common": found.common,
-        "deviation": found.deviation if math.isfinite(found.deviation) else None,
-        "changed": [asdict(each) for each in found.changed],
+        "same": result.same,
+        "evaluations": result.evaluations,
+        "difference": None if result.difference is None else asdict(result.difference),
+        "common": result.common,
+        "deviation": result.deviation if math.isfinite(result.deviation) else None,
+        "changed": [asdict(each) for each in result.changed],
         "seconds": seconds,
-        "folder": None if found.study.folder is None else str(found.study.folder),
+        "folder": None if result.study.folder is None else str(result.study.folder),
     }

@@ -27,15 +27,15 @@ def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
     InputError
         If a pair has no key or no value, or a key is repeated.
     """
-    found: dict[str, str] = {}
+    result: dict[str, str] = {}
     for pair in pairs:
         key, equals, value = (part.strip() for part in pair.partition("="))
         if not (key and equals and value):
             raise InputError(f'{option} is "{pair}": give key=value, such as "{example}".')
-        if key in found:
+        if key in result:
             raise InputError(f'{option} sets "{key}" twice.')
-        found[key] = value
-    return found
+        result[key] = value
+    return result
 
 
 def loads(texts: list[str]) -> str | dict[str, str] | None:
@@ -83,10 +83,10 @@ def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     InputError
         If a value is not a number, or a key is repeated.
     """
-    found: dict[str, int | float] = {}
+    result: dict[str, int | float] = {}
     for key, text in assignments(option, pairs, "starts=8").items():
         try:
-            found[key] = int(text) if text.lstrip("+-").isdigit() else float(text)
+            result[key] = int(text) if text.lstrip("+-").isdigit() else float(text)
         except ValueError:
             raise InputError(f'{option} has {key} = "{text}": expected a number.') from None
-    return found
+    return result
