@@ -2,7 +2,7 @@
 
 use flexor_engine::Data;
 use flexor_engine::lie::{SE2, SE3};
-use flexor_engine::model::{Description, Model, ModelError};
+use flexor_engine::model::{Description, Model, ModelError, Structure};
 
 /// A model of either group.
 pub enum AnyModel {
@@ -28,6 +28,18 @@ impl AnyModel {
         } else {
             Self::Spatial(Box::new(Model::new(description)?))
         })
+    }
+
+    pub fn has_structure_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Planar(one), Self::Planar(other)) => one.has_structure_of(other),
+            (Self::Spatial(one), Self::Spatial(other)) => one.has_structure_of(other),
+            _ => false,
+        }
+    }
+
+    pub fn structure(&self, description: &Description) -> Structure {
+        on_model!(self, model => Structure::new(model, description))
     }
 }
 
@@ -66,7 +78,7 @@ impl AnyModel {
                 lengths: data.actuator_lengths(model, q),
                 frames: data.homogeneous_frames(),
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
-                touches: data.touches(model).iter().map(|t| Touch {
+                touches: data.contact_forces(model).iter().map(|t| Touch {
                     first: t.first,
                     second: t.nearest,
                     cone: t.cone,

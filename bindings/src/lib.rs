@@ -2,6 +2,8 @@
 
 mod dispatch;
 mod model;
+mod options;
+mod structure;
 
 use flexor_engine::equilibrium::{EventKind, Status};
 use flexor_engine::sensitivity::Regularity;
@@ -18,6 +20,7 @@ fn sample_points(py: Python<'_>, elements: usize, gauss_points: usize) -> Bound<
 fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_points, module)?)?;
     module.add_class::<model::Model>()?;
+    module.add("SOLVER_OPTIONS", options::describe(module.py())?)?;
     module.add("STATUS", Status::ALL.map(Status::name).to_vec())?;
     module.add("EVENTS", EventKind::ALL.map(EventKind::name).to_vec())?;
     module.add("REGULARITY", Regularity::ALL.map(Regularity::name).to_vec())?;

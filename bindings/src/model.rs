@@ -1,8 +1,9 @@
 //! The class `Model`.
 
 use crate::dispatch::{AnyModel, State, Touch, on_model};
-use flexor_engine::equilibrium::{Options, Status};
-use flexor_engine::model::Description;
+use crate::{options, structure};
+use flexor_engine::equilibrium::Status;
+use flexor_engine::model::{Description, Structure};
 use flexor_engine::{Batch, BatchEvent};
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
@@ -10,6 +11,7 @@ use numpy::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::HashMap;
 
 /// Anything NumPy makes an array of numbers from.
 type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
@@ -20,9 +22,10 @@ type Indices<'py> = PyArrayLike1<'py, i64, AllowTypeChange>;
 #[pyclass(frozen, module = "flexor._engine")]
 pub struct Model {
     inner: AnyModel,
+    structure: Structure,
 }
 
-fn refuse<T>(sentence: impl std::fmt::Display) -> PyResult<T> {
+pub(crate) fn refuse<T>(sentence: impl std::fmt::Display) -> PyResult<T> {
     Err(PyValueError::new_err(sentence.to_string()))
 }
 
@@ -35,7 +38,7 @@ impl Model {
             Err(error) => return refuse(error),
         };
         match AnyModel::new(&description) {
-            Ok(inner) => Ok(Self { inner }),
+            Ok(inner) => Ok(Self { structure: inner.structure(&description), inner }),
             Err(error) => refuse(error),
         }
     }
@@ -74,6 +77,31 @@ impl Model {
             }
         });
         Ok(slots)
+    }
+
+    #[getter]
+    fn slot_units(&self) -> HashMap<&str, Option<&str>> {
+        self.structure.slot_units.iter().map(|(name, unit)| (name.as_str(), *unit)).collect()
+    }
+
+    #[getter]
+    fn joints<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.structure.joints.iter().map(|joint| structure::joint(py, joint)).collect()
+    }
+
+    #[getter]
+    fn body_frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        structure::ranges(py, &self.structure.body_frames)
+    }
+
+    #[getter]
+    fn sphere_groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        structure::ranges(py, &self.structure.sphere_groups)
+    }
+
+    /// Whether the models are the same but for the values of their parameters.
+    fn has_structure_of(&self, other: &Self) -> bool {
+        self.inner.has_structure_of(&other.inner)
     }
 
     fn frame_names(&self) -> Vec<String> {
@@ -157,7 +185,7 @@ impl Model {
     }
 
     /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, tolerance=1e-9, max_iterations=20_000, min_step=1e-3, base=None, gradient=None))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, gradient=None, **solver_options))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -166,11 +194,9 @@ impl Model {
         values: Table<'_>,
         loads: Table<'_>,
         threads: usize,
-        tolerance: f64,
-        max_iterations: usize,
-        min_step: f64,
         base: Option<Numbers<'_>>,
         gradient: Option<Indices<'_>>,
+        solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let default = on_model!(&self.inner, m => m.parameters().to_vec());
         let base = base.map_or(default, |b| b.as_array().to_vec());
@@ -211,7 +237,7 @@ impl Model {
             steps,
             gradient: &gradient,
         };
-        let options = Options { tolerance, max_iterations, min_step };
+        let options = options::read(solver_options)?;
         let result = py.detach(|| on_model!(&self.inner, m => m.solve_batch(batch, options, threads)));
 
         let out = PyDict::new(py);

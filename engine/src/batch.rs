@@ -1,6 +1,8 @@
 //! Many designs at once: one path per design, in parallel, results independent of the thread count.
 
-use crate::equilibrium::{Event, EventKind, Options, PathSink, Solver, Status, StepReport};
+use crate::equilibrium::{
+    Continuation, ContinuationOptions, Event, EventKind, PathSink, Status, StepReport, System,
+};
 use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::sensitivity::{Adjoint, Regularity};
@@ -96,7 +98,7 @@ struct RowSink<'a, 'b, G, const D: usize, const P: usize> {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for RowSink<'_, '_, G, D, P> {
-    fn step(&mut self, index: usize, report: StepReport, solver: &Solver<G, D, P>) {
+    fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
         let row = &mut *self.row;
         row.status[index] = report.status as u8;
         row.iterations[index] = report.iterations as u32;
@@ -105,16 +107,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
         row.residual[index] = report.residual;
-        row.energy[index] = solver.data().energy();
-        let contact = solver.data().contact_summary(self.model);
+        row.energy[index] = system.data().energy();
+        let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
         let last = index + 1 == row.status.len();
         if let Some(adjoint) = self.adjoint.as_deref_mut().filter(|_| last) {
-            adjoint.outputs(self.model, solver, row.gradient);
+            adjoint.outputs(self.model, system, row.gradient);
             let snapped = !row.events.is_empty();
-            *row.regularity = Regularity::of(self.model, solver, report.status, snapped) as u8;
+            *row.regularity = Regularity::of(self.model, system, report.status, snapped) as u8;
         }
     }
 
@@ -132,7 +134,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     ///
     /// # Panics
     /// If the lengths of the batch's arrays do not fit together.
-    pub fn solve_batch(&self, batch: Batch, options: Options, threads: usize) -> BatchResult {
+    pub fn solve_batch(&self, batch: Batch, options: ContinuationOptions, threads: usize) -> BatchResult {
         let (dof, steps, inputs) = (self.dof, batch.steps, self.inputs.len());
         assert_eq!(batch.base.len(), self.parameters.len(), "base parameters");
         assert_eq!(batch.values.len(), batch.designs * batch.varied.len(), "values");
@@ -157,7 +159,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         };
         let mut rows = split_rows(&mut result, dof, steps, width);
         let solve = |rows: &mut [Row]| {
-            let mut solver = Solver::new(self, options);
+            let mut path = Continuation::new(self, options);
             let mut parameters = batch.base.to_vec();
             let rest = vec![0.0; dof];
             let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
@@ -166,13 +168,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;
                 }
-                if solver.set_parameters(self, &parameters) {
-                    solver.follow(
-                        self,
-                        &loads,
-                        &rest,
-                        &mut RowSink { row, model: self, adjoint: adjoint.as_mut() },
-                    );
+                if path.set_parameters(&parameters) {
+                    let adjoint = adjoint.as_mut();
+                    path.follow(&loads, &rest, &mut RowSink { row, model: self, adjoint });
                 }
             }
         };

@@ -2,43 +2,12 @@
 
 use crate::assembly::Assembly;
 use crate::design::Design;
+use crate::forces::contact::ContactSummary;
+use crate::forces::element::{ContactForce, State, Switch};
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
-use crate::model::{Contact, Model};
-use crate::potential;
-use crate::potential::touch::Touch;
-
-/// The contacts of a state, in brief.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactSummary {
-    /// Touching pairs of a sphere with a sphere or round cone.
-    pub pairs: u32,
-    /// Spheres of the contacts' first groups that touch.
-    pub touching: u32,
-    /// Magnitude of the resultant contact force on the tip spheres [N].
-    pub tip_force: f64,
-}
-
-/// One contact force.
-#[derive(Clone, Debug)]
-pub struct ContactForce<const P: usize> {
-    /// The sphere of the first group.
-    pub first: usize,
-    /// The sphere that it touches, twice; or those at the ends of the round cone that it touches
-    /// between them.
-    pub second: [usize; 2],
-    /// The one of these that is nearer.
-    pub nearest: usize,
-    /// Whether it touches a round cone.
-    pub cone: bool,
-    /// Force on the first [N].
-    pub force: Vector<P>,
-    /// Overlap d [m].
-    pub depth: f64,
-    /// Middle of the overlap [m].
-    pub point: Vector<P>,
-}
+use crate::model::Model;
 
 /// A reusable workspace; after it is made, evaluating and solving allocate nothing.
 #[derive(Clone, Debug)]
@@ -53,7 +22,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
         Self {
             design: Design::new(model),
-            kinematics: Kinematics::new(model),
+            kinematics: Kinematics::new(&model.tree),
             assembly: Assembly::new(model),
         }
     }
@@ -63,8 +32,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// # Panics
     /// If the length is not that of the model's parameters.
     pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) {
-        self.design.parameters.copy_from_slice(parameters);
-        self.design.update(model);
+        self.design.set_parameters(model, parameters);
     }
 
     /// Computes energy, residual and tangent at the state `q` under `load`.
@@ -75,8 +43,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        self.kinematics.update(model, &self.design, q);
-        self.assembly.update_residual(model, &self.design, &self.kinematics, q, load);
+        let Self { design, kinematics, assembly } = self;
+        let (tree, geometry) = (&model.tree, &design.geometry);
+        kinematics.update(tree, geometry, q);
+        assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load });
     }
 
     /// Computes the tangent that goes with the last residual, given its state and load once more.
@@ -87,7 +57,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The same, but of a tangent with the form of a chain only what its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        self.assembly.update_tangent(model, &self.design, &self.kinematics, q, load);
+        let Self { design, kinematics, assembly } = self;
+        let (tree, geometry) = (&model.tree, &design.geometry);
+        assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load });
     }
 
     /// Completes it.
@@ -102,7 +74,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
     pub fn residual(&self) -> &[f64] {
-        &self.assembly.coordinates.gradient
+        &self.assembly.terms.coordinates.gradient
     }
 
     /// The derivative of the residual, row-major, at the last state whose tangent was evaluated.
@@ -122,74 +94,58 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Centre and radius of each sphere at the last state evaluated.
     pub fn spheres<'a>(&'a self, model: &'a Model<G, D, P>) -> impl Iterator<Item = (Vector<P>, f64)> + 'a {
-        model.spheres.iter().zip(&self.design.radii).map(|(s, r)| (self.kinematics.points[s.point], *r))
+        model
+            .spheres
+            .iter()
+            .zip(&self.design.geometry.radii)
+            .map(|(s, r)| (self.kinematics.points[s.point], *r))
+    }
+
+    /// The last state evaluated, given its coordinates and load once more.
+    pub(crate) fn state<'a>(
+        &'a self,
+        model: &'a Model<G, D, P>,
+        q: &'a [f64],
+        load: &'a [f64],
+    ) -> State<'a, G, D, P> {
+        let (tree, geometry) = (&model.tree, &self.design.geometry);
+        State { tree, geometry, kinematics: &self.kinematics, q, load }
     }
 
     /// Contact forces at the last state evaluated.
-    ///
-    /// Where two joined round cones are both touched at the sphere that they share, that counts once.
-    pub fn touches(&self, model: &Model<G, D, P>) -> Vec<ContactForce<P>> {
-        let mut forces: Vec<ContactForce<P>> = vec![];
-        for (contact, k, t) in self.touching(model) {
-            let force = t.normal * (k * t.overlap);
-            let same =
-                |f: &ContactForce<P>| f.first == t.first && (f.force + force).norm() <= 1e-9 * force.norm();
-            let shared = forces.iter().rposition(same).filter(|_| t.weight < 0.0);
-            if let Some(i) = shared {
-                forces.remove(i);
-                continue;
-            }
-            let inward = self.design.radii[t.first] - 0.5 * t.overlap;
-            forces.push(ContactForce {
-                first: t.first,
-                second: t.second,
-                cone: !contact.cones.is_empty(),
-                nearest: t.second[usize::from(t.t >= 0.5)],
-                force,
-                depth: t.overlap,
-                point: self.kinematics.points[model.spheres[t.first].point] - t.normal * inward,
-            });
-        }
-        forces
-    }
-
-    /// What touches at the last state evaluated, with its contact and its stiffness k w.
-    pub(crate) fn touching<'a>(
-        &'a self,
-        model: &'a Model<G, D, P>,
-    ) -> impl Iterator<Item = (&'a Contact, f64, &'a Touch<P>)> {
-        self.assembly.frames.touches.iter().map(|(contact, touch)| {
-            let contact = &model.contacts[*contact];
-            (contact, self.design.parameters[contact.stiffness] * touch.weight, touch)
-        })
+    pub fn contact_forces(&self, model: &Model<G, D, P>) -> Vec<ContactForce<P>> {
+        model.forces.contact_forces(&self.state(model, &[], &[]), &self.assembly.forces)
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
     pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
-        let mut summary = ContactSummary::default();
-        let mut tip = Vector::<P>::ZERO;
-        let mut last = None;
-        for (contact, k, t) in self.touching(model) {
-            let this = Some((std::ptr::from_ref(contact), t.first));
-            summary.pairs += u32::from(t.weight > 0.0);
-            summary.touching += u32::from(this != last);
-            last = this;
-            if contact.tip[t.first - contact.first.start] {
-                tip += t.normal * (k * t.overlap);
-            }
-        }
-        summary.tip_force = tip.norm();
-        summary
+        model.forces.contacts.summary(&self.design.geometry.parameters, &self.assembly.forces.contacts)
     }
 
     /// Length of each actuator's path [m] at the state `q`.
     pub fn actuator_lengths(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
-        potential::actuator::lengths(model, &self.design, q)
+        model.forces.actuators.lengths(q, &self.design.forces.actuators)
+    }
+
+    /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of
+    /// it, given the state's coordinates and load once more.
+    pub(crate) fn for_each_switch(
+        &self,
+        model: &Model<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        margin: f64,
+        mut visit: impl FnMut(Switch<P>),
+    ) {
+        let at = self.state(model, q, load);
+        model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
     }
 
     /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
-        self.assembly.complete_columns(model, &self.design, &self.kinematics);
+        let Self { design, kinematics, assembly } = self;
+        let (tree, geometry) = (&model.tree, &design.geometry);
+        assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[] });
     }
 
     /// World twists of the frames and velocities of the points as the coordinates change at `rates`, in
@@ -215,11 +171,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         change: &[f64],
         out: &mut [f64],
     ) {
-        potential::actuator::add_load_gradient(model, &self.design, q, change, out);
-        for wrench in &model.wrenches {
-            let Some(input) = wrench.input else { continue };
-            let w = potential::wrench::world_wrench(wrench, &self.design, &self.kinematics);
-            self.assembly.add_generalised_force(model, wrench.frame, &(w * -change[input]), out);
-        }
+        let at = self.state(model, q, &[]);
+        let project = |frame: usize, wrench: &Vector<D>, out: &mut [f64]| {
+            self.assembly.add_generalised_force(model, frame, wrench, out);
+        };
+        model.forces.add_load_derivative(&at, &self.design.forces, change, out, &project);
     }
 }

@@ -1,10 +1,9 @@
 //! Poses of all frames by the recursion of the paper's (4): one motion per frame.
 
-use crate::design::Design;
+use crate::geometry::Geometry;
 use crate::lie::{LieGroup, Stumpff};
 use crate::linalg::{LANES, Matrix, Vector};
-use crate::model::{Model, Motion};
-use crate::potential::enclosure::{self, Ball};
+use crate::tree::{Motion, Tree};
 
 /// √3/12: the commutator's factor in the 4th-order Magnus expansion at the Zanna points.
 const ZANNA_COMMUTATOR: f64 = 0.144_337_567_297_406_44;
@@ -19,41 +18,38 @@ pub(crate) struct Kinematics<G, const D: usize, const P: usize> {
     /// Normalised strains at the collocation points of each Magnus step.
     pub strain: Vec<[Vector<D>; 2]>,
     pub points: Vec<Vector<P>>,
-    /// Around spheres of contacts with many.
-    pub balls: Vec<Ball<P>>,
     /// The coordinates in blocks.
     coordinates: Vec<Vector<LANES>>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
-    pub fn new(model: &Model<G, D, P>) -> Self {
-        let frames = model.frames.len();
+    pub fn new(tree: &Tree<G, D, P>) -> Self {
+        let frames = tree.frames.len();
         Self {
             pose: vec![G::IDENTITY; frames],
             omega: vec![Vector::ZERO; frames],
             stumpff: vec![Stumpff::new(0.0); frames],
-            strain: vec![[Vector::ZERO; 2]; model.steps.len()],
-            points: vec![Vector::ZERO; model.points.len()],
-            balls: vec![Ball::POINT; model.contacts.last().map_or(0, |c| c.balls.end)],
-            coordinates: model.coordinate_blocks.zeros(),
+            strain: vec![[Vector::ZERO; 2]; tree.steps.len()],
+            points: vec![Vector::ZERO; tree.points.len()],
+            coordinates: tree.coordinate_blocks.zeros(),
         }
     }
 
     /// Moves everything to the state `q`.
-    pub fn update(&mut self, model: &Model<G, D, P>, design: &Design<G, D, P>, q: &[f64]) {
-        model.coordinate_blocks.gather(q, &mut self.coordinates);
+    pub fn update(&mut self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, q: &[f64]) {
+        tree.coordinate_blocks.gather(q, &mut self.coordinates);
         // Every motion by itself, then their products: only the last loop has anything to wait for.
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+        for (f, frame) in tree.frames.iter().enumerate().skip(1) {
             let omega = match &frame.motion {
                 Motion::Rigid(_) => continue,
                 Motion::Joint(columns) => {
-                    let columns = &model.joint_columns[columns.clone()];
+                    let columns = &tree.joint_columns[columns.clone()];
                     columns.iter().fold(Vector::ZERO, |sum, c| sum + c.twist * q[c.dof])
                 }
                 Motion::Strain(step) => {
-                    let start = design.rods[model.steps[*step].rod].reference;
-                    self.strain[*step] = strains(model, design, f, &self.coordinates, start);
-                    self.magnus(model, *step)
+                    let start = geometry.rods[tree.steps[*step].rod].reference;
+                    self.strain[*step] = strains(tree, geometry, f, &self.coordinates, start);
+                    self.magnus(tree, *step)
                 }
             };
             self.omega[f] = omega;
@@ -63,26 +59,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
             x.iter_mut().zip(omegas).for_each(|(x, omega)| *x = G::angle_squared(omega));
             Stumpff::fill(block, x);
         }
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+        for (f, frame) in tree.frames.iter().enumerate().skip(1) {
             let parent = &self.pose[frame.parent];
             self.pose[f] = match &frame.motion {
-                Motion::Rigid(i) => parent.compose(&design.rigid[*i]),
+                Motion::Rigid(i) => parent.compose(&geometry.rigid[*i]),
                 _ => parent.compose(&G::exp(&self.omega[f], &self.stumpff[f])),
             };
         }
-        for ((world, local), point) in self.points.iter_mut().zip(&design.points).zip(&model.points) {
+        for ((world, local), point) in self.points.iter_mut().zip(&geometry.points).zip(&tree.points) {
             *world = self.pose[point.frame].act(local);
         }
-        enclosure::update(model, design, &self.points, &mut self.balls);
     }
 
     /// Ω of a Magnus step of order 2 or 4.
     #[inline]
-    fn magnus(&self, model: &Model<G, D, P>, step: usize) -> Vector<D> {
-        let magnus = &model.steps[step];
+    fn magnus(&self, tree: &Tree<G, D, P>, step: usize) -> Vector<D> {
+        let magnus = &tree.steps[step];
         let [a, b] = self.strain[step];
         let h = magnus.h;
-        if model.rods[magnus.rod].magnus_order == 4 {
+        if tree.rods[magnus.rod].magnus_order == 4 {
             (a + b) * (0.5 * h) + (G::ad(&a) * b) * (ZANNA_COMMUTATOR * h * h)
         } else {
             a * h
@@ -91,22 +86,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
 
     /// `(A₁, A₂, κ)` of a frame's motion: of its Magnus step, or (1, 0, 0) where Ω is linear.
     #[inline(always)]
-    pub fn motion_derivative(&self, model: &Model<G, D, P>, f: usize) -> (Matrix<D, D>, Matrix<D, D>, f64) {
-        match model.frames[f].motion {
-            Motion::Strain(step) => self.magnus_derivative(model, step),
+    pub fn motion_derivative(&self, tree: &Tree<G, D, P>, f: usize) -> (Matrix<D, D>, Matrix<D, D>, f64) {
+        match tree.frames[f].motion {
+            Motion::Strain(step) => self.magnus_derivative(tree, step),
             Motion::Joint(_) | Motion::Rigid(_) => (Matrix::diagonal(1.0), Matrix::ZERO, 0.0),
         }
     }
 
     /// `(A₁, A₂, κ)` with dΩ = A₁ dξ₁ + A₂ dξ₂ and κ [dξ₁, dξ₂] the second-order part of Ω.
     #[inline(always)]
-    pub fn magnus_derivative(
-        &self,
-        model: &Model<G, D, P>,
-        step: usize,
-    ) -> (Matrix<D, D>, Matrix<D, D>, f64) {
-        let magnus = &model.steps[step];
-        if model.rods[magnus.rod].magnus_order == 4 {
+    pub fn magnus_derivative(&self, tree: &Tree<G, D, P>, step: usize) -> (Matrix<D, D>, Matrix<D, D>, f64) {
+        let magnus = &tree.steps[step];
+        if tree.rods[magnus.rod].magnus_order == 4 {
             let [a, b] = &self.strain[step];
             let commutator = ZANNA_COMMUTATOR * magnus.h * magnus.h;
             let half = Matrix::diagonal(0.5 * magnus.h);
@@ -117,15 +108,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
     }
 
     /// Accumulated rotation of a planar frame, counting full turns.
-    pub fn planar_angle(&self, model: &Model<G, D, P>, frame: usize) -> f64 {
+    pub fn planar_angle(&self, tree: &Tree<G, D, P>, frame: usize) -> f64 {
         let mut angle = 0.0;
         let mut f = frame;
         while f != 0 {
-            angle += match model.frames[f].motion {
+            angle += match tree.frames[f].motion {
                 Motion::Rigid(_) => 0.0,
                 _ => self.omega[f][0],
             };
-            f = model.frames[f].parent;
+            f = tree.frames[f].parent;
         }
         angle
     }
@@ -135,15 +126,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
 /// coordinates x in blocks.
 #[inline(always)]
 pub(crate) fn strains<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    design: &Design<G, D, P>,
+    tree: &Tree<G, D, P>,
+    geometry: &Geometry<G, D, P>,
     f: usize,
     coordinates: &[Vector<LANES>],
     start: Vector<D>,
 ) -> [Vector<D>; 2] {
-    let frame = &model.frames[f];
+    let frame = &tree.frames[f];
     let [mut a, mut b] = [start; 2];
-    let maps = &design.strain_maps[frame.blocks.clone()];
+    let maps = &geometry.strain_maps[frame.blocks.clone()];
     for (x, [phi1, phi2]) in coordinates[frame.coordinates.clone()].iter().zip(maps) {
         a += *phi1 * *x;
         b += *phi2 * *x;

@@ -10,17 +10,21 @@ mod batch;
 mod data;
 mod design;
 pub mod equilibrium;
+mod forces;
+mod geometry;
 mod kinematics;
 pub mod lie;
 pub mod linalg;
 pub mod model;
-mod potential;
 mod section;
 pub mod sensitivity;
 pub mod strain;
+mod tree;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
-pub use data::{ContactForce, ContactSummary, Data};
+pub use data::Data;
+pub use forces::contact::ContactSummary;
+pub use forces::element::ContactForce;
 
 // The systems of the integration tests, for tests of what is not public.
 #[cfg(test)]

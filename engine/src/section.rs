@@ -1,7 +1,7 @@
 //! Section stiffness: each of GJ, EI_y, EI_z, EA, GA, GA is `modulus · factor · S^power`.
 
-use crate::model::Section;
 use crate::strain::Mode;
+use crate::tree::description::Section;
 use std::f64::consts::PI;
 
 /// The factors of S⁴ (angular modes) and S² (linear modes), in the order of ξ.

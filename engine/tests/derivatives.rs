@@ -35,7 +35,7 @@ fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let mut moved = q.to_vec();
         moved[j] += step * h;
         data.evaluate(model, &moved, load);
-        let touching = data.touches(model);
+        let touching = data.contact_forces(model);
         if pairs.replace(touching.clone()).is_some_and(|p| !alike(&p, &touching)) {
             return None;
         }

@@ -3,7 +3,7 @@
 mod systems;
 
 use flexor_engine::Batch;
-use flexor_engine::equilibrium::{Options, Status};
+use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
@@ -45,7 +45,7 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         steps: loads.len(),
         gradient: &[],
     };
-    let result = model.solve_batch(batch, Options::default(), 1);
+    let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8), "{:?}", result.status);
     let n = model.dof();
     (result.q[(loads.len() - 1) * n..].to_vec(), result.events.len())

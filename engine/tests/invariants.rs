@@ -7,7 +7,9 @@ mod systems;
 mod trees;
 
 use flexor_engine::Data;
-use flexor_engine::equilibrium::{Event, Options, PathSink, Solver, Status, StepReport};
+use flexor_engine::equilibrium::{
+    Continuation, ContinuationOptions, Event, PathSink, Status, StepReport, System,
+};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use proptest::prelude::*;
@@ -164,7 +166,7 @@ fn check_parts<G: LieGroup<D, P>, const D: usize, const P: usize>(
     Ok(())
 }
 
-/// Where one step of a path ended, and the residual that the solver holds then.
+/// Where one step of a path ended, and the residual then.
 #[derive(Default)]
 struct End {
     status: Option<Status>,
@@ -173,10 +175,10 @@ struct End {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for End {
-    fn step(&mut self, _: usize, report: StepReport, solver: &Solver<G, D, P>) {
+    fn step(&mut self, _: usize, report: StepReport, system: &System<G, D, P>) {
         self.status = Some(report.status);
         self.q = report.q.to_vec();
-        self.residual = solver.data().residual().to_vec();
+        self.residual = system.data().residual().to_vec();
     }
     fn event(&mut self, _: Event) {}
 }
@@ -198,11 +200,12 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let (first, _) = at(&start);
     let mut energy = first;
     for max_iterations in 1..=40 {
-        let mut solver = Solver::new(&model, Options { max_iterations, ..Options::default() });
+        let options = ContinuationOptions { max_iterations, ..ContinuationOptions::default() };
+        let mut path = Continuation::new(&model, options);
         let mut end = End::default();
-        solver.follow(&model, &[load], &start, &mut end);
+        path.follow(&[load], &start, &mut end);
         let (now, residual) = at(&end.q);
-        prop_assert_eq!(residual, end.residual, "the solver holds the residual of another state");
+        prop_assert_eq!(residual, end.residual, "the system has the residual of another state");
         // Close to the minimum the energy is lost in rounding.
         let noise = 1e-11 * (1.0 + first.abs() + energy.abs());
         prop_assert!(now <= energy + noise, "iteration {max_iterations}: {energy} to {now}");

@@ -52,7 +52,7 @@ fn at(description: &Description, x: f64, z: f64) -> (f64, Vec<f64>, usize) {
     (q[1], q[2]) = (x, z);
     let mut data = Data::new(&model);
     data.evaluate(&model, &q, &[]);
-    (data.energy(), data.residual().to_vec(), data.touches(&model).len())
+    (data.energy(), data.residual().to_vec(), data.contact_forces(&model).len())
 }
 
 fn one_link(radii: [f64; 2]) -> Description {
@@ -188,7 +188,7 @@ proptest! {
         let q: Vec<f64> = (0..model.dof()).map(|i| state[i % state.len()]).collect();
         let mut data = Data::new(&model);
         data.evaluate(&model, &q, &[]);
-        let touches = data.touches(&model);
+        let touches = data.contact_forces(&model);
         prop_assume!(touches.iter().any(|t| t.second[0] != t.second[1]));
         let spheres: Vec<_> = data.spheres(&model).collect();
         for t in &touches {

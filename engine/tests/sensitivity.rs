@@ -9,6 +9,7 @@ use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use proptest::prelude::*;
+use systems::{body, empty, joint};
 use trees::{planar_trees, solids, spatial_trees};
 
 /// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
@@ -48,7 +49,8 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     moved[i] += sign * step * h;
                     data.set_parameters(&model, &moved);
                     data.evaluate(&model, &q, load);
-                    let pairs: Vec<_> = data.touches(&model).iter().map(|t| (t.first, t.second)).collect();
+                    let pairs: Vec<_> =
+                        data.contact_forces(&model).iter().map(|t| (t.first, t.second)).collect();
                     smooth &= touching.replace(pairs.clone()).is_none_or(|t| t == pairs);
                     let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
                     difference += sign * weight * work / (60.0 * h);
@@ -87,4 +89,47 @@ proptest! {
     ) {
         check::<SE2, 3, 2>(&tree, &state, &load)?;
     }
+}
+
+/// A spring of zero rest length pulls with −k r also where its ends coincide.
+#[test]
+fn spring_of_zero_rest_length_with_coincident_ends() {
+    fn check<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+        let mut d = empty(D == 3);
+        let link = LinkDescription { length: 0.1, radius_base: 0.01, radius_tip: 0.01, density: 0.0 };
+        d.bodies.push(body("ball", None, [0.0; 3], joint(JointKind::Free), ShapeDescription::Link(link)));
+        let station = Station::Fraction(1.0);
+        d.springs.push(SpringDescription {
+            name: "pull".into(),
+            first: AttachmentDescription::Body { body: "ball".into(), station, offset: [0.0; 3] },
+            second: AttachmentDescription::World { world: [0.1, 0.0, 0.0] },
+            stiffness: 50.0,
+            rest_length: 0.0,
+            slack: false,
+        });
+        let model = Model::<G, D, P>::new(&d).unwrap();
+        let (length, translation) = (
+            model.layout().get("ball.length").unwrap().start,
+            model.layout().get("ball.translation").unwrap().start,
+        );
+        let q = vec![0.0; model.dof()];
+        let x = model.coordinates().iter().position(|name| name == "ball.x").unwrap();
+        let mut lambda = q.clone();
+        lambda[x] = 1.0;
+        let mut data = Data::new(&model);
+        let mut adjoint = Adjoint::new(&model, &[length, translation]);
+        data.evaluate(&model, &q, &[]);
+        let exact = adjoint.virtual_work_gradient(&model, &data, &q, &[], &lambda).to_vec();
+        for i in [length, translation] {
+            let mut moved = model.parameters().to_vec();
+            moved[i] += 1e-4;
+            data.set_parameters(&model, &moved);
+            data.evaluate(&model, &q, &[]);
+            let difference = data.residual()[x] / 1e-4;
+            assert!((difference - 50.0).abs() < 1e-9, "{difference}");
+            assert!((exact[i] - difference).abs() < 1e-9, "{} {difference}", exact[i]);
+        }
+    }
+    check::<SE2, 3, 2>();
+    check::<SE3, 6, 3>();
 }

@@ -53,7 +53,7 @@ fn compare<G: LieGroup<D, P>, const D: usize, const P: usize>(
             assert!((found - expected).abs() <= 1e-9, "{file} case {case} pose {m}: {found} {expected}");
         }
         if let Some(pairs) = reference.get("touching_pairs") {
-            assert_eq!(data.touches(&model).len() as u64, pairs[case][0].as_u64().unwrap());
+            assert_eq!(data.contact_forces(&model).len() as u64, pairs[case][0].as_u64().unwrap());
         }
     }
 }

@@ -3,7 +3,7 @@
 mod systems;
 
 use flexor_engine::Batch;
-use flexor_engine::equilibrium::{Options, Status};
+use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::Model;
 
@@ -27,7 +27,7 @@ fn joint_angles_of_the_default_design() {
         steps: loads.len(),
         gradient: &[],
     };
-    let result = model.solve_batch(batch, Options::default(), 1);
+    let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.events.is_empty());
     for (step, row) in table.iter().enumerate() {
         assert_eq!(result.status[step], Status::Converged as u8);

@@ -13,6 +13,24 @@ STATUS: list[str]
 EVENTS: list[str]
 REGULARITY: list[str]
 
+class SolverOption(TypedDict):
+    default: float
+    minimum: float
+    exclusive: bool  # whether the minimum itself is left out
+    maximum: float
+    integer: bool
+    doc: str
+
+SOLVER_OPTIONS: dict[str, SolverOption]
+
+class JointCoordinate(TypedDict):
+    name: str
+    body: str  # that the joint carries
+    kind: str  # as in model files
+    coordinate: int  # index among the coordinates
+    axis: list[float]  # of its rotation or translation, in the joint's frame
+    unit: str  # "rad" or "m"
+
 class Events(TypedDict):
     design: NDArray[np.uint32]
     load: NDArray[np.float64]
@@ -59,6 +77,14 @@ class Model:
     def parameters(self) -> NDArray[np.float64]: ...
     @property
     def slots(self) -> dict[str, tuple[int, int]]: ...
+    @property
+    def slot_units(self) -> dict[str, str | None]: ...
+    @property
+    def joints(self) -> list[JointCoordinate]: ...
+    @property
+    def body_frames(self) -> dict[str, tuple[int, int]]: ...
+    @property
+    def sphere_groups(self) -> dict[str, tuple[int, int]]: ...
     def path(
         self,
         slot_indices: ArrayLike,
@@ -66,11 +92,9 @@ class Model:
         loads: ArrayLike,
         threads: int = 0,
         *,
-        tolerance: float = 1e-9,
-        max_iterations: float = 20_000,
-        min_step: float = 1e-3,
         base: ArrayLike | None = None,
         gradient: ArrayLike | None = None,
+        **solver_options: float,
     ) -> Paths: ...
     def energy(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> float: ...
     def residual(
@@ -79,6 +103,7 @@ class Model:
     def tangent(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> NDArray[np.float64]: ...
     def actuator_lengths(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def frames(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def has_structure_of(self, other: Model) -> bool: ...
     def frame_names(self) -> list[str]: ...
     def spheres(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def contacts(self, parameters: ArrayLike, q: ArrayLike) -> Contacts: ...

@@ -1,10 +1,11 @@
 //! A tangent with the form of a chain, which a recursion from node to node can factorise.
 
 use super::Assembly;
+use crate::forces::terms::Coupling;
 use crate::lie::LieGroup;
 use crate::linalg::{ChainMatrix, Matrix, Vector};
-use crate::model::{Chain, Model};
-use crate::potential::Coupling;
+use crate::model::Model;
+use crate::tree::Chain;
 
 /// Of each coordinate of the chain, sums over the runs that move with it.
 #[derive(Clone, Debug)]

@@ -7,25 +7,26 @@
 //!
 //! Columns are kept in blocks of four, one vector register wide, with unused ones zero.
 
+mod accumulate;
 mod chain;
-mod march;
 mod motions;
 mod transmission;
 
 use crate::design::Design;
-use crate::kinematics::Kinematics;
+use crate::forces::element::State;
+use crate::forces::terms::{CoordinateTerms, FrameTerms, Terms};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};
-use crate::model::Model;
-use crate::potential::{self, CoordinateTerms, FrameTerms};
+use crate::model::{Model, States};
+use accumulate::Run;
 use chain::ChainSums;
-use march::Run;
 
 /// Workspace of the assembly.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembly<const D: usize, const P: usize> {
-    pub coordinates: CoordinateTerms,
-    pub frames: FrameTerms<D, P>,
+    /// What the forces keep of the state.
+    pub forces: States<P>,
+    pub terms: Terms<D>,
     pub energy: f64,
     /// The tangent, row-major.
     pub tangent: Vec<f64>,
@@ -56,11 +57,13 @@ pub(crate) struct Assembly<const D: usize, const P: usize> {
 impl<const D: usize, const P: usize> Assembly<D, P> {
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
         let (n, frames) = (model.dof, model.frames.len());
-        let pairs: usize = model.contacts.iter().map(potential::touch::most_couplings).sum();
         let blocks = model.frames.last().map_or(0, |f| f.blocks.end);
         Self {
-            coordinates: CoordinateTerms::new(n),
-            frames: FrameTerms::new(frames, pairs + model.springs.len()),
+            forces: model.forces.states(&model.tree),
+            terms: Terms {
+                coordinates: CoordinateTerms::new(n),
+                frames: FrameTerms::new(frames, model.forces.most_couplings::<G, D>()),
+            },
             energy: 0.0,
             tangent: vec![0.0; n * n],
             pulled: model.coordinate_blocks.zeros(),
@@ -78,28 +81,18 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Energy and gradient (of `coordinates`: the residual of (9)) at the state held by `kinematics`.
+    /// Energy and residual (9) at a state.
     pub fn update_residual<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
-        q: &[f64],
-        load: &[f64],
+        at: &State<G, D, P>,
     ) {
-        let coordinates = &mut self.coordinates;
-        coordinates.clear();
-        potential::elastic::add(model, design, q, coordinates);
-        potential::joint::add(model, design, q, coordinates);
-        potential::actuator::add(model, design, q, load, coordinates);
-        let frames = &mut self.frames;
-        frames.clear();
-        potential::gravity::add(model, design, &kinematics.points, frames);
-        potential::spring::add(model, design, &kinematics.points, frames);
-        potential::touch::add(model, design, kinematics, frames);
-        potential::wrench::add(model, design, kinematics, load, frames);
-        self.energy = coordinates.energy + frames.energy;
-        self.pull_back(model, design, kinematics);
+        self.terms.coordinates.clear();
+        self.terms.frames.clear();
+        model.forces.add_residual(at, &design.forces, &mut self.forces, &mut self.terms);
+        self.energy = self.terms.coordinates.energy + self.terms.frames.energy;
+        self.pull_back(at);
     }
 
     /// The tangent at the state that [`Assembly::update_residual`] saw last; of one with the form of a
@@ -108,30 +101,20 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         &mut self,
         model: &Model<G, D, P>,
         design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
-        q: &[f64],
-        load: &[f64],
+        at: &State<G, D, P>,
     ) {
-        let frames = &mut self.frames;
-        frames.clear_tangent();
-        potential::gravity::add_tangent(model, design, &kinematics.points, frames);
-        potential::spring::add_tangent(model, design, &kinematics.points, frames);
-        potential::touch::add_tangent(model, design, &kinematics.points, frames);
-        potential::wrench::add_tangent(model, &kinematics.points, load, frames);
-        self.chain.start(model, &frames.couplings);
-        let coordinates = &mut self.coordinates;
-        coordinates.clear_tangent(self.chain.of(model));
-        potential::elastic::add_tangent(model, design, coordinates);
-        potential::joint::add_tangent(model, design, q, coordinates);
-        potential::actuator::add_tangent(design, coordinates);
+        self.terms.frames.clear_tangent();
+        self.terms.coordinates.clear_tangent(model.chain.as_ref());
+        model.forces.add_tangent(at, &design.forces, &self.forces, &mut self.terms);
+        self.chain.start(model, &self.terms.frames.couplings);
 
         self.carry_stiffness(model);
-        self.expand_motions(model, design, kinematics);
+        self.expand_motions(at);
         self.keep_jacobians(model);
         let coupled = self.carry_couplings(model);
-        self.march(model, design, coupled);
+        self.accumulate_tangent(model, &design.geometry, coupled);
         self.symmetrise(model);
-        self.circulate(model, design, kinematics, load);
+        self.add_circulatory(model);
     }
 
     /// The frame's own coordinates with their world columns, for a frame that carries something or
@@ -146,7 +129,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
 
     /// Sums stiffness forms over all frames that each frame carries.
     fn carry_stiffness<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
-        let FrameTerms { stiffness, loaded, .. } = &mut self.frames;
+        let FrameTerms { stiffness, loaded, .. } = &mut self.terms.frames;
         for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
             if loaded[f] && frame.parent != 0 {
                 let carried = stiffness[f];
@@ -178,11 +161,11 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     fn carry_couplings<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) -> bool {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
-        if self.frames.couplings.is_empty() || width == 0 {
+        if self.terms.frames.couplings.is_empty() || width == 0 {
             return false;
         }
         self.coupled.fill(0.0);
-        for coupling in &self.frames.couplings {
+        for coupling in &self.terms.frames.couplings {
             let Some(slot) = model.jacobian_slot[coupling.column] else { continue };
             let rows = &mut self.coupled[coupling.row * D * width..(coupling.row + 1) * D * width];
             let jacobian = &self.kept[slot * D * n..(slot + 1) * D * n];
@@ -198,7 +181,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
         for f in (1..model.frames.len()).rev() {
             let parent = model.frames[f].parent;
-            if self.frames.loaded[f] && parent != 0 {
+            if self.terms.frames.loaded[f] && parent != 0 {
                 let (head, tail) = self.coupled.split_at_mut(f * D * width);
                 for (p, c) in
                     head[parent * D * width..(parent + 1) * D * width].iter_mut().zip(&tail[..D * width])
@@ -230,7 +213,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
 
     fn symmetrise<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
         let n = model.dof;
-        let half = &self.coordinates.half_tangent;
+        let half = &self.terms.coordinates.half_tangent;
         if let Some(chain) = self.chain.of(model) {
             for i in 0..n {
                 for &j in chain.neighbours(i) {
@@ -246,21 +229,17 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
                 self.tangent[j * n + i] = value;
             }
         }
+        if model.chain.is_some() {
+            // What lies off the chain is not cleared with the tangent.
+            self.terms.coordinates.half_tangent.fill(0.0);
+        }
     }
 
     /// The antisymmetric part of the tangent under loads without a potential.
-    fn circulate<G: LieGroup<D, P>>(
-        &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
-        load: &[f64],
-    ) {
-        let n = model.dof;
-        for wrench in model.wrenches.iter().filter(|w| !w.is_conservative()) {
-            let Some(slot) = model.jacobian_slot[wrench.frame] else { continue };
-            let (w, sign) = potential::wrench::circulatory(wrench, design, kinematics);
-            let form = G::bracket_form(&w) * (sign * wrench.input.map_or(1.0, |i| load[i]));
+    fn add_circulatory<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
+        let n = model.dof();
+        for (frame, form) in &self.terms.frames.circulatory {
+            let Some(slot) = model.jacobian_slot[*frame] else { continue };
             let jacobian = &self.kept[slot * D * n..(slot + 1) * D * n];
             let column = |j: usize| {
                 let mut c = Vector::<D>::ZERO;

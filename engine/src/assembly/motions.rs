@@ -1,30 +1,27 @@
-//! What every frame's own motion makes of the wrench it carries: gradient, columns, curvature.
+//! Per-frame motion terms: the residual by the principle of virtual work, Jacobian columns and the
+//! curvature of each frame's motion.
 
 use super::Assembly;
-use crate::design::Design;
-use crate::kinematics::Kinematics;
+use crate::forces::element::State;
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
-use crate::model::Model;
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
     /// Sums wrenches over all frames that each frame carries, w̄, and adds Sᵀ w̄ to the gradient, S =
     /// Ad T dΩ/dq being the columns of the frame's motion.
     pub(super) fn pull_back<G: LieGroup<D, P>>(
         &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
+        State { tree, geometry, kinematics, .. }: &State<G, D, P>,
     ) {
         self.pulled.fill(Vector::ZERO);
-        for (f, frame) in model.frames.iter().enumerate().skip(1).rev() {
-            if !self.frames.loaded[f] {
+        for (f, frame) in tree.frames.iter().enumerate().skip(1).rev() {
+            if !self.terms.frames.loaded[f] {
                 continue;
             }
-            let wrench = self.frames.wrench[f];
+            let wrench = self.terms.frames.wrench[f];
             if frame.parent != 0 {
-                self.frames.loaded[frame.parent] = true;
-                self.frames.wrench[frame.parent] += wrench;
+                self.terms.frames.loaded[frame.parent] = true;
+                self.terms.frames.wrench[frame.parent] += wrench;
             }
             if frame.blocks.is_empty() {
                 continue;
@@ -33,30 +30,26 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
             let dual = tangent.transpose_times(&body_wrench);
             self.duals[f] = [body_wrench, dual];
-            let (a1, a2, _) = kinematics.motion_derivative(model, f);
+            let (a1, a2, _) = kinematics.motion_derivative(tree, f);
             let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
-            let maps = &design.strain_maps[frame.blocks.clone()];
+            let maps = &geometry.strain_maps[frame.blocks.clone()];
             for (pulled, [phi1, phi2]) in self.pulled[frame.coordinates.clone()].iter_mut().zip(maps) {
                 *pulled += phi1.transpose_times(&one) + phi2.transpose_times(&two);
             }
         }
-        model.coordinate_blocks.scatter(&self.pulled, &mut self.coordinates.gradient);
+        tree.coordinate_blocks.scatter(&self.pulled, &mut self.terms.coordinates.gradient);
     }
 
     /// Expands the motions of all frames that carry something or are asked for their Jacobian.
-    pub(super) fn expand_motions<G: LieGroup<D, P>>(
-        &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
-    ) {
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            let loaded = self.frames.loaded[f];
-            self.expanded[f] = loaded || model.leads_to_kept[f];
+    pub(super) fn expand_motions<G: LieGroup<D, P>>(&mut self, at: &State<G, D, P>) {
+        let State { tree, kinematics, .. } = at;
+        for (f, frame) in tree.frames.iter().enumerate().skip(1) {
+            let loaded = self.terms.frames.loaded[f];
+            self.expanded[f] = loaded || tree.leads_to_kept[f];
             if frame.blocks.is_empty() || !self.expanded[f] {
                 continue;
             }
-            let commutator = self.expand_motion(model, design, kinematics, f);
+            let commutator = self.expand_motion(at, f);
             if loaded {
                 let [body_wrench, dual] = &self.duals[f];
                 let (omega, stumpff) = (&kinematics.omega[f], &kinematics.stumpff[f]);
@@ -73,16 +66,14 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     #[inline(always)]
     pub(super) fn expand_motion<G: LieGroup<D, P>>(
         &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
+        State { tree, geometry, kinematics, .. }: &State<G, D, P>,
         f: usize,
     ) -> f64 {
-        let (a1, a2, commutator) = kinematics.motion_derivative(model, f);
+        let (a1, a2, commutator) = kinematics.motion_derivative(tree, f);
         let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
         let operator = kinematics.pose[f].adjoint() * tangent;
-        for block in model.frames[f].blocks.clone() {
-            let [phi1, phi2] = &design.strain_maps[block];
+        for block in tree.frames[f].blocks.clone() {
+            let [phi1, phi2] = &geometry.strain_maps[block];
             let motion = a1 * *phi1 + a2 * *phi2;
             self.motions[block] = motion;
             self.columns[block] = operator * motion;

@@ -1,23 +1,17 @@
-//! What the columns transmit: coordinates' rates to twists outward, wrenches to coordinates inward.
+//! Jacobian products: rates of the coordinates to twists of frames, wrenches to generalised forces.
 
 use super::Assembly;
-use crate::design::Design;
-use crate::kinematics::Kinematics;
+use crate::forces::element::State;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
     /// Expands the columns of the frames that carry nothing, which the tangent has no use for.
-    pub fn complete_columns<G: LieGroup<D, P>>(
-        &mut self,
-        model: &Model<G, D, P>,
-        design: &Design<G, D, P>,
-        kinematics: &Kinematics<G, D, P>,
-    ) {
-        for f in 1..model.frames.len() {
-            if !self.expanded[f] && !model.frames[f].blocks.is_empty() {
-                self.expand_motion(model, design, kinematics, f);
+    pub fn complete_columns<G: LieGroup<D, P>>(&mut self, at: &State<G, D, P>) {
+        for (f, frame) in at.tree.frames.iter().enumerate().skip(1) {
+            if !self.expanded[f] && !frame.blocks.is_empty() {
+                self.expand_motion(at, f);
             }
         }
     }

@@ -90,7 +90,7 @@ impl<const D: usize> Factor<D> {
 mod tests {
     use super::*;
     use crate::lie::{SE2, SE3};
-    use crate::model::{Chain, Description};
+    use crate::model::Description;
     use crate::strain::BasisKind;
     use crate::systems::{finger, refined, tendon_rod};
     use crate::trees::{BASES, SECTIONS, planar_tree, spatial_tree, with_round_cones};
@@ -98,7 +98,7 @@ mod tests {
     /// Compares the chain's factor with the dense one at several states; how often it could be used.
     fn compare<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description) -> usize {
         let mut model = Model::<G, D, P>::new(d).unwrap();
-        model.chain = Chain::of(&model);
+        model.chain = crate::tree::Chain::of(&model.tree);
         let n = model.dof();
         let mut factor = Factor::new(&model);
         factor.general = None;

@@ -1,21 +1,39 @@
 //! Static equilibrium (9) with contact, followed along the load.
 //!
-//! A stable equilibrium is a local minimum of Π. [`Solver`] finds one by trust-region Newton with the
-//! exact tangent and follows it as the load grows; where its branch ends it descends to the next one
-//! and records an event. Coordinates are made dimensionless by their elastic stiffness: one unit of
-//! any of them stores the elastic energy of one radian of the softest angular coordinate.
+//! [`System`] holds one state and the equations of equilibrium there. [`Continuation`] follows a stable
+//! equilibrium, a local minimum of Π, as the load changes:
+//!
+//! - the predictor extrapolates the branch through the changes of contact ahead;
+//! - the corrector solves the residual from there, and the result is tested to lie on the same branch;
+//! - where the branch ends, the trust region finds the next minimum of the energy (for loads without a
+//!   potential: damped Newton on the residual) and the jump is reported as an event.
+//!
+//! [`ContinuationOptions`] has every tolerance and limit.
 
-mod branch;
-mod descent;
+mod contact_changes;
+mod continuation;
+mod corrector;
+mod damped_newton;
 mod factor;
 mod general;
+mod newton;
+mod option_info;
+mod options;
 mod path;
-mod prediction;
-mod relaxation;
-mod solver;
+mod predictor;
+mod same_branch;
 mod status;
+mod step_control;
 mod subproblem;
+mod system;
+#[cfg(test)]
+mod tests;
+mod trust_region;
+mod vector;
 
+pub use continuation::Continuation;
+pub use option_info::{Interval, OptionError, OptionInfo};
+pub use options::*;
 pub use path::{Event, EventKind, PathSink, StepReport};
-pub use solver::{Options, Solver};
 pub use status::Status;
+pub use system::System;

@@ -1,171 +1,102 @@
-//! The constant model: topology, bases and indices, everything that no design changes.
-//!
-//! A model is a tree of frames. Each frame follows from its parent by one motion: a rigid offset, a
-//! joint, or a Magnus step along a rod; the recursion of the paper's (4)–(7) is one loop over frames.
-//! Continuous numbers (lengths, radii, moduli, stiffnesses, poses) are kept apart, as one flat vector
-//! of parameters named by a [`Layout`].
+//! The constant model: a tree of bodies and the forces that act on it, everything that no design
+//! changes.
 
-mod actuators;
-mod admissible;
-mod blocks;
-mod bodies;
-mod build;
-mod chain;
-mod contacts;
-mod description;
-mod error;
-mod layout;
-mod points;
+pub(crate) mod description;
+mod forces;
+mod structure;
 
+pub use crate::tree::{Layout, ModelError};
 pub use description::*;
-pub use error::ModelError;
-pub use layout::Layout;
-
-pub(crate) use actuators::{Actuator, Tendon};
-pub(crate) use blocks::CoordinateBlocks;
-pub(crate) use bodies::{Body, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
-pub(crate) use chain::Chain;
-pub(crate) use contacts::{Contact, RoundCone, Spring, Wrench};
-pub(crate) use points::{Mass, Place, Point, Sphere, SphereRadius};
+pub(crate) use forces::{Designs, Forces, Sensitivities, States};
+pub use structure::{JointStructure, Structure};
 
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
-use std::ops::Range;
-
-/// A frame and the motion that leads to it from its parent.
-#[derive(Clone, Debug)]
-pub(crate) struct Frame {
-    pub parent: usize,
-    pub body: usize,
-    pub motion: Motion,
-    /// Coordinates are `path.start..path.end` at most on the way from the world to this frame.
-    pub path: Range<usize>,
-    /// Its own coordinates, in `column_dofs`.
-    pub columns: Range<usize>,
-    /// Its own coordinates' places in the stores of column blocks.
-    pub blocks: Range<usize>,
-    /// Their values' places in the blocks of coordinates.
-    pub coordinates: Range<usize>,
-    /// One past the last of the following frames that move with the very same coordinates.
-    pub run_end: usize,
-}
-
-/// How a frame moves against its parent.
-#[derive(Clone, Debug)]
-pub(crate) enum Motion {
-    /// By the pose `design.rigid[i]`.
-    Rigid(usize),
-    /// By `exp(Σ b_c q_c)` over these joint columns.
-    Joint(Range<usize>),
-    /// By the Magnus step `steps[i]`.
-    Strain(usize),
-}
-
-/// A joint coordinate and its constant twist.
-#[derive(Clone, Debug)]
-pub(crate) struct JointColumn<const D: usize> {
-    pub dof: usize,
-    pub twist: Vector<D>,
-}
-
-/// A rod coordinate as seen by one Magnus step: its axis and its basis function at the step's
-/// collocation points.
-#[derive(Clone, Debug)]
-pub(crate) struct StrainColumn {
-    pub dof: usize,
-    pub axis: usize,
-    pub phi: [f64; 2],
-}
-
-/// A Magnus step over ΔX = `h`.
-#[derive(Clone, Debug)]
-pub(crate) struct MagnusStep {
-    pub rod: usize,
-    pub h: f64,
-    pub columns: Range<usize>,
-}
+use crate::tree::{Chain, Tree};
+use std::ops::Deref;
 
 /// A hybrid soft-rigid system, ready to be solved; built once and shared.
 #[derive(Clone, Debug)]
 pub struct Model<G, const D: usize, const P: usize> {
-    pub(crate) dof: usize,
-    /// `frames[0]` is the world; parents come before children.
-    pub(crate) frames: Vec<Frame>,
-    pub(crate) steps: Vec<MagnusStep>,
-    pub(crate) strain_columns: Vec<StrainColumn>,
-    pub(crate) joint_columns: Vec<JointColumn<D>>,
-    /// Coordinates of each frame's own motion, frame after frame.
-    pub(crate) column_dofs: Vec<usize>,
-    pub(crate) coordinate_blocks: CoordinateBlocks,
-    pub(crate) bodies: Vec<Body<P>>,
-    pub(crate) rods: Vec<Rod>,
-    pub(crate) joints: Vec<JointCoordinate>,
-    /// Sparsity of the rods' stiffness: index pairs `i ≤ j`.
-    pub(crate) stiffness_pattern: Vec<(usize, usize)>,
-    pub(crate) points: Vec<Point<P>>,
-    pub(crate) spheres: Vec<Sphere>,
-    pub(crate) masses: Vec<Mass>,
-    pub(crate) contacts: Vec<Contact>,
-    pub(crate) actuators: Vec<Actuator>,
-    pub(crate) springs: Vec<Spring>,
-    pub(crate) wrenches: Vec<Wrench<P>>,
-    /// Frames whose Jacobian is kept, with their slot in the store.
-    pub(crate) jacobian_slot: Vec<Option<usize>>,
-    /// Frames on the way to a kept one.
-    pub(crate) leads_to_kept: Vec<bool>,
-    /// Coordinates on which the kept frames depend.
-    pub(crate) coupled: Range<usize>,
+    pub(crate) tree: Tree<G, D, P>,
+    pub(crate) forces: Forces<P>,
     /// How the tangent of many coordinates is factorised.
     pub(crate) chain: Option<Chain>,
-    pub(crate) gravity: Vector<P>,
-    pub(crate) layout: Layout,
-    pub(crate) parameters: Vec<f64>,
-    pub(crate) coordinates: Vec<String>,
-    pub(crate) inputs: Vec<String>,
-    pub(crate) frame_names: Vec<String>,
-    group: std::marker::PhantomData<G>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+    /// Builds the model.
+    ///
+    /// # Errors
+    /// [`ModelError`] names the first field that makes no sense and says what is allowed.
+    pub fn new(description: &Description) -> Result<Self, ModelError> {
+        if description.planar != (D == 3) {
+            return Err(ModelError::new("planar", "a planar system needs SE(2), a spatial one SE(3)"));
+        }
+        let mut tree = Tree::new(&description.bodies, &description.spheres)?;
+        let forces = Forces::build(&mut tree, description)?;
+        let chain = Chain::of(&tree).filter(|chain| chain.pays() && forces.is_conservative::<G, D>());
+        Ok(Self { tree, forces, chain })
+    }
+
     /// Number of generalised coordinates.
     pub fn dof(&self) -> usize {
-        self.dof
+        self.tree.dof
     }
 
     /// Names of the coordinates, such as `exosuit.bend_y[3]` or `ph_1.theta`.
     ///
     /// Rod coordinates of angular modes are L·κ (dimensionless), those of linear modes are strains.
     pub fn coordinates(&self) -> &[String] {
-        &self.coordinates
+        &self.tree.coordinates
     }
 
     /// Names of the load inputs: actuators, then scaled wrenches.
     pub fn inputs(&self) -> &[String] {
-        &self.inputs
+        &self.tree.inputs
     }
 
     /// Names of the frames, the world first.
     pub fn frame_names(&self) -> &[String] {
-        &self.frame_names
+        &self.tree.frame_names
     }
 
     /// The flat vector of continuous numbers as described.
     pub fn parameters(&self) -> &[f64] {
-        &self.parameters
+        &self.tree.parameters
     }
 
     /// Names and ranges of the parameters.
     pub fn layout(&self) -> &Layout {
-        &self.layout
+        &self.tree.layout
     }
 
     /// Number of spheres, all groups.
     pub fn sphere_count(&self) -> usize {
-        self.spheres.len()
+        self.tree.spheres.len()
     }
 
     /// Whether every load derives from a potential, so that the tangent is symmetric.
     pub fn is_conservative(&self) -> bool {
-        self.wrenches.iter().all(Wrench::is_conservative)
+        self.forces.is_conservative::<G, D>()
+    }
+
+    /// Whether some forces switch on and off.
+    pub(crate) fn has_switches(&self) -> bool {
+        self.forces.have_switches::<G, D>()
+    }
+
+    /// Whether all parameters are finite, lengths, radii and moduli positive, and stiffnesses and
+    /// densities not negative.
+    pub fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.tree.is_admissible(parameters) && self.forces.are_admissible::<G, D>(parameters)
+    }
+}
+
+/// A model is a tree of bodies, with forces on it.
+impl<G, const D: usize, const P: usize> Deref for Model<G, D, P> {
+    type Target = Tree<G, D, P>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.tree
     }
 }

@@ -1,98 +1,49 @@
 //! λᵀ ∂g/∂p for all wanted parameters at once.
 
-use super::local::Thread;
+use super::design_velocity::DesignVelocity;
+use super::tip_force;
 use crate::data::Data;
-use crate::equilibrium::Solver;
+use crate::equilibrium::System;
+use crate::forces::element::{Velocities, VirtualMotion};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
-use crate::model::{Model, Shape};
+use crate::model::{Model, Sensitivities};
 
 /// Workspace of the sensitivities.
 #[derive(Clone, Debug)]
 pub struct Adjoint<const D: usize, const P: usize> {
     /// World twist of each frame under the virtual motion λ.
-    pub(super) twist: Vec<Vector<D>>,
+    twists: Vec<Vector<D>>,
     /// Virtual velocity of each point.
-    pub(super) velocity: Vec<Vector<P>>,
+    points: Vec<Vector<P>>,
     /// λ in blocks of coordinates.
-    pub(super) coordinates: Vec<Vector<LANES>>,
+    blocks: Vec<Vector<LANES>>,
     /// Wrenches of an output on the frames.
-    pub(super) wrench: Vec<Vector<D>>,
+    wrench: Vec<Vector<D>>,
     /// Derivatives with respect to every parameter.
-    pub(super) gradient: Vec<f64>,
+    gradient: Vec<f64>,
     /// What every geometric parameter moves, whatever the output.
-    pub(super) drifts: Vec<Drift<D, P>>,
-    pub(super) threads: Vec<Thread>,
-    /// Of every entry of the rods' stiffness: its part in K_ij, divided by S.
-    pub(super) sections: Vec<f64>,
+    design_velocities: Vec<DesignVelocity<D, P>>,
+    /// What the forces derive whatever the output.
+    forces: Sensitivities<P>,
     /// ∂y/∂q of an output, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
 }
 
-/// How frames and points move with a geometric parameter, the coordinates held.
-#[derive(Clone, Debug)]
-pub(super) struct Drift<const D: usize, const P: usize> {
-    pub parameter: usize,
-    pub kind: Geometric,
-    /// World twist of each frame.
-    pub twist: Vec<Vector<D>>,
-    /// Velocity of each point.
-    pub points: Vec<Vector<P>>,
-}
-
-/// What a geometric parameter changes.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Geometric {
-    /// The length of a rod.
-    RodLength(usize),
-    /// The length of the link of a body.
-    LinkLength(usize),
-    /// A radius of the link of a body (moves its centroid): at the base or at the tip.
-    LinkRadius(usize, bool),
-    /// A component of a body's translation.
-    Translation(usize, usize),
-    /// A component of a body's rotation vector.
-    Rotation(usize, usize),
-}
-
 impl<const D: usize, const P: usize> Adjoint<D, P> {
     /// A workspace for derivatives with respect to the parameters `wanted`.
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Self {
-        let mut mask = vec![false; model.parameters.len()];
-        wanted.iter().for_each(|i| mask[*i] = true);
         let (frames, points) = (model.frames.len(), model.points.len());
-        let mut drifts = vec![];
-        let mut push = |parameter: usize, kind| {
-            if mask[parameter] {
-                let (twist, points) = (vec![Vector::ZERO; frames], vec![Vector::ZERO; points]);
-                drifts.push(Drift { parameter, kind, twist, points });
-            }
-        };
-        for (r, rod) in model.rods.iter().enumerate() {
-            push(rod.length, Geometric::RodLength(r));
-        }
-        for (b, body) in model.bodies.iter().enumerate() {
-            for k in 0..3 {
-                push(body.translation.start + k, Geometric::Translation(b, k));
-                push(body.rotation.start + k, Geometric::Rotation(b, k));
-            }
-            if let Shape::Link(link) = &body.shape {
-                push(link.length, Geometric::LinkLength(b));
-                push(link.radius_base, Geometric::LinkRadius(b, false));
-                push(link.radius_tip, Geometric::LinkRadius(b, true));
-            }
-        }
         Self {
-            twist: vec![Vector::ZERO; frames],
-            velocity: vec![Vector::ZERO; points],
-            coordinates: model.coordinate_blocks.zeros(),
+            twists: vec![Vector::ZERO; frames],
+            points: vec![Vector::ZERO; points],
+            blocks: model.coordinate_blocks.zeros(),
             wrench: vec![Vector::ZERO; frames],
-            gradient: vec![0.0; model.parameters.len()],
-            drifts,
-            threads: vec![],
-            sections: vec![],
-            lambda: vec![0.0; model.dof],
+            gradient: vec![0.0; model.parameters().len()],
+            design_velocities: DesignVelocity::all(model, wanted),
+            forces: Sensitivities::default(),
+            lambda: vec![0.0; model.dof()],
             wanted: wanted.to_vec(),
         }
     }
@@ -113,7 +64,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         &self.gradient
     }
 
-    /// Finds what all outputs share.
+    /// Derives what all outputs share.
     fn prepare<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -121,12 +72,12 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         q: &[f64],
         load: &[f64],
     ) {
-        self.drifts.iter_mut().for_each(|drift| drift.update(model, data));
-        self.update_threads(model, data, q, load);
-        self.update_sections(model, data);
+        self.design_velocities.iter_mut().for_each(|velocity| velocity.update(model, data));
+        let at = data.state(model, q, load);
+        model.forces.update_sensitivities(&at, &data.design.forces, &mut self.forces);
     }
 
-    /// λᵀ ∂g/∂p with the drifts and threads at hand, into `self.gradient`.
+    /// λᵀ ∂g/∂p with what was prepared, into `self.gradient`.
     fn virtual_work<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -135,24 +86,19 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         load: &[f64],
         lambda: &[f64],
     ) {
+        model.coordinate_blocks.gather(lambda, &mut self.blocks);
+        data.velocities(model, &self.blocks, &mut self.twists, &mut self.points);
+        let velocities = Velocities { twists: &self.twists, points: &self.points };
+        let motion = VirtualMotion { coordinates: lambda, velocities };
+        let at = data.state(model, q, load);
+        let held = (&data.design.forces, &data.assembly.forces);
         self.gradient.fill(0.0);
-        self.move_frames(model, data, lambda);
-        self.add_local(model, data, q, lambda);
-        for m in 0..self.drifts.len() {
-            let drift = &self.drifts[m];
-            self.gradient[drift.parameter] += self.geometric_work(model, data, load, drift);
+        model.forces.add_parameter_work(&at, held, &self.forces, &motion, &mut self.gradient);
+        for design_velocity in &self.design_velocities {
+            let forces = model.forces.geometric_work(&at, held, &motion, &design_velocity.velocities());
+            let columns = design_velocity.column_work(model, data, &self.twists, &self.blocks);
+            self.gradient[design_velocity.parameter] += forces + columns;
         }
-    }
-
-    /// Twists of the frames and velocities of the points under the virtual motion λ.
-    fn move_frames<G: LieGroup<D, P>>(
-        &mut self,
-        model: &Model<G, D, P>,
-        data: &Data<G, D, P>,
-        lambda: &[f64],
-    ) {
-        model.coordinate_blocks.gather(lambda, &mut self.coordinates);
-        data.velocities(model, &self.coordinates, &mut self.twist, &mut self.velocity);
     }
 
     /// Number of outputs of [`Adjoint::outputs`]: the joint coordinates, then the tip force.
@@ -161,22 +107,22 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     }
 
     /// Total derivatives of every joint coordinate and of the tip force with respect to the wanted
-    /// parameters, row by row into `out`, at the equilibrium the solver holds.
+    /// parameters, row by row into `out`, at the equilibrium the system is in.
     ///
     /// The row of the tip force is zero while nothing touches the tip.
     pub fn outputs<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
-        solver: &Solver<G, D, P>,
+        system: &System<G, D, P>,
         out: &mut [f64],
     ) {
-        let (data, q, load) = (solver.data(), solver.state(), solver.load());
+        let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
         self.prepare(model, data, q, load);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {
-                if !self.tip_force_gradient(model, data, &mut lambda) {
+                if !tip_force::set_gradient(model, data, &mut self.wrench, &mut lambda) {
                     row.fill(0.0);
                     continue;
                 }
@@ -184,13 +130,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 lambda.fill(0.0);
                 lambda[model.joints[output].dof] = 1.0;
             }
-            solver.solve_transposed(&mut lambda);
+            system.solve_transposed(&mut lambda);
             self.virtual_work(model, data, q, load, &lambda);
             self.gradient.iter_mut().for_each(|g| *g = -*g);
             if explicit {
-                let mut gradient = std::mem::take(&mut self.gradient);
-                self.add_tip_force_parameters(model, data, &mut gradient);
-                self.gradient = gradient;
+                tip_force::add_parameters(model, data, &self.design_velocities, &mut self.gradient);
             }
             for (o, i) in row.iter_mut().zip(&self.wanted) {
                 *o = self.gradient[*i];

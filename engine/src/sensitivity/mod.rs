@@ -6,8 +6,7 @@
 //! of the virtual work that the forces do on it.
 
 mod adjoint;
-mod local;
-mod motion;
+mod design_velocity;
 mod regularity;
 mod tip_force;
 

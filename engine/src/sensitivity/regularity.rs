@@ -1,11 +1,10 @@
 //! Whether a derivative means anything.
 
 use crate::data::Data;
-use crate::equilibrium::{Solver, Status};
+use crate::equilibrium::{Status, System};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-use crate::model::{Contact, Model};
-use crate::potential::round_cone::{closest, counts};
+use crate::model::Model;
 
 /// Why an equilibrium may have no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,22 +47,20 @@ impl Regularity {
 
 /// Ratio of pivots below which the tangent counts as singular.
 const SINGULAR: f64 = 1e-9;
-/// Gap below which a pair counts as being at the threshold, relative to the sum of its radii.
-const THRESHOLD: f64 = 1e-7;
 
 impl Regularity {
-    /// Judges the equilibrium that the solver holds.
+    /// Of the equilibrium that the system holds.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
-        solver: &Solver<G, D, P>,
+        system: &System<G, D, P>,
         status: Status,
         snapped: bool,
     ) -> Self {
         if status != Status::Converged {
             Self::NoEquilibrium
-        } else if solver.pivot_ratio() < SINGULAR {
+        } else if system.pivot_ratio() < SINGULAR {
             Self::NearlySingular
-        } else if at_threshold(model, solver.data()) {
+        } else if at_threshold(model, system) {
             Self::ContactThreshold
         } else if snapped {
             Self::Snapped
@@ -73,75 +70,16 @@ impl Regularity {
     }
 }
 
-/// Whether any pair of spheres that can move against one another is just about to touch or to part.
+/// Whether a force is just about to switch on or off, in points that can move.
 fn at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
-    data: &Data<G, D, P>,
+    system: &System<G, D, P>,
 ) -> bool {
-    let points = &data.kinematics.points;
-    for contact in &model.contacts {
-        if !contact.cones.is_empty() {
-            if cone_at_threshold(model, data, contact) {
-                return true;
-            }
-            continue;
-        }
-        for first in contact.first.clone() {
-            let a = model.spheres[first].point;
-            let start = if contact.is_self() { first + contact.skip.max(1) } else { contact.second.start };
-            for second in start..contact.second.end {
-                let b = model.spheres[second].point;
-                let reach = data.design.radii[first] + data.design.radii[second];
-                let r = points[a] - points[b];
-                let distance = r.norm();
-                if (distance - reach).abs() < THRESHOLD * reach && distance > 0.0 {
-                    let n = r * (1.0 / distance);
-                    if can_move(model, data, a, &n) || can_move(model, data, b, &n) {
-                        return true;
-                    }
-                }
-            }
-        }
-    }
-    false
-}
-
-/// The same for spheres against round cones, and whether a sphere in contact is just about to pass
-/// from a cone's side to its end.
-fn cone_at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    model: &Model<G, D, P>,
-    data: &Data<G, D, P>,
-    contact: &Contact,
-) -> bool {
-    let (points, radii) = (&data.kinematics.points, &data.design.radii);
-    for first in contact.first.clone() {
-        if contact.weight(&data.design.parameters, first) == 0.0 {
-            continue;
-        }
-        let p = model.spheres[first].point;
-        for cone in contact.cones.iter().filter(|c| counts(contact, first, c)) {
-            let [a, b] = cone.ends.map(|s| model.spheres[s].point);
-            let found = closest(&points[p], [&points[a], &points[b]], cone.ends.map(|s| radii[s]));
-            let reach = radii[first] + found.radius;
-            let moves = |direction: &Vector<P>, touched: [bool; 2]| {
-                can_move(model, data, p, direction)
-                    || (touched[0] && can_move(model, data, a, direction))
-                    || (touched[1] && can_move(model, data, b, direction))
-            };
-            let gap = found.distance - reach;
-            if gap.abs() < THRESHOLD * reach && moves(&found.normal, [found.t < 1.0, found.t > 0.0]) {
-                return true;
-            }
-            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
-            if gap < 0.0 && found.unbounded.is_some_and(passing) {
-                let axis = points[b] - points[a];
-                if moves(&axis, [true; 2]) || moves(&found.normal, [true; 2]) {
-                    return true;
-                }
-            }
-        }
-    }
-    false
+    let data = system.data();
+    let moves = |points: &[usize], direction: &Vector<P>| {
+        points.iter().any(|point| can_move(model, data, *point, direction))
+    };
+    model.forces.are_at_threshold(&data.state(model, system.state(), system.load()), &moves)
 }
 
 /// Whether any coordinate moves a point along `direction`: a sphere on a joint's axis does not move.

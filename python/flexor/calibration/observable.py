@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -99,11 +98,8 @@ def bending(model: Model) -> Callable[[Followed], Array]:
 
 
 def _angular(model: Model) -> dict[str, int]:
-    return {
-        name: int(column)
-        for name, column in zip(model.joints, model.joint_columns, strict=True)
-        if name.rpartition(".")[2].startswith("theta")
-    }
+    columns = zip(model.joints, model.joint_columns, strict=True)
+    return {name: int(column) for name, column in columns if name in model.angular_joints}
 
 
 def _angles(target: Target, model: Model, place: str) -> Callable[[Followed], Array]:
@@ -127,9 +123,8 @@ def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:
     name = str(target.of)
     if name not in model.file.bodies:
         raise InputError(f"{place}.of is the {unknown_name('body', name, model.file.bodies)}.")
-    body, count = model.file.bodies[name], model.frame_counts[name]
-    owners = [re.split(r"[.\[]", frame)[0] for frame in model.engine.frame_names()]
-    first = [row for row, owner in enumerate(owners) if owner == name][-count]
+    body = model.file.bodies[name]
+    first, stop = model.body_frames[name]
     at = {"base": 0.0, "tip": 1.0}.get(str(target.at), target.at)
     assert isinstance(at, float)
     row = body.point_at(at) if isinstance(body, Rod) else {0.0: 0, 1.0: 1}.get(at)
@@ -140,7 +135,7 @@ def _frames(target: Target, model: Model, place: str) -> tuple[int, int, int]:
             else '"base" or "tip" of a link'
         )
         raise InputError(f"{place}.at is {at!r}: it must be {where}.")
-    return row, count, first
+    return row, stop - first, first
 
 
 def _frames_of(paths: Followed, first: int, count: int) -> Array:

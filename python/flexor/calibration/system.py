@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +12,8 @@ from numpy.typing import NDArray
 from flexor.calibration.constants import Constant, full
 from flexor.errors import InputError
 from flexor.model import Model, ModelFile, load
-from flexor.model.lowering import lower
 
 Array = NDArray[np.float64]
-# Numbers of the engine's description that are parameters of a built model; whatever else changes
-# with a constant needs the model to be built anew.
-_PARAMETERS = {
-    *("translation", "rotation", "length", "young_modulus", "shear_modulus", "density", "radius"),
-    *("slope", "radius_base", "radius_tip", "stiffness", "rest_length", "lever"),
-}
 _EXACT = 1e-9
 
 
@@ -105,7 +96,7 @@ class System:
         for i, moved in enumerate(self._moved):
             change = np.zeros_like(self.reference.parameters)
             if moved is not None:
-                if _structure(moved.file) != _structure(self.reference.file):
+                if not moved.engine.has_structure_of(self.reference.engine):
                     return None
                 corner[i] = self.constants[i].high
                 change = moved.parameters - self.reference.parameters
@@ -142,16 +133,3 @@ class System:
     def _fields(self, constant: Constant) -> list[str]:
         found = (full(field, self.file) for field in constant.fields)
         return [field for field in found if field is not None]
-
-
-def _structure(file: ModelFile) -> str:
-    """Everything of the engine's description that is not a parameter of a built model."""
-
-    def stripped(node: Any, key: str = "") -> Any:
-        if isinstance(node, dict):
-            return {k: stripped(v, k) for k, v in node.items()}
-        if key in _PARAMETERS:
-            return None
-        return [stripped(v) for v in node] if isinstance(node, list) else node
-
-    return json.dumps(stripped(lower(file)), sort_keys=True)

@@ -91,7 +91,7 @@ def report(path: Path) -> None:
 
     from flexor.model import explained
 
-    angular = [name for name in path.model.joints if _angular(name)]
+    angular = path.model.angular_joints
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
     inputs = path.model.inputs if len(path.model.inputs) > 1 else ("force",)
@@ -122,11 +122,7 @@ def report(path: Path) -> None:
     if failed is not None:
         out.print(explained(failed), markup=False, soft_wrap=True)
     for event in path.events:
-        out.print(_describe_event(event, path.model.joints), markup=False, soft_wrap=True)
-
-
-def _angular(coordinate: str) -> bool:
-    return coordinate.rpartition(".")[2].startswith("theta")
+        out.print(_describe_event(event, path), markup=False, soft_wrap=True)
 
 
 def _state(path: Path, step: int) -> str:
@@ -139,11 +135,13 @@ def _count(events: list[Event]) -> str:
     return ", ".join(event.kind.replace("_", " ") for event in events)
 
 
-def _describe_event(event: Event, joints: tuple[str, ...]) -> str:
+def _describe_event(event: Event, path: Path) -> str:
     turns = (
         f"{name.removesuffix('.theta')} {fixed(degrees(before))}° to {fixed(degrees(after))}°"
-        for name, before, after in zip(joints, event.angles_before, event.angles_after, strict=True)
-        if _angular(name)
+        for name, before, after in zip(
+            path.model.joints, event.angles_before, event.angles_after, strict=True
+        )
+        if name in path.model.angular_joints
     )
     kind = event.kind.replace("_", " ")
     return f"{kind} at {event.force:.4g} N: {', '.join(turns) or 'no joint moves'}"

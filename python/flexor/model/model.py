@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Callable, Mapping
 from functools import cached_property
 
@@ -31,7 +30,6 @@ from flexor.model.schema import ModelFile, Rod
 
 Array = NDArray[np.float64]
 Force = Forces | Mapping[str, Forces]
-_NODE = re.compile(r"\[\d+\]$")
 
 
 class Model:
@@ -103,29 +101,29 @@ class Model:
     @cached_property
     def joint_columns(self) -> NDArray[np.intp]:
         """Which coordinates belong to joints, (joints,)."""
-        names = self.engine.coordinates
-        return np.array(
-            [i for i, name in enumerate(names) if not _NODE.search(name)], dtype=np.intp
-        )
+        return np.array([joint["coordinate"] for joint in self.engine.joints], dtype=np.intp)
 
     @cached_property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints' coordinates."""
-        return tuple(self.engine.coordinates[column] for column in self.joint_columns)
+        return tuple(joint["name"] for joint in self.engine.joints)
 
     @cached_property
-    def frame_counts(self) -> dict[str, int]:
-        """Number of frames along each body: sample points of a rod, both ends of a link."""
-        return {
-            name: body.sample_count if isinstance(body, Rod) else 2
-            for name, body in self.file.bodies.items()
-        }
+    def angular_joints(self) -> tuple[str, ...]:
+        """Names of the joints' coordinates that are angles."""
+        return tuple(joint["name"] for joint in self.engine.joints if joint["unit"] == "rad")
+
+    @cached_property
+    def body_frames(self) -> dict[str, tuple[int, int]]:
+        """Range of each body's frames: the sample points of a rod, both ends of a link."""
+        frames = self.engine.body_frames
+        return {name: frames[name] for name in self.file.bodies}
 
     @cached_property
     def sphere_groups(self) -> dict[str, int]:
         """Number of spheres of each group."""
-        groups = json.loads(self._description)["spheres"]
-        return {group["name"]: len(group["spheres"]) for group in groups}
+        groups = self.engine.sphere_groups
+        return {name: stop - start for name, (start, stop) in groups.items()}
 
     @cached_property
     def first_spheres(self) -> int:

@@ -154,8 +154,8 @@ class Path:
             By body: homogeneous matrices (1) in the world [m], of a rod at its sample points, of a
             link at its joint and its tip.
         """
-        counts = self.model.frame_counts
-        return state.frames(self.model.engine, self.parameters, self.q[step], counts)
+        ranges = self.model.body_frames
+        return state.frames(self.model.engine, self.parameters, self.q[step], ranges)
 
     def spheres(self, step: int = -1) -> dict[str, Array]:
         """Return the contact spheres.
@@ -170,8 +170,7 @@ class Path:
         dict of (m, 4) arrays
             By group: centre x, y, z and radius [m].
         """
-        groups = self.model.sphere_groups
-        return state.spheres(self.model.engine, self.parameters, self.q[step], groups)
+        return state.spheres(self.model.engine, self.parameters, self.q[step])
 
     def contact_forces(self, step: int = -1) -> ContactForces:
         """Return the contact forces (8).

@@ -1,25 +1,22 @@
-"""Settings of the engine's solver, checked."""
+"""Options of the engine's solver, checked against what the engine says of them."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
+from flexor._engine import SOLVER_OPTIONS
 from flexor.errors import InputError, unknown
 from flexor.model.validation import describe
 
-_NAMES = ("tolerance", "max_iterations", "min_step")
-
 
 def solver_options(options: Mapping[str, float]) -> dict[str, float]:
-    """Check settings of the solver.
+    """Check options of the solver.
 
     Parameters
     ----------
     options
-        ``tolerance`` (of the scaled, dimensionless residual), ``max_iterations`` (Newton iterations
-        of one load step) and ``min_step`` (smallest part of a load step before a branch counts as
-        ended); what is left out is the engine's own.
+        By name, as in `flexor._engine.SOLVER_OPTIONS`, which has their defaults, ranges and
+        meaning; what is left out has its default.
 
     Returns
     -------
@@ -33,20 +30,18 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
     """
     checked: dict[str, float] = {}
     for name, value in options.items():
-        if name not in _NAMES:
-            raise unknown("solver option", name, _NAMES)
+        if name not in SOLVER_OPTIONS:
+            raise unknown("solver option", name, SOLVER_OPTIONS)
+        known = SOLVER_OPTIONS[name]
+        found = f"solver option {name} is {describe(value)}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"solver option {name} is {describe(value)}: expected a number.")
-        if name == "max_iterations":
-            if not 1 <= value <= 10**9 or value != int(value):
-                raise InputError(
-                    f"solver option {name} is {describe(value)}: a whole number from 1 is needed."
-                )
-            checked[name] = int(value)
-            continue
-        if not 0.0 < value <= 1.0 or not math.isfinite(value):
-            raise InputError(
-                f"solver option {name} is {describe(value)}: it must be above 0 and at most 1."
-            )
-        checked[name] = float(value)
+            raise InputError(f"{found}: expected a number.")
+        low, high, exclusive = known["minimum"], known["maximum"], known["exclusive"]
+        inside = (low < value if exclusive else low <= value) and value <= high
+        if known["integer"] and not (inside and value == int(value)):
+            raise InputError(f"{found}: expected an integer from {low:g}.")
+        if not inside:
+            start = f"above {low:g}" if exclusive else f"at least {low:g}"
+            raise InputError(f"{found}: it must be {start} and at most {high:g}.")
+        checked[name] = int(value) if known["integer"] else float(value)
     return checked

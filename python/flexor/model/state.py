@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -47,7 +46,7 @@ class ContactForces:
 
 
 def frames(
-    engine: _engine.Model, parameters: Array, q: Array, counts: Mapping[str, int]
+    engine: _engine.Model, parameters: Array, q: Array, ranges: Mapping[str, tuple[int, int]]
 ) -> dict[str, Array]:
     """Return the frames along each body, base to tip.
 
@@ -57,9 +56,8 @@ def frames(
         The engine's model.
     parameters, q : (P,) and (dof,) arrays
         The design and the state.
-    counts
-        Number of frames of each body; those that the engine has before them, at which the body is
-        placed and its joint turns, are left out.
+    ranges
+        Range of each body's frames among the engine's.
 
     Returns
     -------
@@ -67,30 +65,24 @@ def frames(
         By body: homogeneous matrices (1) in the world [m].
     """
     found = engine.frames(parameters, q)
-    owners = [re.split(r"[.\[]", name)[0] for name in engine.frame_names()]
-    rows = {body: [row for row, owner in enumerate(owners) if owner == body] for body in counts}
-    return {body: found[rows[body][-count:]] for body, count in counts.items()}
+    return {body: found[start:stop] for body, (start, stop) in ranges.items()}
 
 
-def spheres(
-    engine: _engine.Model, parameters: Array, q: Array, groups: Mapping[str, int]
-) -> dict[str, Array]:
+def spheres(engine: _engine.Model, parameters: Array, q: Array) -> dict[str, Array]:
     """Return the contact spheres.
 
     Parameters
     ----------
     engine, parameters, q
         As for `frames`.
-    groups
-        Number of spheres of each group.
 
     Returns
     -------
     dict of (m, 4) arrays
         By group: centre x, y, z and radius [m].
     """
-    parts = np.split(engine.spheres(parameters, q), np.cumsum(list(groups.values())))
-    return dict(zip(groups, parts, strict=False))  # after the last group comes an empty part
+    found = engine.spheres(parameters, q)
+    return {group: found[start:stop] for group, (start, stop) in engine.sphere_groups.items()}
 
 
 def contact_forces(engine: _engine.Model, parameters: Array, q: Array) -> ContactForces:

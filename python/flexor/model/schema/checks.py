@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from flexor.errors import unknown_name
 from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.points import Attachment, Contact, Station
+from flexor.model.schema.tables import Tables
 from flexor.model.validation import field_error
-
-if TYPE_CHECKING:
-    from flexor.model.schema.model_file import ModelFile
 
 _NAME = re.compile(r"[A-Za-z]\w*(-\w+)*", re.ASCII)
 _TABLES = ("bodies", "spheres", "contacts", "actuators", "springs", "wrenches")
@@ -20,7 +17,7 @@ _TABLES = ("bodies", "spheres", "contacts", "actuators", "springs", "wrenches")
 _SHARED = ("bodies", "contacts", "actuators", "springs", "wrenches")
 
 
-def check_names(file: ModelFile) -> None:
+def check_names(file: Tables) -> None:
     """Check that names are valid, and unique across the tables that share a namespace."""
     for table in _TABLES:
         for name in getattr(file, table):
@@ -37,7 +34,7 @@ def check_names(file: ModelFile) -> None:
             owner[name] = table
 
 
-def check_tree(file: ModelFile) -> None:
+def check_tree(file: Tables) -> None:
     """Check that every parent exists and that there are no cycles."""
     for name, body in file.bodies.items():
         if body.parent is not None:
@@ -56,7 +53,7 @@ def check_tree(file: ModelFile) -> None:
             chain.append(parent)
 
 
-def check_references(file: ModelFile) -> None:
+def check_references(file: Tables) -> None:
     """Check that every reference resolves."""
     for name, group in file.spheres.items():
         for body in group.bodies:
@@ -79,7 +76,7 @@ def check_references(file: ModelFile) -> None:
         _check_rod(file, file.design.rod, "design.rod")
 
 
-def _check_shape(file: ModelFile, name: str, contact: Contact) -> None:
+def _check_shape(file: Tables, name: str, contact: Contact) -> None:
     if contact.shape == "spheres":
         return
     for other, spheres in file.contacts.items():
@@ -101,7 +98,7 @@ def _check_known(name: str, kind: str, allowed: Iterable[str], path: str) -> Non
         raise field_error(f"refers to the {unknown_name(kind, name, names)}", path=path)
 
 
-def _check_rod(file: ModelFile, name: str, path: str) -> None:
+def _check_rod(file: Tables, name: str, path: str) -> None:
     _check_known(name, "body", file.bodies, path)
     if not isinstance(file.bodies[name], Rod):
         names = [f'"{n}"' for n, body in file.bodies.items() if isinstance(body, Rod)]
@@ -109,7 +106,7 @@ def _check_rod(file: ModelFile, name: str, path: str) -> None:
         raise field_error(f'is "{name}", which is a link: expected a rod{rods}', path=path)
 
 
-def _check_station(file: ModelFile, station: Station, path: str) -> None:
+def _check_station(file: Tables, station: Station, path: str) -> None:
     _check_known(station.body, "body", file.bodies, f"{path}.body")
     body, name = file.bodies[station.body], station.body
     if isinstance(body, Link):

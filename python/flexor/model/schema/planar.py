@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from flexor.model.schema.actuator import Actuator, Curve
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.joint import FixedJoint, FreeJoint, Joint, PrismaticJoint, RevoluteJoint
 from flexor.model.schema.points import Attachment
 from flexor.model.schema.strain import PLANAR_MODES
+from flexor.model.schema.tables import Tables
 from flexor.model.schema.vector import Vector
 from flexor.model.validation import field_error
 
-if TYPE_CHECKING:
-    from flexor.model.schema.model_file import ModelFile
 
-
-def check_planar(file: ModelFile) -> None:
+def check_planar(file: Tables) -> None:
     """Reject anything that leaves the plane.
 
     Parameters

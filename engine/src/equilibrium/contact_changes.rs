@@ -1,0 +1,146 @@
+//! When contacts open and close along a straight motion of the coordinates.
+
+use super::options::PredictorOptions;
+use super::system::System;
+use crate::forces::element::Switch;
+use crate::lie::LieGroup;
+use crate::linalg::{LANES, Vector};
+use crate::model::Model;
+
+/// A sphere that touches another body or may come to.
+#[derive(Clone, Debug)]
+struct Pair<const P: usize> {
+    /// The contact, with its overlap as it changes; negative while they are apart.
+    switch: Switch<P>,
+    /// Rate of the overlap.
+    rate: f64,
+    touching: bool,
+    /// Whether it has changed already; once is enough for a first-order prediction.
+    changed: bool,
+}
+
+/// The pairs that may change, and the memory to find them, which grows to what the model needs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ContactChanges<const D: usize, const P: usize> {
+    pairs: Vec<Pair<P>>,
+    twists: Vec<Vector<D>>,
+    wrenches: Vec<Vector<D>>,
+    /// Velocities of all points.
+    points: Vec<Vector<P>>,
+    /// Rates of the coordinates, and the same in blocks.
+    rates: Vec<f64>,
+    blocks: Vec<Vector<LANES>>,
+}
+
+impl<const D: usize, const P: usize> ContactChanges<D, P> {
+    pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
+        Self {
+            pairs: vec![],
+            twists: vec![Vector::ZERO; model.frames.len()],
+            wrenches: vec![Vector::ZERO; model.frames.len()],
+            points: vec![Vector::ZERO; model.points.len()],
+            rates: vec![0.0; model.dof],
+            blocks: model.coordinate_blocks.zeros(),
+        }
+    }
+
+    /// Starts at the equilibrium of `system` with a dimensionless velocity of its coordinates, and finds
+    /// the pairs that may change within `h`.
+    pub fn start<G: LieGroup<D, P>>(
+        &mut self,
+        system: &System<G, D, P>,
+        velocity: &[f64],
+        h: f64,
+        options: &PredictorOptions,
+    ) {
+        self.move_points(system, velocity);
+        self.pairs.clear();
+        let model = system.model();
+        let data = system.data();
+        let points = &self.points;
+        let squares = model.spheres.iter().map(|s| points[s.point].dot(&points[s.point]));
+        let fastest = squares.fold(0.0, f64::max).sqrt();
+        // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
+        let margin = fastest * h;
+        let [rate_margin, speed_margin] = [options.closing_rate_margin, options.point_speed_margin];
+        data.for_each_switch(model, system.state(), system.load(), margin, |switch| {
+            if switch.stiffness.is_sign_negative() {
+                // The sphere that two round cones share: one of them is enough.
+                if self.pairs.last().is_some_and(|last| last.switch.points == switch.points) {
+                    self.pairs.pop();
+                }
+                return;
+            }
+            let rate = switch.rate(points);
+            // Far off, and not even slowly on its way.
+            if -switch.depth > (rate_margin * rate.max(0.0) + speed_margin * fastest) * h {
+                return;
+            }
+            let touching = switch.depth > 0.0;
+            self.pairs.push(Pair { switch, rate, touching, changed: false });
+        });
+    }
+
+    /// When the next pair changes after `start`, not later than `limit`, and which.
+    pub fn next(&self, start: f64, limit: f64) -> Option<(f64, usize)> {
+        let mut first = None;
+        let mut nearest = limit - start;
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let (way, speed) =
+                if pair.touching { (pair.switch.depth, -pair.rate) } else { (-pair.switch.depth, pair.rate) };
+            if speed > 0.0 && !pair.changed && way < nearest * speed {
+                nearest = (way / speed).max(0.0);
+                first = Some(i);
+            }
+        }
+        first.map(|i| (start + nearest, i))
+    }
+
+    /// Lets the overlaps change over `h`.
+    pub fn advance(&mut self, h: f64) {
+        self.pairs.iter_mut().for_each(|p| p.switch.depth += h * p.rate);
+    }
+
+    /// Goes on with another velocity of the coordinates.
+    pub fn set_velocity<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
+        self.move_points(system, velocity);
+        for pair in &mut self.pairs {
+            pair.rate = pair.switch.rate(&self.points);
+        }
+    }
+
+    /// Opens or closes a pair. Returns the stiffness that this adds to the tangent, negative where it
+    /// opens, and leaves in `gradient` the dimensionless gradient of its overlap.
+    pub fn switch<G: LieGroup<D, P>>(
+        &mut self,
+        system: &System<G, D, P>,
+        pair: usize,
+        gradient: &mut [f64],
+    ) -> f64 {
+        let (model, data) = (system.model(), system.data());
+        let pair = &mut self.pairs[pair];
+        let Switch { points, t, normal, stiffness, .. } = &pair.switch;
+        let stiffness = if pair.touching { -stiffness } else { *stiffness };
+        pair.touching = !pair.touching;
+        pair.changed = true;
+        self.wrenches.fill(Vector::ZERO);
+        for (&point, share) in points.iter().zip([-1.0, 1.0 - t, *t]) {
+            let jacobian = G::point_jacobian(&data.kinematics.points[point]);
+            self.wrenches[model.points[point].frame] += jacobian.transpose_times(normal) * share;
+        }
+        gradient.fill(0.0);
+        data.assembly.add_forces(model, &mut self.wrenches, gradient);
+        gradient.iter_mut().zip(&data.design.scale).for_each(|(g, s)| *g *= s);
+        stiffness
+    }
+
+    /// Velocities of the points for a dimensionless velocity of the coordinates.
+    fn move_points<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
+        for (r, (v, u)) in self.rates.iter_mut().zip(velocity.iter().zip(system.units())) {
+            *r = v * u;
+        }
+        let model = system.model();
+        model.coordinate_blocks.gather(&self.rates, &mut self.blocks);
+        system.data().velocities(model, &self.blocks, &mut self.twists, &mut self.points);
+    }
+}

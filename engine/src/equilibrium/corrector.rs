@@ -1,0 +1,138 @@
+//! The corrector of one sub-step: Newton's method from the predicted state.
+
+use super::newton::chord_steps;
+use super::options::{CorrectorOptions, NewtonOptions};
+use super::predictor::Predictor;
+use super::system::System;
+use super::vector::max_norm;
+use crate::lie::LieGroup;
+
+/// When a corrector is done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CorrectorTolerance {
+    /// Dimensionless residual that suffices.
+    pub residual: f64,
+    /// Where the last step left less than this share of the residual, its tangent serves for the state it
+    /// led to as well.
+    pub tangent_reuse: f64,
+}
+
+/// Newton's method with full steps, which gives up where another branch attracts.
+#[derive(Clone, Debug)]
+pub(super) struct Corrector {
+    options: CorrectorOptions,
+    newton: NewtonOptions,
+    step: Vec<f64>,
+}
+
+/// What predicted chord steps have reached.
+struct Approach {
+    /// Largest residual.
+    size: f64,
+    /// Sum of the steps' lengths.
+    length: f64,
+}
+
+impl Corrector {
+    pub fn new(options: CorrectorOptions, newton: NewtonOptions, dof: usize) -> Self {
+        Self { options, newton, step: vec![0.0; dof] }
+    }
+
+    /// Goes to the state predicted for `h` ahead of the system's, and from there to the equilibrium under
+    /// the system's load. On success the tangent at hand is positive definite and that of the state found.
+    pub fn correct<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        predictor: &Predictor<D, P>,
+        h: f64,
+        tolerance: CorrectorTolerance,
+    ) -> bool {
+        predictor.displacement(h, &mut self.step);
+        system.advance(&self.step);
+        let predicted = max_norm(&self.step);
+        let approach = self.predicted_chords(system, predictor, h, predicted, tolerance.residual);
+        approach.is_some_and(|Approach { size, length }| {
+            self.iterate(system, size, self.options.max_correction * predicted - length, tolerance)
+        })
+    }
+
+    /// Chord steps from the predicted state with the tangent predicted there; `None` where one of them
+    /// shows that the prediction is far off.
+    fn predicted_chords<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        predictor: &Predictor<D, P>,
+        h: f64,
+        predicted: f64,
+        tolerance: f64,
+    ) -> Option<Approach> {
+        let options = &self.options;
+        let mut size = system.evaluate();
+        let mut total = 0.0;
+        for _ in 0..options.max_predicted_chords {
+            if size <= tolerance {
+                break;
+            }
+            system.negative_residual(&mut self.step);
+            predictor.solve(h, &mut self.step);
+            let length = max_norm(&self.step);
+            if !(length <= options.rejection_ratio * predicted + options.free_correction) {
+                return None;
+            }
+            if total + length > options.predicted_chord_reach * predicted + options.free_correction {
+                break;
+            }
+            total += length;
+            system.advance(&self.step);
+            let before = std::mem::replace(&mut size, system.evaluate());
+            if !(size < options.predicted_chord_contraction * before) {
+                break;
+            }
+        }
+        Some(Approach { size, length: total })
+    }
+
+    /// Newton's method with full steps from a state whose residual has this size; fails as soon as the
+    /// tangent is not positive definite, and when it goes further than `reach`.
+    fn iterate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        mut size: f64,
+        reach: f64,
+        tolerance: CorrectorTolerance,
+    ) -> bool {
+        let mut previous = f64::INFINITY;
+        let mut total = 0.0;
+        for _ in 0..self.options.max_iterations {
+            if !size.is_finite() {
+                return false;
+            }
+            system.evaluate_tangent();
+            if !system.factorise(0.0) {
+                return false;
+            }
+            if size <= tolerance.residual {
+                return true;
+            }
+            system.newton_step(&mut self.step);
+            let length = max_norm(&self.step);
+            if length <= self.newton.negligible_step {
+                return true;
+            }
+            total += length;
+            let too_far = total > reach + self.options.free_correction;
+            if too_far || length > self.options.max_step_growth * previous {
+                return false;
+            }
+            previous = length;
+            system.advance(&self.step);
+            let before = std::mem::replace(&mut size, system.evaluate());
+            let left =
+                chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
+            if size <= tolerance.residual && left < tolerance.tangent_reuse {
+                return true;
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,31 @@
+//! Chord steps: Newton steps with a tangent that is not evaluated again.
+
+use super::options::NewtonOptions;
+use super::system::System;
+use crate::lie::LieGroup;
+
+/// Chord steps with the factor at hand, while each leaves little of the residual and a few more will do.
+///
+/// The residual was `before` ahead of the last step and is left at `size`; returns what share of it the
+/// last step left. `step` is scratch.
+pub(super) fn chord_steps<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    system: &mut System<G, D, P>,
+    options: &NewtonOptions,
+    step: &mut [f64],
+    size: &mut f64,
+    before: f64,
+    tolerance: f64,
+) -> f64 {
+    let left = options.max_chords_left as i32;
+    let mut contraction = *size / before;
+    while *size > tolerance
+        && contraction < options.chord_contraction
+        && *size * contraction.powi(left) <= tolerance
+    {
+        system.newton_step(step);
+        system.advance(step);
+        let before = std::mem::replace(size, system.evaluate());
+        contraction = *size / before;
+    }
+    contraction
+}

@@ -1,0 +1,308 @@
+//! Options of the equilibrium solver, with their defaults and the range in which each may lie.
+//!
+//! The fields of [`ContinuationOptions`] itself are what a user may want to set for one solve; those
+//! of the structs in it tune its parts. "Dimensionless" is in the units of [`System`](super::System):
+//! one radian of the softest angular coordinate.
+
+use super::option_info::{Interval, OptionError, OptionInfo, OptionValue};
+
+/// Declares a struct of options from one line each: documentation, name, type, default and interval.
+macro_rules! options {
+    (
+        $(#[$about:meta])*
+        pub struct $name:ident {
+            $($(#[doc = $doc:literal])+ $field:ident: $kind:ty = $default:expr, $interval:expr;)*
+        }
+        $(parts {
+            $($(#[doc = $part_doc:literal])+ $part:ident: $part_type:ty;)+
+        })?
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name {
+            $($(#[doc = $doc])+ pub $field: $kind,)*
+            $($($(#[doc = $part_doc])+ pub $part: $part_type,)+)?
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* $($($part: <$part_type>::default(),)+)? }
+            }
+        }
+
+        impl $name {
+            /// The options of this struct, without those of its parts.
+            pub const INFO: &'static [OptionInfo] = &[$(OptionInfo {
+                name: stringify!($field),
+                doc: concat!($($doc),+),
+                interval: $interval,
+                integer: <$kind as OptionValue>::INTEGER,
+            },)*];
+
+            /// The options' values, in the order of `INFO`.
+            pub fn values(&self) -> Vec<f64> {
+                vec![$(OptionValue::to_f64(self.$field)),*]
+            }
+
+            /// Sets an option of this struct by name.
+            ///
+            /// # Errors
+            /// If no option has this name or the value is out of range.
+            pub fn set(&mut self, name: &str, value: f64) -> Result<(), OptionError> {
+                let info = Self::INFO.iter().find(|info| info.name == name);
+                info.ok_or_else(|| OptionError::unknown(name, Self::INFO))?.check(value)?;
+                match name {
+                    $(stringify!($field) => self.$field = OptionValue::from_f64(value),)*
+                    _ => {}
+                }
+                Ok(())
+            }
+
+            /// Checks all values, including those of the parts.
+            ///
+            /// # Errors
+            /// Names the first option that is out of range.
+            pub fn validate(&self) -> Result<(), OptionError> {
+                Self::INFO.iter().zip(self.values()).try_for_each(|(info, value)| info.check(value))?;
+                $($(self.$part.validate()?;)+)?
+                Ok(())
+            }
+        }
+    };
+}
+
+options! {
+    /// Options of following equilibria along the load.
+    pub struct ContinuationOptions {
+        /// Largest dimensionless residual of an equilibrium.
+        tolerance: f64 = 1e-9, Interval::above(0.0).to(1.0);
+        /// Iterations (tangents) allowed for one load step, all its sub-steps together.
+        max_iterations: usize = 20_000, Interval::from(1.0).to(1e9);
+        /// Smallest sub-step along the load, as a fraction of the largest load of the path.
+        min_step: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Longest predicted displacement of one sub-step (dimensionless norm over all coordinates).
+        max_displacement: f64 = 30.0, Interval::above(0.0).to(1e6);
+        /// The same for models with contact.
+        max_displacement_with_contact: f64 = 4.0, Interval::above(0.0).to(1e6);
+    }
+    parts {
+        /// Residual and tangent that suffice at the end of a sub-step.
+        accuracy: AccuracyOptions;
+        /// Length of the sub-steps.
+        step: StepOptions;
+        /// Prediction through changes of contact.
+        predictor: PredictorOptions;
+        /// Newton's method from the predicted state.
+        corrector: CorrectorOptions;
+        /// The test that predictor and corrector stayed on one branch.
+        same_branch: SameBranchOptions;
+        /// Jumps from the end of a branch.
+        jump: JumpOptions;
+        /// Minimisation of the energy.
+        trust_region: TrustRegionOptions;
+        /// Newton's method for loads without a potential.
+        damped_newton: DampedNewtonOptions;
+        /// Newton and chord steps, wherever they are taken.
+        newton: NewtonOptions;
+    }
+}
+
+options! {
+    /// Residual and tangent that suffice at the end of a sub-step.
+    ///
+    /// The tangent of the state before the last step may serve for the state after it, if that step left
+    /// little of the residual: H⁻¹ times the difference of the two tangents has this size along the step.
+    pub struct AccuracyOptions {
+        /// Residual between the listed loads, as a share of the predicted displacement,
+        relative_residual: f64 = 0.03, Interval::from(0.0).to(1.0);
+        /// and at most this (dimensionless).
+        max_residual: f64 = 0.1, Interval::from(0.0).to(1.0);
+        /// Share of the residual that the last step may leave for its tangent to be kept: between the
+        /// listed loads,
+        tangent_reuse: f64 = 0.3, Interval::from(0.0).to(1.0);
+        /// after a jump between them,
+        tangent_reuse_after_jump: f64 = 0.1, Interval::from(0.0).to(1.0);
+        /// and at listed loads; at the last load the tangent is always that of the state itself.
+        tangent_reuse_at_listed: f64 = 0.03, Interval::from(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Length of the sub-steps between two listed loads.
+    pub struct StepOptions {
+        /// Where the branch is predicted to end, the sub-step covers this share of the distance.
+        fraction_to_end: f64 = 0.75, Interval::above(0.0).to(1.0);
+        /// A sub-step of at most this many smallest ones is not halved any more.
+        min_step_margin: f64 = 1.5, Interval::from(1.0).to(10.0);
+    }
+}
+
+options! {
+    /// The predictor.
+    pub struct PredictorOptions {
+        /// Changes of contact that one prediction follows.
+        max_contact_changes: usize = 5, Interval::from(0.0).to(1000.0);
+        /// Pairs are watched that would meet within the sub-step at this multiple of their closing rate
+        closing_rate_margin: f64 = 2.0, Interval::from(1.0).to(1e3);
+        /// plus this share of the speed of the fastest point.
+        point_speed_margin: f64 = 0.1, Interval::from(0.0).to(1e3);
+        /// A curvature is taken over from the last sub-step if the displacement was missed by half the
+        /// change of the velocity, to within this share of it,
+        curvature_ratio: f64 = 0.25, Interval::from(0.0).to(0.5);
+        /// in its direction (cosine of the angle between the two),
+        curvature_cosine: f64 = 0.8, Interval::from(0.0).to(1.0);
+        /// and the velocity changed by less than this share of itself.
+        max_curvature: f64 = 0.3, Interval::from(0.0).to(10.0);
+    }
+}
+
+options! {
+    /// The corrector. Lengths of its steps are compared with the displacement predicted, by the largest
+    /// coordinate.
+    pub struct CorrectorOptions {
+        /// Chord steps with the predicted tangent, before one is evaluated,
+        max_predicted_chords: usize = 2, Interval::from(0.0).to(100.0);
+        /// each of which must leave less than this share of the residual,
+        predicted_chord_contraction: f64 = 0.3, Interval::from(0.0).to(1.0);
+        /// and which together go no further than this share of the displacement predicted.
+        predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
+        /// A chord step longer than this multiple of the displacement rejects the prediction.
+        rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
+        /// Newton steps: more are rarely needed unless another branch attracts.
+        max_iterations: usize = 7, Interval::from(1.0).to(1e6);
+        /// All corrections together may go this share of the displacement predicted,
+        max_correction: f64 = 0.7, Interval::from(0.0).to(100.0);
+        /// and this far (dimensionless) in any case.
+        free_correction: f64 = 1e-3, Interval::from(0.0).to(10.0);
+        /// No step may be longer than this multiple of the one before.
+        max_step_growth: f64 = 2.0, Interval::from(1.0).to(1e3);
+    }
+}
+
+options! {
+    /// The test that a corrected state lies on the branch that was predicted: it is as predicted, or its
+    /// displacement agrees with the velocities at both ends.
+    pub struct SameBranchOptions {
+        /// Share of the displacement by which the prediction may miss it.
+        displacement_error: f64 = 0.3, Interval::from(0.0).to(10.0);
+        /// Share of the velocity by which the prediction may miss it.
+        velocity_error: f64 = 0.7, Interval::from(0.0).to(10.0);
+        /// Largest change of the velocity times the sub-step (dimensionless): more could hide a jump.
+        max_velocity_change: f64 = 2.5, Interval::from(0.0).to(1e3);
+        /// The displacement may differ from the mean of both velocities by this share of their change,
+        mean_velocity_error: f64 = 0.6, Interval::from(0.0).to(10.0);
+        /// this share of their size,
+        relative_error: f64 = 0.05, Interval::from(0.0).to(10.0);
+        /// and this (dimensionless).
+        absolute_error: f64 = 1e-9, Interval::from(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Jumps from the end of a branch to another equilibrium.
+    pub struct JumpOptions {
+        /// Trust radius of the first step from the end of a branch.
+        initial_radius: f64 = 0.3, Interval::above(0.0).to(10.0);
+        /// It is a snap if the state moved (dimensionless) by more than this,
+        min_displacement: f64 = 1e-3, Interval::from(0.0).to(10.0);
+        /// plus this multiple of what the velocities at both ends explain;
+        speed_margin: f64 = 1.5, Interval::from(1.0).to(1e3);
+        /// the velocity before counts at most as this multiple of that after, as it grows without bound
+        /// towards a fold.
+        max_speed_ratio: f64 = 4.0, Interval::from(1.0).to(1e3);
+    }
+}
+
+options! {
+    /// Minimisation of the energy in a trust region. Radii are dimensionless.
+    pub struct TrustRegionOptions {
+        /// Radius of the first step from the reference state.
+        initial_radius: f64 = 1.0, Interval::above(0.0).to(1e3);
+        /// Largest radius.
+        max_radius: f64 = 4.0, Interval::above(0.0).to(1e3);
+        /// Radius below which the iteration has stalled.
+        min_radius: f64 = 1e-13, Interval::from(0.0).to(1.0);
+        /// A step is accepted if it reaches this share of the decrease predicted.
+        acceptance_ratio: f64 = 1e-4, Interval::from(0.0).to(0.5);
+        /// Decreases below this share of the energy are lost in rounding: the residual decides.
+        rounding: f64 = 1e-13, Interval::from(0.0).to(1e-3);
+        /// The radius grows after a step that reaches this share of the decrease predicted
+        good_ratio: f64 = 0.75, Interval::from(0.0).to(1.0);
+        /// and is longer than this share of the radius,
+        boundary_share: f64 = 0.8, Interval::from(0.0).to(1.0);
+        /// by this factor.
+        growth: f64 = 2.0, Interval::from(1.0).to(100.0);
+        /// After a step that reaches less than this share, or is rejected, the radius becomes
+        poor_ratio: f64 = 0.25, Interval::from(0.0).to(1.0);
+        /// this share of the step's length.
+        shrinkage: f64 = 0.4, Interval::above(0.0).to(1.0);
+        /// Factorisations allowed for one step.
+        max_factorizations: usize = 30, Interval::from(1.0).to(1000.0);
+        /// A step's length may differ from the radius by this share of it.
+        radius_slack: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// First multiplier tried with an indefinite tangent, as a share of its upper bound.
+        first_multiplier: f64 = 1e-2, Interval::above(0.0).to(1.0);
+        /// The hard case is assumed where the bounds of the multiplier agree to this share.
+        hard_case_gap: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Inverse iterations for the direction of negative curvature.
+        inverse_iterations: usize = 4, Interval::from(1.0).to(1000.0);
+    }
+}
+
+options! {
+    /// Newton's method with halved steps.
+    pub struct DampedNewtonOptions {
+        /// Halvings of one step.
+        max_halvings: usize = 30, Interval::from(0.0).to(1000.0);
+        /// Longest step, by the largest coordinate (dimensionless).
+        max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
+    }
+}
+
+options! {
+    /// Newton and chord steps.
+    pub struct NewtonOptions {
+        /// A step below this (dimensionless) does not change the state any more.
+        negligible_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
+        /// Chord steps are taken while each leaves less than this share of the residual
+        chord_contraction: f64 = 0.1, Interval::from(0.0).to(1.0);
+        /// and this many more at the same rate would reach the tolerance.
+        max_chords_left: usize = 3, Interval::from(0.0).to(100.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_in_range_and_described() {
+        let options = ContinuationOptions::default();
+        assert_eq!(options.validate(), Ok(()));
+        assert_eq!(options.values().len(), ContinuationOptions::INFO.len());
+        assert!(ContinuationOptions::INFO.iter().all(|info| info.doc.len() > 20));
+    }
+
+    #[test]
+    fn options_are_set_by_name() {
+        let mut options = ContinuationOptions::default();
+        options.set("max_iterations", 7.0).unwrap();
+        options.set("min_step", 0.5).unwrap();
+        assert_eq!((options.max_iterations, options.min_step), (7, 0.5));
+        assert_eq!(options.tolerance, ContinuationOptions::default().tolerance);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let mut options = ContinuationOptions::default();
+        let mut said = |name: &str, value: f64| options.set(name, value).unwrap_err().to_string();
+        assert_eq!(said("min_step", 0.0), "min_step is 0: it must be above 0 and at most 1");
+        assert_eq!(said("tolerance", f64::NAN), "tolerance is NaN: it must be above 0 and at most 1");
+        let whole = "max_iterations is 2.5: it must be a whole number from 1 to 1000000000";
+        assert_eq!(said("max_iterations", 2.5), whole);
+        assert!(said("max_steps", 1.0).starts_with("no solver option is named max_steps"));
+        options.corrector.max_step_growth = 0.0;
+        let problem = options.validate().unwrap_err().to_string();
+        assert_eq!(problem, "max_step_growth is 0: it must be from 1 to 1000");
+    }
+}

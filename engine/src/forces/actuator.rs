@@ -1,0 +1,465 @@
+//! Chambers and cables: −u ℓ(q), with ℓ the length of a path in the rod's cross-sections.
+//!
+//! The gradient of ℓ is the actuation matrix B(q) of (9): at each Gauss point the unit tangent
+//! τ̂ of the path, τ = ξ_lin + ξ_ang × d + d′ in normalised strains.
+
+use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::terms::Terms;
+use crate::geometry::Geometry;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::strain::Mode;
+use crate::tree::{GaussPoint, ModelError, Rod, Shape, Tree, finite};
+use serde::Deserialize;
+
+/// What a thread-like actuator does with a positive input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ActuatorKind {
+    /// Pushes its ends apart.
+    Chamber,
+    /// Pulls its ends together.
+    Cable,
+}
+
+/// A thread-like actuator at the local offset `path(X) + lever · S(X)` in a rod's cross-sections.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorDescription {
+    /// Unique name, also that of its load input.
+    pub name: String,
+    /// Chamber or cable.
+    pub kind: ActuatorKind,
+    /// The rod.
+    pub rod: String,
+    /// Offset (y, z) at the sample points [m].
+    pub path: Vec<[f64; 2]>,
+    /// Its derivative with respect to X ∈ [0, 1] [m].
+    pub path_slope: Vec<[f64; 2]>,
+    /// Multiple of S(X) added to the offset (y, z).
+    pub lever: [f64; 2],
+}
+
+/// A chamber or cable: one load input acting along a path on one rod.
+#[derive(Clone, Debug)]
+struct Actuator {
+    rod: usize,
+    /// +1 when a positive input lengthens the path, −1 when it shortens it.
+    sign: f64,
+    /// Parameter holding the lever (y, z).
+    lever: usize,
+    /// One per Gauss point of the rod.
+    routing: Vec<RoutingPoint>,
+}
+
+/// The part of the path at a Gauss point that no design changes.
+#[derive(Clone, Debug)]
+struct RoutingPoint {
+    offset: [f64; 2],
+    slope: [f64; 2],
+}
+
+/// All chambers and cables; the load inputs come first and in their order.
+#[derive(Clone, Debug)]
+pub(crate) struct Actuators(Vec<Actuator>);
+
+impl Actuators {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        actuators: &[ActuatorDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for actuator in actuators {
+            let field = |f: &str| format!("actuators.{}.{f}", actuator.name);
+            let (_, body) = tree.body(&field("rod"), &actuator.rod)?;
+            let Shape::Rod(rod) = body.shape else {
+                return Err(ModelError::new(field("rod"), format!("`{}` is not a rod", actuator.rod)));
+            };
+            let needed = tree.rods[rod].x.len();
+            for (what, list) in [("path", &actuator.path), ("path_slope", &actuator.path_slope)] {
+                if list.len() != needed {
+                    let problem = format!("found {} values, the rod has {needed} sample points", list.len());
+                    return Err(ModelError::new(field(what), problem));
+                }
+                finite(field(what), list.as_flattened())?;
+            }
+            finite(field("lever"), &actuator.lever)?;
+            let at = |gauss: &GaussPoint| RoutingPoint {
+                offset: actuator.path[gauss.point],
+                slope: actuator.path_slope[gauss.point],
+            };
+            let routing = tree.rods[rod].gauss.iter().map(at).collect();
+            let lever = tree.slot(format!("{}.lever", actuator.name), &actuator.lever).start;
+            let sign = if actuator.kind == ActuatorKind::Chamber { 1.0 } else { -1.0 };
+            built.push(Actuator { rod, sign, lever, routing });
+            tree.inputs.push(actuator.name.clone());
+        }
+        Ok(Self(built))
+    }
+
+    /// Length of each actuator's path.
+    pub fn lengths(&self, q: &[f64], paths: &Paths) -> Vec<f64> {
+        let mut lengths = vec![0.0; self.0.len()];
+        self.for_each_point(q, paths, |actuator, weight, _, norm, _| lengths[actuator] += weight * norm);
+        lengths
+    }
+
+    /// Visits each Gauss point of each actuator with (actuator, weight, τ̂, |τ|, columns along each axis).
+    #[inline]
+    fn for_each_point(
+        &self,
+        q: &[f64],
+        paths: &Paths,
+        mut visit: impl FnMut(usize, f64, [f64; 3], f64, [&[PathColumn]; 3]),
+    ) {
+        let (mut point, mut start) = (0, 0);
+        for (index, actuator) in self.0.iter().enumerate() {
+            for path in &paths.points[point..point + actuator.routing.len()] {
+                let columns = path.ends.map(|end| &paths.columns[std::mem::replace(&mut start, end)..end]);
+                let mut tau = path.base;
+                for (tau, columns) in tau.iter_mut().zip(columns) {
+                    columns.iter().for_each(|column| *tau += q[column.dof] * column.size);
+                }
+                let (unit, norm) = unit_tangent(tau, path.base);
+                visit(index, path.weight, unit, norm, columns);
+            }
+            point += actuator.routing.len();
+        }
+    }
+}
+
+impl Actuator {
+    /// Offset d and slope d′ of the path at a Gauss point.
+    fn path(&self, rod: &Rod, gauss: &GaussPoint, routing: &RoutingPoint, p: &[f64]) -> [[f64; 2]; 2] {
+        let (s, slope) = (p[rod.radius.start + gauss.point], p[rod.slope.start + gauss.point]);
+        let along = |i: usize, size: f64, fixed: [f64; 2]| fixed[i] + p[self.lever + i] * size;
+        [[0, 1].map(|i| along(i, s, routing.offset)), [0, 1].map(|i| along(i, slope, routing.slope))]
+    }
+}
+
+/// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.
+fn moment_arm(mode: Mode, d: [f64; 2]) -> [f64; 3] {
+    match mode {
+        Mode::TwistX => [0.0, -d[1], d[0]],
+        Mode::BendY => [d[1], 0.0, 0.0],
+        Mode::BendZ => [-d[0], 0.0, 0.0],
+        Mode::ExtendX => [1.0, 0.0, 0.0],
+        Mode::ShearY => [0.0, 1.0, 0.0],
+        Mode::ShearZ => [0.0, 0.0, 1.0],
+    }
+}
+
+/// Adds what strains contribute to the path's tangent at the offset `d`.
+fn add_tangent_of(strain: &[f64; 6], modes: &[Mode], d: [f64; 2], tau: &mut [f64; 3]) {
+    for mode in modes {
+        let arm = moment_arm(*mode, d);
+        for i in 0..3 {
+            tau[i] += strain[mode.index()] * arm[i];
+        }
+    }
+}
+
+/// τ̂ and |τ|.
+#[inline]
+fn unit_tangent(tau: [f64; 3], base: [f64; 3]) -> ([f64; 3], f64) {
+    // A path collapsed to a point has no direction; a tiny floor keeps the tangent finite.
+    let norm = dot(&tau, &tau).sqrt().max(1e-9 * base[0].abs());
+    (tau.map(|t| t / norm), norm)
+}
+
+#[inline]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The paths of a design at the rods' Gauss points.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Paths {
+    points: Vec<PathPoint>,
+    columns: Vec<PathColumn>,
+    /// One for each pair of a point's columns, the first not before the second.
+    pairs: Vec<ColumnPair>,
+}
+
+/// Tangent of an actuator's path at a Gauss point: τ = base + Σ q_c size_c e_axis, dℓ = weight |τ|.
+#[derive(Clone, Debug)]
+struct PathPoint {
+    base: [f64; 3],
+    weight: f64,
+    /// Ends of its columns, those along each axis; the first begin where the previous point's end.
+    ends: [usize; 3],
+}
+
+#[derive(Clone, Debug)]
+struct PathColumn {
+    dof: usize,
+    size: f64,
+}
+
+/// Inner product of two columns, and the entry of the tangent's half to which the pair adds.
+#[derive(Clone, Debug)]
+struct ColumnPair {
+    entry: usize,
+    product: f64,
+    /// One half for a column with itself.
+    share: f64,
+}
+
+impl Paths {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.columns.clear();
+        self.pairs.clear();
+    }
+
+    /// Appends the columns of a Gauss point, axis by axis, and their pairs.
+    fn push_columns(&mut self, gauss: &GaussPoint, length: f64, d: [f64; 2], dof: usize) -> [usize; 3] {
+        let first = self.columns.len();
+        let mut ends = [0; 3];
+        for (axis, end) in ends.iter_mut().enumerate() {
+            for &(dof, mode, phi) in &gauss.columns {
+                let mode = Mode::ALL[mode];
+                if moment_arm(mode, [1.0; 2])[axis] != 0.0 {
+                    let scale = if mode.is_angular() { phi } else { phi * length };
+                    self.columns.push(PathColumn { dof, size: moment_arm(mode, d)[axis] * scale });
+                }
+            }
+            *end = self.columns.len();
+        }
+        let columns = &self.columns[first..];
+        let axis = |m: usize| ends.iter().filter(|end| first + m >= **end).count();
+        for (m, a) in columns.iter().enumerate() {
+            for (l, b) in columns[..=m].iter().enumerate() {
+                let entry = a.dof.max(b.dof) * dof + a.dof.min(b.dof);
+                let product = if axis(m) == axis(l) { a.size * b.size } else { 0.0 };
+                let share = if m == l { 0.5 } else { 1.0 };
+                self.pairs.push(ColumnPair { entry, product, share });
+            }
+        }
+        ends
+    }
+}
+
+/// What the residual leaves for the tangent.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tangents {
+    /// Tension by |τ| of each Gauss point.
+    curvature: Vec<f64>,
+    /// The part of each point's unit tangent along each of its columns.
+    along: Vec<f64>,
+}
+
+/// A Gauss point in the state at hand.
+#[derive(Clone, Debug)]
+pub(crate) struct PointSensitivity {
+    /// (y, z) of the path in the cross-section.
+    offset: [f64; 2],
+    /// τ̂ and |τ|.
+    unit: [f64; 3],
+    norm: f64,
+    /// −u w.
+    tension: f64,
+    /// Derivatives of τ with respect to the offset and to L.
+    by_offset: [[f64; 3]; 2],
+    by_length: [f64; 3],
+}
+
+/// Adds what coordinates contribute to the normalised strains at a Gauss point, mode by mode.
+fn add_strain(strain: &mut [f64; 6], columns: &[(usize, usize, f64)], length: f64, coordinates: &[f64]) {
+    for &(dof, mode, phi) in columns {
+        strain[mode] += coordinates[dof] * if mode < 3 { phi } else { phi * length };
+    }
+}
+
+/// What strains contribute to a path's tangent at an offset.
+fn tangent_of<G: LieGroup<D, P>, const D: usize, const P: usize>(strain: &[f64; 6], d: [f64; 2]) -> [f64; 3] {
+    let mut tau = [0.0; 3];
+    add_tangent_of(strain, &G::AXES, d, &mut tau);
+    tau
+}
+
+/// Its derivative with respect to the offset.
+fn tangent_by_offset<G: LieGroup<D, P>, const D: usize, const P: usize>(strain: &[f64; 6]) -> [[f64; 3]; 2] {
+    [[1.0, 0.0], [0.0, 1.0]].map(|side| {
+        let mut tau = [0.0; 3];
+        for mode in G::AXES.into_iter().filter(|mode| mode.is_angular()) {
+            add_tangent_of(strain, &[mode], side, &mut tau);
+        }
+        tau
+    })
+}
+
+impl<const P: usize> ForceMemory<P> for Actuators {
+    type Design = Paths;
+    type State = Tangents;
+    type Sensitivity = Vec<PointSensitivity>;
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Actuators {
+    fn design(&self, _: &Tree<G, D, P>) -> Paths {
+        Paths::default()
+    }
+
+    fn state(&self, _: &Tree<G, D, P>) -> Tangents {
+        Tangents::default()
+    }
+
+    fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, paths: &mut Paths) {
+        let p = &geometry.parameters;
+        paths.clear();
+        for actuator in &self.0 {
+            let rod = &tree.rods[actuator.rod];
+            let length = p[rod.length];
+            let reference = rod.reference_strain.map(|strain| length * strain);
+            for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
+                let [d, slope] = actuator.path(rod, gauss, routing, p);
+                let mut base = [0.0, slope[0], slope[1]];
+                add_tangent_of(&reference, &Mode::ALL, d, &mut base);
+                let ends = paths.push_columns(gauss, length, d, tree.dof);
+                paths.points.push(PathPoint { base, weight: gauss.weight, ends });
+            }
+        }
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        paths: &Paths,
+        state: &mut Tangents,
+        Terms { coordinates: out, .. }: &mut Terms<D>,
+    ) {
+        let Tangents { curvature, along } = state;
+        curvature.clear();
+        along.clear();
+        self.for_each_point(at.q, paths, |actuator, weight, unit, norm, columns| {
+            let tension = -self.0[actuator].sign * at.load[actuator] * weight;
+            out.energy += tension * norm;
+            curvature.push(tension / norm);
+            for (unit, columns) in unit.iter().zip(columns) {
+                for column in columns {
+                    let along_column = unit * column.size;
+                    out.gradient[column.dof] += tension * along_column;
+                    along.push(along_column);
+                }
+            }
+        });
+    }
+
+    fn add_tangent(&self, _: &State<G, D, P>, paths: &Paths, state: &Tangents, out: &mut Terms<D>) {
+        let half_tangent = &mut out.coordinates.half_tangent;
+        let mut pairs = paths.pairs.iter();
+        let mut start = 0;
+        for (point, curvature) in paths.points.iter().zip(&state.curvature) {
+            let along = &state.along[start..point.ends[2]];
+            start = point.ends[2];
+            for (m, one) in along.iter().enumerate() {
+                // (1 − τ̂τ̂ᵀ)/|τ|, projected on both columns.
+                for (other, pair) in along.iter().zip(pairs.by_ref().take(m + 1)) {
+                    half_tangent[pair.entry] += *curvature * pair.share * (pair.product - one * other);
+                }
+            }
+        }
+    }
+
+    /// `−Σ_a du_a ∂ℓ_a/∂q`.
+    fn add_load_derivative(
+        &self,
+        at: &State<G, D, P>,
+        paths: &Paths,
+        change: &[f64],
+        out: &mut [f64],
+        _: &impl Fn(usize, &Vector<D>, &mut [f64]),
+    ) {
+        self.for_each_point(at.q, paths, |actuator, weight, unit, _, columns| {
+            let tension = -self.0[actuator].sign * change[actuator] * weight;
+            for (unit, columns) in unit.iter().zip(columns) {
+                for column in columns {
+                    out[column.dof] += tension * unit * column.size;
+                }
+            }
+        });
+    }
+
+    fn update_sensitivity(&self, at: &State<G, D, P>, paths: &Paths, points: &mut Vec<PointSensitivity>) {
+        let p = at.parameters();
+        points.clear();
+        let mut paths = paths.points.iter();
+        for (actuator, load) in self.0.iter().zip(at.load) {
+            let rod = &at.tree.rods[actuator.rod];
+            let length = p[rod.length];
+            for ((routing, gauss), path) in actuator.routing.iter().zip(&rod.gauss).zip(&mut paths) {
+                let [offset, path_slope] = actuator.path(rod, gauss, routing, p);
+                // Normalised strains of the state, mode by mode.
+                let mut strain = [0.0; 6];
+                for mode in G::AXES {
+                    strain[mode.index()] = length * rod.reference_strain[mode.index()];
+                }
+                add_strain(&mut strain, &gauss.columns, length, at.q);
+                let mut tau = tangent_of::<G, D, P>(&strain, offset);
+                for i in 0..2 {
+                    tau[i + 1] += path_slope[i];
+                }
+                let (unit, norm) = unit_tangent(tau, path.base);
+                let by_offset = tangent_by_offset::<G, D, P>(&strain);
+                // L scales linear strains and the whole reference strain.
+                for mode in G::AXES {
+                    let m = mode.index();
+                    strain[m] = if mode.is_angular() { rod.reference_strain[m] } else { strain[m] / length };
+                }
+                points.push(PointSensitivity {
+                    offset,
+                    unit,
+                    norm,
+                    tension: -actuator.sign * load * gauss.weight,
+                    by_offset,
+                    by_length: tangent_of::<G, D, P>(&strain, offset),
+                });
+            }
+        }
+    }
+
+    /// How the path's tangent τ and its arms change with S, S′, the lever and L.
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &Paths,
+        _: &Tangents,
+        points: &Vec<PointSensitivity>,
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        let p = at.parameters();
+        let mut points = points.iter();
+        for actuator in &self.0 {
+            let rod = &at.tree.rods[actuator.rod];
+            let length = p[rod.length];
+            for (gauss, point) in rod.gauss.iter().zip(points.by_ref().take(actuator.routing.len())) {
+                let PointSensitivity { offset, unit, norm, tension, by_offset, by_length } = point;
+                let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
+                let mut strain = [0.0; 6];
+                add_strain(&mut strain, &gauss.columns, length, motion.coordinates);
+                let v = tangent_of::<G, D, P>(&strain, *offset);
+                let v_by_offset = tangent_by_offset::<G, D, P>(&strain);
+                // d(τ̂·v) for a change (dτ, dv).
+                let work = |dtau: [f64; 3], dv: [f64; 3]| {
+                    tension * ((dot(&dtau, &v) - dot(&dtau, unit) * dot(unit, &v)) / norm + dot(unit, &dv))
+                };
+                for i in 0..2 {
+                    let mut sideways = [0.0; 3];
+                    sideways[i + 1] = 1.0;
+                    let by_offset = work(by_offset[i], v_by_offset[i]);
+                    let by_slope = work(sideways, [0.0; 3]);
+                    let lever = p[actuator.lever + i];
+                    gradient[radius] += lever * by_offset;
+                    gradient[slope] += lever * by_slope;
+                    gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
+                }
+                for mode in G::AXES {
+                    let m = mode.index();
+                    strain[m] = if mode.is_angular() { 0.0 } else { strain[m] / length };
+                }
+                gradient[rod.length] += work(*by_length, tangent_of::<G, D, P>(&strain, *offset));
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Balls around blocks of spheres: what is far from a ball is far from all that it holds.
+
+use super::super::element::State;
+use super::definition::Contact;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use std::ops::Range;
+
+/// Spheres of one block, neighbours in their group.
+const BLOCK: usize = 8;
+/// With fewer pairs of spheres testing each is as fast.
+const MANY: usize = 1_000;
+
+/// A ball that holds a block of spheres of a contact's second group.
+#[derive(Clone, Debug)]
+pub(crate) struct Ball<const P: usize> {
+    pub centre: Vector<P>,
+    pub radius: f64,
+}
+
+impl<const P: usize> Ball<P> {
+    pub const POINT: Self = Self { centre: Vector::ZERO, radius: 0.0 };
+}
+
+/// How many balls a contact needs.
+pub(crate) fn count(contact: &Contact) -> usize {
+    let few = contact.first.len() * contact.second.len() < MANY;
+    if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK) }
+}
+
+/// The `k`-th block of so many spheres.
+#[inline]
+pub(crate) fn block(spheres: usize, k: usize) -> Range<usize> {
+    k * BLOCK..((k + 1) * BLOCK).min(spheres)
+}
+
+/// Encloses the blocks of all contacts that need it.
+pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    at: &State<G, D, P>,
+    contacts: &[Contact],
+    balls: &mut [Ball<P>],
+) {
+    for contact in contacts {
+        let centres = contact.second_centres(&at.tree.spheres, &at.kinematics.points).chunks(BLOCK);
+        let radii = at.geometry.radii[contact.second.clone()].chunks(BLOCK);
+        for (ball, (centres, radii)) in balls[contact.balls.clone()].iter_mut().zip(centres.zip(radii)) {
+            ball.centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
+            let spheres = centres.iter().zip(radii);
+            let reach = spheres.map(|(centre, radius)| (*centre - ball.centre).norm() + radius);
+            // No rounding may leave a sphere outside.
+            ball.radius = reach.fold(0.0, f64::max) * (1.0 + 1e-12);
+        }
+    }
+}

@@ -1,0 +1,399 @@
+//! Contact of spheres with spheres and round cones (8): ½ k w max(d, 0)², d the overlap.
+
+mod definition;
+mod enclosure;
+mod pair;
+mod round_cone;
+mod sliding;
+mod sphere;
+mod threshold;
+
+pub(crate) use definition::Contact;
+pub use definition::{ContactDescription, RoundConeDescription};
+pub(crate) use pair::ContactPair;
+
+use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::terms::Terms;
+use crate::geometry::add_radius_slope;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::{ModelError, Tree};
+use enclosure::Ball;
+
+/// All contacts.
+#[derive(Clone, Debug)]
+pub(crate) struct Contacts(Vec<Contact>);
+
+/// The contacts of a state.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactState<const P: usize> {
+    /// Around spheres of contacts with many.
+    balls: Vec<Ball<P>>,
+    /// The pairs that touch, with the index of their contact.
+    pairs: Vec<(usize, ContactPair<P>)>,
+}
+
+/// The contacts of a state, in brief.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSummary {
+    /// Touching pairs of a sphere with a sphere or round cone.
+    pub pairs: u32,
+    /// Spheres of the contacts' first groups that touch.
+    pub touching: u32,
+    /// Magnitude of the resultant contact force on the tip spheres [N].
+    pub tip_force: f64,
+}
+
+impl Contacts {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        contacts: &[ContactDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        let mut balls = 0;
+        for contact in contacts {
+            let mut contact = Contact::build(tree, contact)?;
+            contact.balls = balls..balls + enclosure::count(&contact);
+            balls = contact.balls.end;
+            built.push(contact);
+        }
+        Ok(Self(built))
+    }
+
+    /// The touching pairs with their contact and their stiffness k w.
+    pub fn pairs<'a, const P: usize>(
+        &'a self,
+        parameters: &'a [f64],
+        state: &'a ContactState<P>,
+    ) -> impl Iterator<Item = (&'a Contact, f64, &'a ContactPair<P>)> {
+        state.pairs.iter().map(|(contact, pair)| {
+            let contact = &self.0[*contact];
+            (contact, parameters[contact.stiffness] * pair.weight, pair)
+        })
+    }
+
+    /// The pairs of tip spheres among them.
+    pub fn tip_pairs<'a, const P: usize>(
+        &'a self,
+        parameters: &'a [f64],
+        state: &'a ContactState<P>,
+    ) -> impl Iterator<Item = (&'a Contact, f64, &'a ContactPair<P>)> {
+        self.pairs(parameters, state).filter(|(contact, _, pair)| contact.is_tip(pair.first))
+    }
+
+    /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
+    pub fn summary<const P: usize>(&self, parameters: &[f64], state: &ContactState<P>) -> ContactSummary {
+        let mut summary = ContactSummary::default();
+        let mut tip = Vector::<P>::ZERO;
+        let mut last = None;
+        for (contact, k, pair) in self.pairs(parameters, state) {
+            let this = Some((std::ptr::from_ref(contact), pair.first));
+            summary.pairs += u32::from(pair.weight > 0.0);
+            summary.touching += u32::from(this != last);
+            last = this;
+            if contact.is_tip(pair.first) {
+                tip += pair.normal * (k * pair.overlap);
+            }
+        }
+        summary.tip_force = tip.norm();
+        summary
+    }
+
+    /// Visits the pairs of a contact that touch, or lack less than `margin` of it and have negative
+    /// overlap, in the order of the first group.
+    #[inline]
+    fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        at: &State<G, D, P>,
+        balls: &[Ball<P>],
+        contact: &Contact,
+        margin: f64,
+        visit: impl FnMut(ContactPair<P>),
+    ) {
+        if contact.cones.is_empty() {
+            sphere::for_each_near(at, balls, contact, margin, visit);
+        } else {
+            round_cone::for_each_near(at, contact, margin, visit);
+        }
+    }
+}
+
+/// λ-weighted rates of a pair: the overlap's, and what the radii add to it where t follows the points.
+fn add_pair_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    at: &State<G, D, P>,
+    contact: &Contact,
+    pair: &ContactPair<P>,
+    k: f64,
+    [normal, slide]: [f64; 2],
+    gradient: &mut [f64],
+) {
+    let p = at.parameters();
+    gradient[contact.stiffness] += pair.weight * pair.overlap * normal;
+    if let Some(length) = contact.lengths.get(pair.first - contact.first.start) {
+        gradient[*length] += k * pair.overlap * normal / p[*length];
+    }
+    let [a, b] = pair.second;
+    for (i, sphere) in [pair.first, a, b].into_iter().enumerate() {
+        let weight = pair.by_radii()[i] * normal + pair.slide_by_radii()[i] * slide;
+        add_radius_slope(at.tree, p, at.tree.spheres[sphere].radius, k * weight, gradient);
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Contacts {
+    type Design = ();
+    type State = ContactState<P>;
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Contacts {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) -> ContactState<P> {
+        ContactState {
+            balls: vec![Ball::POINT; self.0.last().map_or(0, |c| c.balls.end)],
+            pairs: Vec::with_capacity(self.0.iter().map(Contact::most_couplings).sum()),
+        }
+    }
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|contact| parameters[contact.stiffness] >= 0.0)
+    }
+
+    fn most_couplings(&self) -> usize {
+        self.0.iter().map(Contact::most_couplings).sum()
+    }
+
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &mut ContactState<P>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        enclosure::update(at, &self.0, &mut state.balls);
+        let ContactState { balls, pairs } = state;
+        pairs.clear();
+        for (index, contact) in self.0.iter().enumerate() {
+            let k = at.parameters()[contact.stiffness];
+            Self::for_each_near(at, balls, contact, 0.0, |pair| {
+                let k = k * pair.weight;
+                out.energy += 0.5 * k * pair.overlap * pair.overlap;
+                let force = pair.normal * (-k * pair.overlap);
+                let [p, a, b] = pair.points(at.tree);
+                let mut push = |point: usize, force: &Vector<P>| {
+                    out.add_force::<G, P>(at.frame(point), at.point(point), force);
+                };
+                push(p, &force);
+                if a == b {
+                    push(a, &-force);
+                } else {
+                    push(a, &(force * (pair.t - 1.0)));
+                    push(b, &(force * -pair.t));
+                }
+                pairs.push((index, pair));
+            });
+        }
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ContactState<P>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for (_, k, pair) in self.pairs(at.parameters(), state) {
+            if pair.slip > 0.0 {
+                sliding::add_tangent(at, pair, k, out);
+            } else {
+                let force = pair.normal * (-k * pair.overlap);
+                let tangential = -k * pair.overlap / pair.distance;
+                let [p, end, _] = pair.points(at.tree);
+                let frames = [p, end].map(|point| at.frame(point));
+                let ends = [p, end].map(|point| at.point(point));
+                out.add_pair::<G, P>(frames, ends, &force, &pair.normal, [k, tangential]);
+            }
+        }
+    }
+
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        state: &ContactState<P>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        for contact in &self.0 {
+            let k = at.parameters()[contact.stiffness];
+            Self::for_each_near(at, &state.balls, contact, margin, |pair| {
+                visit(Switch {
+                    points: pair.points(at.tree),
+                    t: pair.t,
+                    normal: pair.normal,
+                    depth: pair.overlap,
+                    stiffness: k * pair.weight,
+                });
+            });
+        }
+    }
+
+    fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
+        self.0.iter().any(|contact| {
+            if contact.cones.is_empty() {
+                threshold::of_spheres(at, contact, moves)
+            } else {
+                threshold::of_round_cones(at, contact, moves)
+            }
+        })
+    }
+
+    /// Where two joined round cones are both touched at the sphere that they share, that counts once.
+    fn contact_forces(&self, at: &State<G, D, P>, state: &ContactState<P>, out: &mut Vec<ContactForce<P>>) {
+        for (contact, k, pair) in self.pairs(at.parameters(), state) {
+            let force = pair.normal * (k * pair.overlap);
+            let same = |f: &ContactForce<P>| {
+                f.first == pair.first && (f.force + force).norm() <= 1e-9 * force.norm()
+            };
+            let shared = out.iter().rposition(same).filter(|_| pair.weight < 0.0);
+            if let Some(i) = shared {
+                out.remove(i);
+                continue;
+            }
+            let inward = at.geometry.radii[pair.first] - 0.5 * pair.overlap;
+            out.push(ContactForce {
+                first: pair.first,
+                second: pair.second,
+                cone: !contact.cones.is_empty(),
+                nearest: pair.second[usize::from(pair.t >= 0.5)],
+                force,
+                depth: pair.overlap,
+                point: *at.point(at.tree.spheres[pair.first].point) - pair.normal * inward,
+            });
+        }
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ContactState<P>,
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for (contact, k, pair) in self.pairs(at.parameters(), state) {
+            let velocity = pair.motion(at.tree, motion.velocities.points);
+            let slide = pair.overlap * pair.slip * pair.slide(&velocity);
+            add_pair_parameters(at, contact, pair, k, [pair.closing(&velocity), slide], gradient);
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ContactState<P>,
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        let mut sum = 0.0;
+        for (_, k, pair) in self.pairs(at.parameters(), state) {
+            let change = pair.motion(at.tree, velocities.points);
+            let velocity = pair.motion(at.tree, motion.velocities.points);
+            let shifted = pair
+                .points(at.tree)
+                .map(|point| motion.velocities.shifted::<G>(at.frame(point), &velocities.points[point]));
+            let closing = pair.closing(&change) * pair.closing(&velocity);
+            sum +=
+                k * (closing + pair.overlap * (pair.curvature(&change, &velocity) + pair.closing(&shifted)));
+        }
+        *work += sum;
+    }
+}
+
+/// The tip force F_t, the resultant of contact on the tip spheres.
+impl Contacts {
+    /// Unit vector of the tip force, if something touches the tip.
+    pub fn tip_direction<const P: usize>(
+        &self,
+        parameters: &[f64],
+        state: &ContactState<P>,
+    ) -> Option<Vector<P>> {
+        let mut resultant = Vector::<P>::ZERO;
+        for (_, k, pair) in self.tip_pairs(parameters, state) {
+            resultant += pair.normal * (k * pair.overlap);
+        }
+        let size = resultant.norm();
+        (size > 0.0).then(|| resultant * (1.0 / size))
+    }
+
+    /// Adds ∂F_t/∂p with frames and points held.
+    pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &ContactState<P>,
+        direction: &Vector<P>,
+        gradient: &mut [f64],
+    ) {
+        for (contact, k, pair) in self.tip_pairs(at.parameters(), state) {
+            let along = direction.dot(&pair.normal);
+            let turned = direction.dot(&pair.across) * pair.overlap * pair.slip / pair.distance;
+            add_pair_parameters(at, contact, pair, k, [along, turned], gradient);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Data;
+    use crate::lie::SE2;
+    use crate::model::{Model, SphereDescription, Station};
+    use crate::systems::finger;
+
+    #[test]
+    fn blocks_hide_no_pair() {
+        let mut d = finger();
+        let on = |body: &str, k: usize| SphereDescription {
+            body: body.into(),
+            station: Station::Fraction(k as f64 / 30.0),
+        };
+        let links = ["ph_1", "ph_2", "ph_3"];
+        d.spheres[1].spheres = links.iter().flat_map(|body| (0..30).map(|k| on(body, k))).collect();
+        let mut own = d.contacts[0].clone();
+        (own.name, own.second, own.skip) = ("own".into(), own.first.clone(), 3);
+        d.contacts.push(own);
+        let model = Model::<SE2, 3, 2>::new(&d).unwrap();
+        let contacts = &model.forces.contacts.0;
+        assert!(contacts.iter().all(|c| !c.balls.is_empty()));
+        let mut data = Data::new(&model);
+        let mut seen = [0, 0];
+        for state in 0..20 {
+            let wave = |i: usize| ((i + 1) as f64 * (1.1 + 0.23 * f64::from(state))).sin();
+            let q: Vec<f64> = (0..model.dof()).map(|i| 0.6 * wave(i)).collect();
+            data.evaluate(&model, &q, &[0.0]);
+            let at = data.state(&model, &q, &[0.0]);
+            let balls = &data.assembly.forces.contacts.balls;
+            for (c, contact) in contacts.iter().enumerate() {
+                let mut each = contact.clone();
+                each.balls = 0..0;
+                for margin in [0.0, 1e-3, 2e-2] {
+                    let pairs = |contact| {
+                        let mut pairs = vec![];
+                        let visit = |p: ContactPair<2>| pairs.push((p.first, p.second[0], p.overlap));
+                        Contacts::for_each_near(&at, balls, contact, margin, visit);
+                        pairs
+                    };
+                    let found = pairs(contact);
+                    assert_eq!(found, pairs(&each));
+                    seen[c] += found.len();
+                }
+            }
+        }
+        assert!(seen.iter().all(|pairs| *pairs > 100), "{seen:?}");
+    }
+}

@@ -1,0 +1,254 @@
+//! What the rest of the engine asks of a force.
+
+use super::terms::Terms;
+use crate::geometry::Geometry;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::Tree;
+use std::fmt::Debug;
+
+/// A state under load.
+#[derive(Debug)]
+pub(crate) struct State<'a, G, const D: usize, const P: usize> {
+    pub tree: &'a Tree<G, D, P>,
+    pub geometry: &'a Geometry<G, D, P>,
+    pub kinematics: &'a Kinematics<G, D, P>,
+    pub q: &'a [f64],
+    pub load: &'a [f64],
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> State<'_, G, D, P> {
+    /// The parameters of the design.
+    #[inline]
+    pub fn parameters(&self) -> &[f64] {
+        &self.geometry.parameters
+    }
+
+    /// World position of a point.
+    #[inline]
+    pub fn point(&self, point: usize) -> &Vector<P> {
+        &self.kinematics.points[point]
+    }
+
+    /// The frame that carries a point.
+    #[inline]
+    pub fn frame(&self, point: usize) -> usize {
+        self.tree.points[point].frame
+    }
+}
+
+/// Velocities of everything on the tree: under a virtual motion, or as a parameter changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Velocities<'a, const D: usize, const P: usize> {
+    /// World twist of each frame.
+    pub twists: &'a [Vector<D>],
+    /// Velocity of each point.
+    pub points: &'a [Vector<P>],
+}
+
+impl<const D: usize, const P: usize> Velocities<'_, D, P> {
+    /// How the velocity of a point under these twists, held fixed, changes as the point is displaced.
+    #[inline]
+    pub fn shifted<G: LieGroup<D, P>>(&self, frame: usize, displacement: &Vector<P>) -> Vector<P> {
+        // A point's velocity under a fixed twist is affine in the point.
+        (G::point_jacobian(displacement) - G::point_jacobian(&Vector::ZERO)) * self.twists[frame]
+    }
+}
+
+/// A virtual motion λ of the coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VirtualMotion<'a, const D: usize, const P: usize> {
+    pub coordinates: &'a [f64],
+    pub velocities: Velocities<'a, D, P>,
+}
+
+/// A term `½ k d₊²` that switches on and off with the sign of d, linearised in the positions of the
+/// points p, a and b: d changes at the rate −n·(ṗ − (1 − t) ȧ − t ḃ).
+#[derive(Clone, Debug)]
+pub(crate) struct Switch<const P: usize> {
+    /// p, a, b.
+    pub points: [usize; 3],
+    pub t: f64,
+    pub normal: Vector<P>,
+    /// d.
+    pub depth: f64,
+    /// k; negative where it takes off what the two switches before it count twice.
+    pub stiffness: f64,
+}
+
+impl<const P: usize> Switch<P> {
+    /// The rate of d for these velocities of all points.
+    #[inline]
+    pub fn rate(&self, velocities: &[Vector<P>]) -> f64 {
+        let [p, a, b] = self.points.map(|i| velocities[i]);
+        -self.normal.dot(&(p - a * (1.0 - self.t) - b * self.t))
+    }
+}
+
+/// One contact force.
+#[derive(Clone, Debug)]
+pub struct ContactForce<const P: usize> {
+    /// The sphere of the first group.
+    pub first: usize,
+    /// The sphere that it touches, twice; or those at the ends of the round cone that it touches
+    /// between them.
+    pub second: [usize; 2],
+    /// The one of these that is nearer.
+    pub nearest: usize,
+    /// Whether it touches a round cone.
+    pub cone: bool,
+    /// Force on the first [N].
+    pub force: Vector<P>,
+    /// Overlap d [m].
+    pub depth: f64,
+    /// Middle of the overlap [m].
+    pub point: Vector<P>,
+}
+
+/// What all forces of one kind derive and keep.
+pub(crate) trait ForceMemory<const P: usize> {
+    /// What follows from the parameters alone.
+    type Design: Clone + Debug + Send;
+    /// What the residual leaves for the tangent and the derivatives.
+    type State: Clone + Debug + Send;
+    /// What the derivatives of all outputs share.
+    type Sensitivity: Clone + Debug + Default + Send;
+}
+
+/// All forces of one kind in a model.
+///
+/// Residual, tangent, derivatives and switches of a force are defined here together; the registry in
+/// `model/forces.rs` lists the kinds, and everything else in the engine goes through it.
+pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>:
+    ForceMemory<P>
+{
+    /// Memory for one design.
+    fn design(&self, tree: &Tree<G, D, P>) -> Self::Design;
+
+    /// Memory for one state.
+    fn state(&self, tree: &Tree<G, D, P>) -> Self::State;
+
+    /// Derives from the parameters what does not depend on the state.
+    fn update_design(
+        &self,
+        _tree: &Tree<G, D, P>,
+        _geometry: &Geometry<G, D, P>,
+        _design: &mut Self::Design,
+    ) {
+    }
+
+    /// Adds the elastic stiffness of each coordinate by itself, which sets its scale.
+    fn add_elastic_stiffness(
+        &self,
+        _tree: &Tree<G, D, P>,
+        _geometry: &Geometry<G, D, P>,
+        _design: &Self::Design,
+        _stiffness: &mut [f64],
+    ) {
+    }
+
+    /// Adds energy, where there is one, and residual.
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        design: &Self::Design,
+        state: &mut Self::State,
+        out: &mut Terms<D>,
+    );
+
+    /// Adds the derivative of the residual at the state whose residual was asked for last.
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        design: &Self::Design,
+        state: &Self::State,
+        out: &mut Terms<D>,
+    );
+
+    /// Adds the derivative of the residual along a change of load; `project` adds Jᵀw of a frame whose
+    /// Jacobian is kept.
+    fn add_load_derivative(
+        &self,
+        _at: &State<G, D, P>,
+        _design: &Self::Design,
+        _change: &[f64],
+        _out: &mut [f64],
+        _project: &impl Fn(usize, &Vector<D>, &mut [f64]),
+    ) {
+    }
+
+    /// Whether the force has a potential.
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    /// Whether its parameters make physical sense.
+    fn is_admissible(&self, _parameters: &[f64]) -> bool {
+        true
+    }
+
+    /// The most couplings between frames, or terms without a potential, that one tangent can hold.
+    fn most_couplings(&self) -> usize {
+        0
+    }
+
+    /// Whether it has terms that switch on and off.
+    fn has_switches(&self) -> bool {
+        false
+    }
+
+    /// Visits the terms that are on, or lack less than `margin` of it.
+    fn for_each_switch(
+        &self,
+        _at: &State<G, D, P>,
+        _state: &Self::State,
+        _margin: f64,
+        _visit: &mut impl FnMut(Switch<P>),
+    ) {
+    }
+
+    /// Whether the state is where the residual has one-sided derivatives only, for a motion of some of
+    /// the points along a direction that `moves` confirms.
+    fn at_threshold(&self, _at: &State<G, D, P>, _moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
+        false
+    }
+
+    /// Appends the contact forces, from what the residual left and the poses: coordinates and load are
+    /// not given.
+    fn contact_forces(&self, _at: &State<G, D, P>, _state: &Self::State, _out: &mut Vec<ContactForce<P>>) {}
+
+    /// Derives what all outputs share.
+    fn update_sensitivity(
+        &self,
+        _at: &State<G, D, P>,
+        _design: &Self::Design,
+        _sensitivity: &mut Self::Sensitivity,
+    ) {
+    }
+
+    /// Adds λᵀ∂g/∂p, with frames and points held, to every parameter that the force depends on.
+    #[allow(clippy::too_many_arguments)]
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        design: &Self::Design,
+        state: &Self::State,
+        sensitivity: &Self::Sensitivity,
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    );
+
+    /// Adds the change of the virtual work as frames and points move with a parameter at `velocities`,
+    /// the twists of the virtual motion held.
+    fn add_geometric_work(
+        &self,
+        _at: &State<G, D, P>,
+        _design: &Self::Design,
+        _state: &Self::State,
+        _motion: &VirtualMotion<D, P>,
+        _velocities: &Velocities<D, P>,
+        _work: &mut f64,
+    ) {
+    }
+}

@@ -1,0 +1,15 @@
+//! The forces that act on a tree of bodies, one file each.
+//!
+//! A force is either a function of the coordinates themselves (elasticity, joint limits, chambers) or
+//! of the poses of frames (contact, gravity, springs, point loads). The latter report world-frame
+//! wrenches and stiffness forms, which the assembly turns into residual and tangent.
+
+pub(crate) mod actuator;
+pub(crate) mod contact;
+pub(crate) mod elasticity;
+pub(crate) mod element;
+pub(crate) mod gravity;
+pub(crate) mod joint;
+pub(crate) mod spring;
+pub(crate) mod terms;
+pub(crate) mod wrench;

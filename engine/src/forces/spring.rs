@@ -1,0 +1,190 @@
+//! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
+
+use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::terms::Terms;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::description::AttachmentDescription;
+use crate::tree::{ModelError, Tree, not_negative};
+use serde::Deserialize;
+
+/// A linear spring between two points; a strap when `slack`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpringDescription {
+    /// Unique name.
+    pub name: String,
+    /// One end.
+    pub first: AttachmentDescription,
+    /// The other end.
+    pub second: AttachmentDescription,
+    /// Stiffness [N/m].
+    pub stiffness: f64,
+    /// Rest length [m].
+    pub rest_length: f64,
+    /// Whether it only pulls.
+    #[serde(default)]
+    pub slack: bool,
+}
+
+/// A linear spring between two points.
+#[derive(Clone, Debug)]
+struct Spring {
+    ends: [usize; 2],
+    /// Parameters holding k and ℓ₀.
+    stiffness: usize,
+    rest_length: usize,
+    slack: bool,
+}
+
+/// All springs.
+#[derive(Clone, Debug)]
+pub(crate) struct Springs(Vec<Spring>);
+
+/// The potential of a taut spring as a function of r, the vector between its ends.
+struct Taut<const P: usize> {
+    stretch: f64,
+    energy: f64,
+    /// Its gradient, the force on the second end.
+    force: Vector<P>,
+    /// Unit vector along r; zero where the ends coincide.
+    direction: Vector<P>,
+    /// Second derivatives along and across it.
+    hessian: [f64; 2],
+}
+
+impl Springs {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        springs: &[SpringDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for spring in springs {
+            let field = |f: &str| format!("springs.{}.{f}", spring.name);
+            not_negative(field("stiffness"), spring.stiffness)?;
+            not_negative(field("rest_length"), spring.rest_length)?;
+            let ends = [
+                tree.attach(&field("first"), &spring.first)?,
+                tree.attach(&field("second"), &spring.second)?,
+            ];
+            tree.keep_jacobian(tree.points[ends[1]].frame);
+            let stiffness = tree.slot(format!("{}.stiffness", spring.name), &[spring.stiffness]).start;
+            let rest_length = tree.slot(format!("{}.rest_length", spring.name), &[spring.rest_length]).start;
+            built.push(Spring { ends, stiffness, rest_length, slack: spring.slack });
+        }
+        Ok(Self(built))
+    }
+
+    /// The springs that are taut.
+    fn taut<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &'a self,
+        at: &'a State<G, D, P>,
+    ) -> impl Iterator<Item = (&'a Spring, Taut<P>)> {
+        self.0.iter().filter_map(|spring| Some((spring, spring.taut(at)?)))
+    }
+}
+
+impl Spring {
+    fn taut<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> Option<Taut<P>> {
+        let [k, rest] = [self.stiffness, self.rest_length].map(|i| at.parameters()[i]);
+        let r = *at.point(self.ends[0]) - *at.point(self.ends[1]);
+        let length = r.norm();
+        let stretch = length - rest;
+        if self.slack && stretch <= 0.0 {
+            return None;
+        }
+        let energy = 0.5 * k * stretch * stretch;
+        let coincident = length == 0.0 || length < 1e-12 * rest;
+        let direction = if coincident { Vector::ZERO } else { r * (1.0 / length) };
+        Some(if rest == 0.0 || coincident {
+            // Isotropic: no direction is singled out (or none is defined).
+            Taut { stretch, energy, force: r * k, direction, hessian: [k, k] }
+        } else {
+            let hessian = [k, k * stretch / length];
+            Taut { stretch, energy, force: direction * (k * stretch), direction, hessian }
+        })
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Springs {
+    type Design = ();
+    type State = ();
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Springs {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) {}
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|s| [s.stiffness, s.rest_length].iter().all(|i| parameters[*i] >= 0.0))
+    }
+
+    fn most_couplings(&self) -> usize {
+        self.0.len()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        _: &mut (),
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for (spring, taut) in self.taut(at) {
+            let [a, b] = spring.ends;
+            out.energy += taut.energy;
+            out.add_force::<G, P>(at.frame(a), at.point(a), &taut.force);
+            out.add_force::<G, P>(at.frame(b), at.point(b), &-taut.force);
+        }
+    }
+
+    fn add_tangent(&self, at: &State<G, D, P>, _: &(), _: &(), Terms { frames: out, .. }: &mut Terms<D>) {
+        for (spring, Taut { force, direction, hessian, .. }) in self.taut(at) {
+            let frames = spring.ends.map(|end| at.frame(end));
+            out.add_pair::<G, P>(frames, spring.ends.map(|end| at.point(end)), &force, &direction, hessian);
+        }
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        _: &(),
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for (spring, taut) in self.taut(at) {
+            let [va, vb] = spring.ends.map(|end| motion.velocities.points[end]);
+            let extension = taut.direction.dot(&(va - vb));
+            gradient[spring.stiffness] += taut.stretch * extension;
+            gradient[spring.rest_length] -= at.parameters()[spring.stiffness] * extension;
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        let VirtualMotion { velocities: virtual_motion, .. } = motion;
+        for (spring, Taut { force, direction, hessian: [normal, tangential], .. }) in self.taut(at) {
+            let [va, vb] = spring.ends.map(|end| virtual_motion.points[end]);
+            let [da, db] = spring.ends.map(|end| velocities.points[end]);
+            let [sa, sb] =
+                spring.ends.map(|end| virtual_motion.shifted::<G>(at.frame(end), &velocities.points[end]));
+            let along = direction * direction.dot(&(da - db));
+            let change = along * normal + ((da - db) - along) * tangential;
+            *work += change.dot(&(va - vb)) + force.dot(&(sa - sb));
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Point loads: forces and moments, fixed in the world or following their body.
+//!
+//! A dead force has the potential −f·p. For the rest the generalised force is −Jᵀw all the same, and
+//! the tangent gains the antisymmetric part ∓½ Jᵀ M(w) J that no potential can give.
+
+use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::terms::Terms;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::strain::Mode;
+use crate::tree::description::AttachmentDescription;
+use crate::tree::{ModelError, Tree, finite};
+use serde::Deserialize;
+
+/// In which frame a point load keeps its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WrenchFrame {
+    /// Fixed in the world.
+    World,
+    /// Follows the body.
+    Body,
+}
+
+/// A force and a moment at a point.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WrenchDescription {
+    /// Unique name.
+    pub name: String,
+    /// Where it acts.
+    pub at: AttachmentDescription,
+    /// Force [N].
+    pub force: [f64; 3],
+    /// Moment [N·m].
+    pub moment: [f64; 3],
+    /// Fixed in the world or following the body.
+    pub frame: WrenchFrame,
+    /// Whether it is scaled by a load input of its name.
+    #[serde(default)]
+    pub input: bool,
+}
+
+/// A force and moment at a point.
+#[derive(Clone, Debug)]
+struct Wrench<const P: usize> {
+    point: usize,
+    frame: usize,
+    force: Vector<P>,
+    /// Only the components that the group can turn about.
+    moment: [f64; 3],
+    follower: bool,
+    /// Load input that scales it.
+    input: Option<usize>,
+}
+
+/// All point loads.
+#[derive(Clone, Debug)]
+pub(crate) struct Wrenches<const P: usize>(Vec<Wrench<P>>);
+
+impl<const P: usize> Wrenches<P> {
+    pub fn build<G: LieGroup<D, P>, const D: usize>(
+        tree: &mut Tree<G, D, P>,
+        wrenches: &[WrenchDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for wrench in wrenches {
+            let field = |f: &str| format!("wrenches.{}.{f}", wrench.name);
+            finite(field("force"), &wrench.force)?;
+            finite(field("moment"), &wrench.moment)?;
+            let point = tree.attach(&field("at"), &wrench.at)?;
+            let force = G::point_from_spatial(&wrench.force)
+                .ok_or_else(|| ModelError::new(field("force"), "leaves the x–z plane of a planar system"))?;
+            if P == 2 && (wrench.moment[0] != 0.0 || wrench.moment[2] != 0.0) {
+                return Err(ModelError::new(field("moment"), "a planar system turns about y only"));
+            }
+            let input = wrench.input.then(|| {
+                tree.inputs.push(wrench.name.clone());
+                tree.inputs.len() - 1
+            });
+            let frame = tree.points[point].frame;
+            tree.keep_jacobian(frame);
+            let follower = wrench.frame == WrenchFrame::Body;
+            built.push(Wrench { point, frame, force, moment: wrench.moment, follower, input });
+        }
+        Ok(Self(built))
+    }
+}
+
+impl<const P: usize> Wrench<P> {
+    /// A dead force has a potential; followers have none, and a dead moment only in the plane.
+    fn is_conservative(&self) -> bool {
+        !self.follower && (P == 2 || self.moment == [0.0; 3])
+    }
+
+    /// The multiple of the load.
+    fn magnitude(&self, load: &[f64]) -> f64 {
+        self.input.map_or(1.0, |i| load[i])
+    }
+
+    /// World wrench per unit of load; the sign convention is that of an applied load.
+    fn world_wrench<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> Vector<D> {
+        if !self.follower {
+            return G::point_jacobian(at.point(self.point)).transpose_times(&self.force)
+                + moment::<G, D, P>(self);
+        }
+        let local = &at.geometry.points[self.point];
+        let body = G::point_jacobian(local).transpose_times(&self.force) + moment::<G, D, P>(self);
+        at.kinematics.pose[self.frame].inverse().adjoint().transpose_times(&body)
+    }
+
+    /// The part of the wrench whose tangent has an antisymmetric half, and the sign of that half.
+    fn circulatory<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> (Vector<D>, f64) {
+        if self.follower { (self.world_wrench(at), -0.5) } else { (moment::<G, D, P>(self), 0.5) }
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Wrenches<P> {
+    type Design = ();
+    type State = ();
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Wrenches<P> {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) {}
+
+    fn is_conservative(&self) -> bool {
+        self.0.iter().all(Wrench::is_conservative)
+    }
+
+    fn most_couplings(&self) -> usize {
+        self.0.len()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        _: &mut (),
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for wrench in &self.0 {
+            let size = wrench.magnitude(at.load);
+            let p = at.point(wrench.point);
+            if wrench.follower {
+                out.wrench[wrench.frame] -= wrench.world_wrench(at) * size;
+                out.loaded[wrench.frame] = true;
+            } else {
+                let force = wrench.force * size;
+                out.energy -= force.dot(p);
+                out.add_force::<G, P>(wrench.frame, p, &-force);
+                out.wrench[wrench.frame] -= moment::<G, D, P>(wrench) * size;
+                if P == 2 && wrench.moment[1] != 0.0 {
+                    out.energy -= size * wrench.moment[1] * at.kinematics.planar_angle(at.tree, wrench.frame);
+                }
+            }
+        }
+    }
+
+    fn add_tangent(&self, at: &State<G, D, P>, _: &(), _: &(), Terms { frames: out, .. }: &mut Terms<D>) {
+        for wrench in &self.0 {
+            let size = wrench.magnitude(at.load);
+            if !wrench.follower {
+                out.add_curvature::<G, P>(wrench.frame, at.point(wrench.point), &(wrench.force * -size));
+            }
+            if !wrench.is_conservative() {
+                let (w, sign) = wrench.circulatory(at);
+                out.circulatory.push((wrench.frame, G::bracket_form(&w) * (sign * size)));
+            }
+        }
+    }
+
+    fn add_load_derivative(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        change: &[f64],
+        out: &mut [f64],
+        project: &impl Fn(usize, &Vector<D>, &mut [f64]),
+    ) {
+        for wrench in &self.0 {
+            let Some(input) = wrench.input else { continue };
+            project(wrench.frame, &(wrench.world_wrench(at) * -change[input]), out);
+        }
+    }
+
+    /// Nothing: no parameter scales a point load.
+    fn add_parameter_work(
+        &self,
+        _: &State<G, D, P>,
+        _: &(),
+        _: &(),
+        _: &(),
+        _: &VirtualMotion<D, P>,
+        _: &mut [f64],
+    ) {
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        let VirtualMotion { velocities: virtual_motion, .. } = motion;
+        for wrench in &self.0 {
+            let (size, frame) = (wrench.magnitude(at.load), wrench.frame);
+            let velocity = &velocities.points[wrench.point];
+            if wrench.follower {
+                // The wrench is carried along with its frame; its point may slide along the body.
+                let twist = &velocities.twists[frame];
+                let carried = G::ad(twist) * virtual_motion.twists[frame];
+                let slide = *velocity - G::point_jacobian(at.point(wrench.point)) * *twist;
+                let force = at.kinematics.pose[frame].rotate(&wrench.force);
+                *work += size
+                    * (wrench.world_wrench(at).dot(&carried)
+                        - force.dot(&virtual_motion.shifted::<G>(frame, &slide)));
+            } else {
+                *work -= size * wrench.force.dot(&virtual_motion.shifted::<G>(frame, velocity));
+            }
+        }
+    }
+}
+
+fn moment<G: LieGroup<D, P>, const D: usize, const P: usize>(wrench: &Wrench<P>) -> Vector<D> {
+    let mut w = Vector::ZERO;
+    for mode in [Mode::TwistX, Mode::BendY, Mode::BendZ] {
+        if let Some(axis) = G::axis(mode) {
+            w[axis] = wrench.moment[mode.index()];
+        }
+    }
+    w
+}

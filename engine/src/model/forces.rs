@@ -1,0 +1,217 @@
+//! The registry: the forces of a model, one line each.
+
+use super::description::Description;
+use crate::forces::actuator::Actuators;
+use crate::forces::contact::Contacts;
+use crate::forces::elasticity::Elasticity;
+use crate::forces::element::{
+    ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion,
+};
+use crate::forces::gravity::Gravity;
+use crate::forces::joint::Joints;
+use crate::forces::spring::Springs;
+use crate::forces::terms::Terms;
+use crate::forces::wrench::Wrenches;
+use crate::geometry::Geometry;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::{ModelError, Tree};
+
+/// Each line: a name, the force element and how it is built from a description. Forces are built, and
+/// their contributions summed, in this order.
+macro_rules! registry {
+    ($($name:ident: $force:ty = |$tree:pat_param, $description:pat_param| $build:expr;)*) => {
+        /// The forces of a model.
+        #[derive(Clone, Debug)]
+        pub(crate) struct Forces<const P: usize> {
+            $(pub $name: $force,)*
+        }
+
+        /// What they derive from the parameters.
+        #[derive(Clone, Debug)]
+        pub(crate) struct Designs<const P: usize> {
+            $(pub $name: <$force as ForceMemory<P>>::Design,)*
+        }
+
+        /// What their residuals leave for tangents and derivatives.
+        #[derive(Clone, Debug)]
+        pub(crate) struct States<const P: usize> {
+            $(pub $name: <$force as ForceMemory<P>>::State,)*
+        }
+
+        /// What the derivatives of all outputs share.
+        #[derive(Clone, Debug)]
+        pub(crate) struct Sensitivities<const P: usize> {
+            $($name: <$force as ForceMemory<P>>::Sensitivity,)*
+        }
+
+        impl<const P: usize> Default for Sensitivities<P> {
+            fn default() -> Self {
+                Self { $($name: Default::default(),)* }
+            }
+        }
+
+        impl<const P: usize> Forces<P> {
+            pub fn build<G: LieGroup<D, P>, const D: usize>(
+                tree: &mut Tree<G, D, P>,
+                description: &Description,
+            ) -> Result<Self, ModelError> {
+                $(let $name = {
+                    let ($tree, $description) = (&mut *tree, description);
+                    $build
+                };)*
+                Ok(Self { $($name,)* })
+            }
+
+            pub fn designs<G: LieGroup<D, P>, const D: usize>(&self, tree: &Tree<G, D, P>) -> Designs<P> {
+                Designs { $($name: self.$name.design(tree),)* }
+            }
+
+            pub fn states<G: LieGroup<D, P>, const D: usize>(&self, tree: &Tree<G, D, P>) -> States<P> {
+                States { $($name: self.$name.state(tree),)* }
+            }
+
+            pub fn update_designs<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                tree: &Tree<G, D, P>,
+                geometry: &Geometry<G, D, P>,
+                designs: &mut Designs<P>,
+            ) {
+                $(self.$name.update_design(tree, geometry, &mut designs.$name);)*
+            }
+
+            pub fn add_elastic_stiffness<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                tree: &Tree<G, D, P>,
+                geometry: &Geometry<G, D, P>,
+                designs: &Designs<P>,
+                out: &mut [f64],
+            ) {
+                $(self.$name.add_elastic_stiffness(tree, geometry, &designs.$name, out);)*
+            }
+
+            #[inline]
+            pub fn add_residual<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                designs: &Designs<P>,
+                states: &mut States<P>,
+                out: &mut Terms<D>,
+            ) {
+                $(self.$name.add_residual(at, &designs.$name, &mut states.$name, out);)*
+            }
+
+            #[inline]
+            pub fn add_tangent<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                designs: &Designs<P>,
+                states: &States<P>,
+                out: &mut Terms<D>,
+            ) {
+                $(self.$name.add_tangent(at, &designs.$name, &states.$name, out);)*
+            }
+
+            pub fn add_load_derivative<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                designs: &Designs<P>,
+                change: &[f64],
+                out: &mut [f64],
+                project: &impl Fn(usize, &Vector<D>, &mut [f64]),
+            ) {
+                $(self.$name.add_load_derivative(at, &designs.$name, change, out, project);)*
+            }
+
+            pub fn is_conservative<G: LieGroup<D, P>, const D: usize>(&self) -> bool {
+                true $(&& ForceElement::<G, D, P>::is_conservative(&self.$name))*
+            }
+
+            pub fn are_admissible<G: LieGroup<D, P>, const D: usize>(&self, parameters: &[f64]) -> bool {
+                true $(&& ForceElement::<G, D, P>::is_admissible(&self.$name, parameters))*
+            }
+
+            pub fn most_couplings<G: LieGroup<D, P>, const D: usize>(&self) -> usize {
+                0 $(+ ForceElement::<G, D, P>::most_couplings(&self.$name))*
+            }
+
+            pub fn have_switches<G: LieGroup<D, P>, const D: usize>(&self) -> bool {
+                false $(|| ForceElement::<G, D, P>::has_switches(&self.$name))*
+            }
+
+            pub fn for_each_switch<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                states: &States<P>,
+                margin: f64,
+                visit: &mut impl FnMut(Switch<P>),
+            ) {
+                $(self.$name.for_each_switch(at, &states.$name, margin, visit);)*
+            }
+
+            pub fn are_at_threshold<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                moves: &impl Fn(&[usize], &Vector<P>) -> bool,
+            ) -> bool {
+                false $(|| self.$name.at_threshold(at, moves))*
+            }
+
+            pub fn contact_forces<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                states: &States<P>,
+            ) -> Vec<ContactForce<P>> {
+                let mut forces = vec![];
+                $(self.$name.contact_forces(at, &states.$name, &mut forces);)*
+                forces
+            }
+
+            pub fn update_sensitivities<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                designs: &Designs<P>,
+                sensitivities: &mut Sensitivities<P>,
+            ) {
+                $(self.$name.update_sensitivity(at, &designs.$name, &mut sensitivities.$name);)*
+            }
+
+            pub fn add_parameter_work<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                (designs, states): (&Designs<P>, &States<P>),
+                sensitivities: &Sensitivities<P>,
+                motion: &VirtualMotion<D, P>,
+                gradient: &mut [f64],
+            ) {
+                $(self.$name.add_parameter_work(
+                    at, &designs.$name, &states.$name, &sensitivities.$name, motion, gradient,
+                );)*
+            }
+
+            pub fn geometric_work<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                (designs, states): (&Designs<P>, &States<P>),
+                motion: &VirtualMotion<D, P>,
+                velocities: &Velocities<D, P>,
+            ) -> f64 {
+                let mut work = 0.0;
+                $(self.$name.add_geometric_work(
+                    at, &designs.$name, &states.$name, motion, velocities, &mut work,
+                );)*
+                work
+            }
+        }
+    };
+}
+
+registry! {
+    elasticity: Elasticity = |_, _| Elasticity;
+    joints: Joints = |_, _| Joints;
+    actuators: Actuators = |tree, description| Actuators::build(tree, &description.actuators)?;
+    gravity: Gravity<P> = |tree, description| Gravity::build(tree, &description.gravity)?;
+    springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
+    contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
+    wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
+}

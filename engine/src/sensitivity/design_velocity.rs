@@ -1,0 +1,235 @@
+//! Parameters that move frames and points: lengths, radii of links, poses.
+//!
+//! λᵀg is the virtual work Σ F·v of the forces on the virtual velocities v of their points. Along a
+//! parameter the forces change because points move, the velocities because points move under a fixed
+//! twist, and the twists because the columns S_i that make them up are carried along.
+
+use crate::data::Data;
+use crate::forces::element::Velocities;
+use crate::geometry::{link_fraction, link_fraction_slope};
+use crate::kinematics::strains;
+use crate::lie::LieGroup;
+use crate::linalg::{LANES, Vector};
+use crate::model::Model;
+use crate::tree::{Motion, Place, Shape};
+
+/// How frames and points move with a geometric parameter, the coordinates held.
+#[derive(Clone, Debug)]
+pub(super) struct DesignVelocity<const D: usize, const P: usize> {
+    pub parameter: usize,
+    kind: Geometric,
+    /// World twist of each frame.
+    twists: Vec<Vector<D>>,
+    /// Velocity of each point.
+    points: Vec<Vector<P>>,
+}
+
+/// What a geometric parameter changes.
+#[derive(Clone, Copy, Debug)]
+enum Geometric {
+    /// The length of a rod.
+    RodLength(usize),
+    /// The length of the link of a body.
+    LinkLength(usize),
+    /// A radius of the link of a body (moves its centroid): at the base or at the tip.
+    LinkRadius(usize, bool),
+    /// A component of a body's translation.
+    Translation(usize, usize),
+    /// A component of a body's rotation vector.
+    Rotation(usize, usize),
+}
+
+impl<const D: usize, const P: usize> DesignVelocity<D, P> {
+    /// Memory for every geometric parameter that is `wanted`.
+    pub fn all<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Vec<Self> {
+        let mut mask = vec![false; model.parameters().len()];
+        wanted.iter().for_each(|i| mask[*i] = true);
+        let (frames, points) = (model.frames.len(), model.points.len());
+        let mut all = vec![];
+        let mut push = |parameter: usize, kind| {
+            if mask[parameter] {
+                let (twists, points) = (vec![Vector::ZERO; frames], vec![Vector::ZERO; points]);
+                all.push(Self { parameter, kind, twists, points });
+            }
+        };
+        for (r, rod) in model.rods.iter().enumerate() {
+            push(rod.length, Geometric::RodLength(r));
+        }
+        for (b, body) in model.bodies.iter().enumerate() {
+            for k in 0..3 {
+                push(body.translation.start + k, Geometric::Translation(b, k));
+                push(body.rotation.start + k, Geometric::Rotation(b, k));
+            }
+            if let Shape::Link(link) = &body.shape {
+                push(link.length, Geometric::LinkLength(b));
+                push(link.radius_base, Geometric::LinkRadius(b, false));
+                push(link.radius_tip, Geometric::LinkRadius(b, true));
+            }
+        }
+        all
+    }
+
+    pub fn velocities(&self) -> Velocities<'_, D, P> {
+        Velocities { twists: &self.twists, points: &self.points }
+    }
+
+    /// World twists of the frames and velocities of the points as the parameter changes.
+    pub fn update<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        let kind = self.kind;
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            self.twists[f] = self.twists[frame.parent] + own_twist(model, data, f, kind);
+        }
+        let p = &data.design.geometry.parameters;
+        for (i, point) in model.points.iter().enumerate() {
+            let world = &data.kinematics.points[i];
+            let mut velocity = G::point_jacobian(world) * self.twists[point.frame];
+            let along = match (point.place, kind) {
+                (Place::Fraction(b, f), Geometric::LinkLength(body)) if b == body => f,
+                (Place::Centroid(b), Geometric::LinkLength(body)) if b == body => {
+                    link_fraction(&model.tree, p, point.place).1
+                }
+                (Place::Centroid(b), Geometric::LinkRadius(body, tip)) if b == body => {
+                    let Shape::Link(link) = &model.bodies[b].shape else { continue };
+                    link_fraction_slope(p, link, point.place)[usize::from(tip)] * p[link.length]
+                }
+                _ => 0.0,
+            };
+            if along != 0.0 {
+                velocity += data.kinematics.pose[point.frame].rotate(&Vector::unit(0)) * along;
+            }
+            self.points[i] = velocity;
+        }
+    }
+
+    /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length
+    /// changes they change themselves.
+    ///
+    /// The virtual motion is given by the twists of the frames and the coordinates in blocks.
+    pub fn column_work<G: LieGroup<D, P>>(
+        &self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        motion: &[Vector<D>],
+        blocks: &[Vector<LANES>],
+    ) -> f64 {
+        let frames = &data.assembly.terms.frames;
+        let mut work = 0.0;
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            if frame.columns.is_empty() || !frames.loaded[f] {
+                continue;
+            }
+            let wrench = &frames.wrench[f];
+            let own = motion[f] - motion[frame.parent];
+            // Half of the frame's own twist: the other half is in the curvature of its exponential.
+            let carrier = (self.twists[f] + self.twists[frame.parent]) * 0.5;
+            work += wrench.dot(&(G::ad(&carrier) * own));
+            let Motion::Strain(step) = frame.motion else { continue };
+            let Geometric::RodLength(rod) = self.kind else { continue };
+            if model.steps[step].rod == rod {
+                work += length_column_work(model, data, blocks, f, step);
+            }
+        }
+        work
+    }
+}
+
+/// The world twist that a parameter adds at frame `f` itself.
+fn own_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    f: usize,
+    kind: Geometric,
+) -> Vector<D> {
+    let frame = &model.frames[f];
+    match (&frame.motion, kind) {
+        (Motion::Strain(step), Geometric::RodLength(rod)) if model.steps[*step].rod == rod => {
+            let omega = &data.kinematics.omega[f];
+            let tangent = G::tangent(omega, &data.kinematics.stumpff[f]);
+            data.kinematics.pose[f].adjoint() * (tangent * length_derivative(model, data, *step).0)
+        }
+        (Motion::Rigid(r), Geometric::LinkLength(b)) => match &model.bodies[b].shape {
+            Shape::Link(link) if link.tip == *r => {
+                let axis = data.kinematics.pose[f].rotate(&Vector::unit(0));
+                translation_twist::<G, D, P>(&axis)
+            }
+            _ => Vector::ZERO,
+        },
+        (Motion::Rigid(r), Geometric::Translation(b, k)) if model.bodies[b].placement == *r => {
+            let mut e = [0.0; 3];
+            e[k] = 1.0;
+            let direction = G::point_from_spatial(&e).unwrap_or(Vector::ZERO);
+            translation_twist::<G, D, P>(&data.kinematics.pose[frame.parent].rotate(&direction))
+        }
+        (Motion::Rigid(r), Geometric::Rotation(b, k)) if model.bodies[b].placement == *r => {
+            let rotation = model.bodies[b].rotation.start;
+            let mut omega = Vector::<D>::ZERO;
+            let mut e = Vector::<D>::ZERO;
+            for (i, mode) in crate::strain::Mode::ALL.into_iter().take(3).enumerate() {
+                if let Some(axis) = G::axis(mode) {
+                    omega[axis] = data.design.geometry.parameters[rotation + i];
+                    e[axis] = if i == k { 1.0 } else { 0.0 };
+                }
+            }
+            // A rotation vector turns about the placement's own origin: a pure body twist there.
+            let c = crate::lie::Stumpff::new(G::angle_squared(&omega));
+            data.kinematics.pose[f].adjoint() * (G::tangent(&omega, &c) * e)
+        }
+        _ => Vector::ZERO,
+    }
+}
+
+/// A translation in the world as a twist.
+fn translation_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(direction: &Vector<P>) -> Vector<D> {
+    // Moving the origin: the Jacobian of the point at the origin is [0 | 1].
+    G::point_jacobian(&Vector::ZERO).transpose_times(direction)
+}
+
+/// dΩ/dL of a Magnus step and the normalised strains' own derivatives at its two points.
+fn length_derivative<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    step: usize,
+) -> (Vector<D>, [Vector<D>; 2]) {
+    let magnus = &model.steps[step];
+    let rod = &model.rods[magnus.rod];
+    let length = data.design.geometry.parameters[rod.length];
+    let (a1, a2, _) = data.kinematics.magnus_derivative(&model.tree, step);
+    let change = data.kinematics.strain[step].map(|strain| {
+        let mut d = Vector::ZERO;
+        for (axis, mode) in G::AXES.into_iter().enumerate() {
+            let m = mode.index();
+            d[axis] = if mode.is_angular() { rod.reference_strain[m] } else { strain[axis] / length };
+        }
+        d
+    });
+    (a1 * change[0] + a2 * change[1], change)
+}
+
+/// The second derivatives of a step's exponential and of its Ω along (L, λ).
+fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    blocks: &[Vector<LANES>],
+    f: usize,
+    step: usize,
+) -> f64 {
+    let length = data.design.geometry.parameters[model.rods[model.steps[step].rod].length];
+    let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
+    let (a1, a2, commutator) = data.kinematics.magnus_derivative(&model.tree, step);
+    let (by_length, change) = length_derivative(model, data, step);
+    // Strains of the virtual motion, and their derivative with respect to L.
+    let strain = strains(&model.tree, &data.design.geometry, f, blocks, Vector::ZERO);
+    let strain_by_length = strain.map(|strain| {
+        let mut change = Vector::ZERO;
+        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| !mode.is_angular()) {
+            change[axis] = strain[axis] / length;
+        }
+        change
+    });
+    let virtual_omega = a1 * strain[0] + a2 * strain[1];
+    let [body_wrench, on_omega] = data.assembly.duals[f];
+    let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
+    let explicit = a1 * strain_by_length[0] + a2 * strain_by_length[1];
+    let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
+    by_length.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
+}

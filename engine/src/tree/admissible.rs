@@ -1,0 +1,27 @@
+//! Which parameters of bodies make physical sense.
+
+use super::{Shape, Tree};
+use crate::lie::LieGroup;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
+    /// Whether all parameters are finite and those of the bodies in their range.
+    pub fn is_admissible(&self, parameters: &[f64]) -> bool {
+        let p = parameters;
+        if p.len() != self.parameters.len() || !p.iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        let rods = self.rods.iter().all(|r| {
+            let one = [r.length, r.young_modulus, r.shear_modulus];
+            one.iter().all(|i| p[*i] > 0.0)
+                && p[r.radius.clone()].iter().all(|s| *s > 0.0)
+                && p[r.density] >= 0.0
+        });
+        let links = self.bodies.iter().all(|b| match &b.shape {
+            Shape::Rod(_) => true,
+            Shape::Link(l) => {
+                [l.length, l.radius_base, l.radius_tip].iter().all(|i| p[*i] > 0.0) && p[l.density] >= 0.0
+            }
+        });
+        rods && links && self.joints.iter().all(|j| p[j.stiffness] >= 0.0)
+    }
+}

@@ -1,0 +1,102 @@
+//! Bodies, joints and rods of the tree.
+
+use super::description::Section;
+use std::ops::Range;
+
+/// A body of the tree.
+#[derive(Clone, Debug)]
+pub(crate) struct Body<const P: usize> {
+    pub name: String,
+    /// Index in `geometry.rigid` of its placement.
+    pub placement: usize,
+    /// Parameters of the placement.
+    pub translation: Range<usize>,
+    pub rotation: Range<usize>,
+    /// The frame after the joint: X = 0.
+    pub base_frame: usize,
+    /// The frame at which children are attached.
+    pub tip_frame: usize,
+    pub shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// Index in `tree.rods`.
+    Rod(usize),
+    Link(Link),
+}
+
+/// A rigid link: where its numbers are in the parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    /// Index in `geometry.rigid` of the step from joint to tip.
+    pub tip: usize,
+    pub length: usize,
+    pub radius_base: usize,
+    pub radius_tip: usize,
+    pub density: usize,
+}
+
+/// A coordinate of a joint.
+#[derive(Clone, Debug)]
+pub(crate) struct JointCoordinate {
+    pub dof: usize,
+    pub joint: Joint,
+    /// Parameter holding its stiffness.
+    pub stiffness: usize,
+}
+
+/// Rest position and limits of a joint coordinate.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    pub rest: f64,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub limit_stiffness: f64,
+    pub limit_width: f64,
+    /// Whether the coordinate is an angle.
+    pub angular: bool,
+}
+
+/// A rod: bases at its Gauss points and where its numbers are in the parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Rod {
+    pub section: Section,
+    pub reference_strain: [f64; 6],
+    pub dofs: Range<usize>,
+    /// Sample points X.
+    pub x: Vec<f64>,
+    pub gauss: Vec<GaussPoint>,
+    /// Contributions to the stiffness.
+    pub entries: Vec<SectionEntry>,
+    /// Order of the Magnus step: 2 or 4.
+    pub magnus_order: usize,
+    pub length: usize,
+    pub radius: Range<usize>,
+    pub slope: Range<usize>,
+    pub young_modulus: usize,
+    pub shear_modulus: usize,
+    pub density: usize,
+    /// Coordinates of angular modes; the rest are linear strains.
+    pub angular: Vec<bool>,
+}
+
+/// A Gauss point of a rod.
+#[derive(Clone, Debug)]
+pub(crate) struct GaussPoint {
+    /// Index of its sample point.
+    pub point: usize,
+    pub weight: f64,
+    /// Basis functions: (coordinate, mode index, value).
+    pub columns: Vec<(usize, usize, f64)>,
+}
+
+/// `weight · φ_i φ_j` of one Gauss point and mode, into one entry of the stiffness.
+#[derive(Clone, Debug)]
+pub(crate) struct SectionEntry {
+    pub gauss: usize,
+    pub mode: usize,
+    /// Index in `tree.stiffness_pattern`.
+    pub entry: usize,
+    pub value: f64,
+}

@@ -1,0 +1,87 @@
+//! Spheres on bodies and points of attachment.
+
+use super::super::description::{AttachmentDescription, SphereGroupDescription, Station};
+use super::super::{Body, ModelError, Place, Point, Shape, Sphere, SphereRadius, Tree, finite, positive};
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use std::ops::Range;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
+    pub(super) fn add_spheres(&mut self, groups: &[SphereGroupDescription]) -> Result<(), ModelError> {
+        for group in groups {
+            let field = format!("spheres.{}", group.name);
+            let start = self.spheres.len();
+            for sphere in &group.spheres {
+                let (frame, place) = self.locate(&field, &sphere.body, sphere.station)?;
+                let radius = match (&self.body(&field, &sphere.body)?.1.shape, sphere.station) {
+                    (Shape::Rod(r), Station::Point(k)) => {
+                        SphereRadius::Parameter(self.rods[*r].radius.start + k)
+                    }
+                    _ => SphereRadius::Link(self.body(&field, &sphere.body)?.0, place),
+                };
+                self.spheres.push(Sphere { point: self.points.len(), radius });
+                self.points.push(Point { frame, place, offset: Vector::ZERO });
+            }
+            if self.sphere_groups.iter().any(|(name, _)| *name == group.name) {
+                return Err(ModelError::new(field, "two sphere groups have this name"));
+            }
+            self.sphere_groups.push((group.name.clone(), start..self.spheres.len()));
+        }
+        Ok(())
+    }
+
+    /// The spheres of a group.
+    pub(crate) fn sphere_group(&self, field: &str, name: &str) -> Result<Range<usize>, ModelError> {
+        let found = self.sphere_groups.iter().find(|(group, _)| group == name);
+        let (_, range) =
+            found.ok_or_else(|| ModelError::new(field, format!("no sphere group is named `{name}`")))?;
+        Ok(range.clone())
+    }
+
+    /// Appends the point of an attachment.
+    pub(crate) fn attach(&mut self, field: &str, at: &AttachmentDescription) -> Result<usize, ModelError> {
+        let (frame, place, offset) = match at {
+            AttachmentDescription::World { world } => (0, Place::Frame, world),
+            AttachmentDescription::Body { body, station, offset } => {
+                let (frame, place) = self.locate(field, body, *station)?;
+                (frame, place, offset)
+            }
+        };
+        finite(field, offset)?;
+        let offset = G::point_from_spatial(offset)
+            .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))?;
+        self.points.push(Point { frame, place, offset });
+        Ok(self.points.len() - 1)
+    }
+
+    pub(crate) fn body(&self, field: &str, name: &str) -> Result<(usize, &Body<P>), ModelError> {
+        let found = self.bodies.iter().enumerate().find(|(_, b)| b.name == name);
+        found.ok_or_else(|| ModelError::new(field, format!("no body is named `{name}`")))
+    }
+
+    /// The frame and place of a station on a body.
+    fn locate(&self, field: &str, name: &str, station: Station) -> Result<(usize, Place), ModelError> {
+        let (index, body) = self.body(field, name)?;
+        match (&body.shape, station) {
+            (Shape::Rod(r), Station::Point(k)) => {
+                let count = self.rods[*r].x.len();
+                if k >= count {
+                    let problem = format!("found point {k} on `{name}`, which has {count} sample points");
+                    return Err(ModelError::new(field, problem));
+                }
+                Ok((body.base_frame + k, Place::Frame))
+            }
+            (Shape::Link(_), Station::Fraction(f)) => {
+                positive(field, 1.0 + f)?;
+                Ok((body.base_frame, Place::Fraction(index, f)))
+            }
+            (Shape::Link(_), Station::Centroid) => Ok((body.base_frame, Place::Centroid(index))),
+            (Shape::Rod(_), _) => {
+                Err(ModelError::new(field, format!("`{name}` is a rod: give a sample point")))
+            }
+            (Shape::Link(_), _) => {
+                Err(ModelError::new(field, format!("`{name}` is a link: give a fraction or the centroid")))
+            }
+        }
+    }
+}

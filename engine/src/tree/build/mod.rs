@@ -1,0 +1,85 @@
+//! From descriptions of bodies to their tree, checking everything on the way.
+
+mod attachments;
+mod bodies;
+mod rod;
+
+use super::blocks::CoordinateBlocks;
+use super::description::{BodyDescription, SphereGroupDescription};
+use super::{Frame, Layout, ModelError, Motion, Tree};
+use crate::lie::LieGroup;
+use std::ops::Range;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
+    /// Builds the tree, before any force acts on it.
+    pub fn new(bodies: &[BodyDescription], spheres: &[SphereGroupDescription]) -> Result<Self, ModelError> {
+        let mut tree = Self {
+            dof: 0,
+            frames: vec![Frame {
+                parent: 0,
+                body: usize::MAX,
+                motion: Motion::Rigid(0),
+                path: 0..0,
+                columns: 0..0,
+                blocks: 0..0,
+                coordinates: 0..0,
+                run_end: 1,
+            }],
+            steps: vec![],
+            strain_columns: vec![],
+            joint_columns: vec![],
+            column_dofs: vec![],
+            coordinate_blocks: CoordinateBlocks::default(),
+            bodies: vec![],
+            rods: vec![],
+            joints: vec![],
+            stiffness_pattern: vec![],
+            points: vec![],
+            spheres: vec![],
+            sphere_groups: vec![],
+            jacobian_slot: vec![],
+            leads_to_kept: vec![],
+            coupled: 0..0,
+            layout: Layout::default(),
+            parameters: vec![],
+            coordinates: vec![],
+            inputs: vec![],
+            frame_names: vec!["world".into()],
+            group: std::marker::PhantomData,
+        };
+        if bodies.is_empty() {
+            return Err(ModelError::new("bodies", "a system needs at least one body"));
+        }
+        for body in bodies {
+            tree.add_body(body)?;
+        }
+        tree.find_runs();
+        tree.jacobian_slot = vec![None; tree.frames.len()];
+        tree.leads_to_kept = vec![false; tree.frames.len()];
+        tree.add_spheres(spheres)?;
+        Ok(tree)
+    }
+
+    /// Appends a parameter slot.
+    pub(crate) fn slot(&mut self, name: String, defaults: &[f64]) -> Range<usize> {
+        self.layout.push(&mut self.parameters, name, defaults)
+    }
+
+    /// Keeps the Jacobian of `frame`, on whose coordinates a coupling between bodies will depend.
+    pub(crate) fn keep_jacobian(&mut self, frame: usize) {
+        if frame != 0 && self.jacobian_slot[frame].is_none() {
+            let next = self.jacobian_slot.iter().flatten().count();
+            self.jacobian_slot[frame] = Some(next);
+            let mut f = frame;
+            while f != 0 {
+                self.leads_to_kept[f] = true;
+                f = self.frames[f].parent;
+            }
+            let path = self.frames[frame].path.clone();
+            if !path.is_empty() {
+                let union = |a: &Range<usize>| a.start.min(path.start)..a.end.max(path.end);
+                self.coupled = if self.coupled.is_empty() { path.clone() } else { union(&self.coupled) };
+            }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The longest rod as a chain of nodes, each of which bends only what lies beyond it.
+
+use super::{Motion, Tree};
+use crate::lie::LieGroup;
+
+/// With a shorter chain a dense factorisation is as fast,
+const LONG: usize = 96;
+/// and with a border of more than this share of it.
+const NARROW: f64 = 0.25;
+
+/// The order in which a rod's coordinates can be eliminated one node after another.
+///
+/// A coordinate acts on a few neighbouring runs of frames; all that lies beyond them it moves as one
+/// rigid body. So two coordinates that share no run meet in the tangent through a single twist.
+#[derive(Clone, Debug)]
+pub(crate) struct Chain {
+    /// The coordinates node by node from the base, then all that are not the rod's: the border.
+    pub order: Vec<usize>,
+    /// Where each node begins in `order`; last, where the border does.
+    pub starts: Vec<usize>,
+    /// Frames that the rod moves.
+    pub moved: Vec<bool>,
+    /// What each coordinate meets in other ways than through that twist: its own node, those next to
+    /// it, and the border.
+    neighbours: Vec<Vec<usize>>,
+}
+
+impl Chain {
+    /// Of the rod with most coordinates; `None` where its coordinates reach over more than two runs, as
+    /// polynomials along the whole rod do.
+    pub fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(tree: &Tree<G, D, P>) -> Option<Self> {
+        let longest = (0..tree.rods.len()).max_by_key(|r| tree.rods[*r].dofs.len())?;
+        let rod = &tree.rods[longest];
+        let own = |f: usize| match tree.frames[f].motion {
+            Motion::Strain(step) => tree.steps[step].rod == longest,
+            Motion::Joint(_) | Motion::Rigid(_) => false,
+        };
+        let mut node = vec![None; tree.dof];
+        let mut last = vec![0; tree.dof];
+        let mut moved = vec![false; tree.frames.len()];
+        let (mut run, mut f) = (0, 1);
+        while f < tree.frames.len() {
+            let frame = &tree.frames[f];
+            let moves = own(f) || moved[frame.parent];
+            moved[f..frame.run_end].fill(moves);
+            if own(f) {
+                for &dof in &tree.column_dofs[frame.columns.clone()] {
+                    node[dof].get_or_insert(run);
+                    last[dof] = run;
+                }
+                run += 1;
+            }
+            f = frame.run_end;
+        }
+        let of = |dof: usize| node[dof].unwrap_or(usize::MAX);
+        let neighbours = |i: usize, j: usize| of(i).abs_diff(of(j)) <= 1;
+        let local = rod.dofs.clone().all(|i| node[i].is_some_and(|first| last[i] <= first + 1))
+            && tree.stiffness_pattern.iter().all(|&(i, j)| !rod.dofs.contains(&i) || neighbours(i, j));
+        let mut order: Vec<usize> = (0..tree.dof).collect();
+        order.sort_by_key(|dof| of(*dof));
+        let start = |k: usize| order.partition_point(|dof| of(*dof) < k);
+        let starts = (0..run).map(start).chain([rod.dofs.len()]).collect();
+        let chain = Self { order, starts, moved, neighbours: vec![vec![]; tree.dof] };
+        local.then(|| chain.with_neighbours())
+    }
+
+    fn with_neighbours(mut self) -> Self {
+        let nodes = self.starts.len() - 1;
+        let border = self.starts[nodes];
+        for k in 0..nodes {
+            let near = self.starts[k.saturating_sub(1)]..self.starts[(k + 2).min(nodes)];
+            let near = [&self.order[near], &self.order[border..]].concat();
+            for i in &self.order[self.starts[k]..self.starts[k + 1]] {
+                self.neighbours[*i].clone_from(&near);
+            }
+        }
+        for i in &self.order[border..] {
+            self.neighbours[*i].clone_from(&self.order);
+        }
+        self
+    }
+
+    /// Whether going from node to node is worth its while.
+    pub fn pays(&self) -> bool {
+        let chain = self.starts[self.starts.len() - 1];
+        chain >= LONG && (self.order.len() - chain) as f64 <= NARROW * chain as f64
+    }
+
+    /// The coordinates that coordinate `i` meets in other ways than through one twist; `i` is among
+    /// them.
+    #[inline]
+    pub fn neighbours(&self, i: usize) -> &[usize] {
+        &self.neighbours[i]
+    }
+}

@@ -1,0 +1,39 @@
+//! Material points: sphere centres, masses, points of attachment.
+
+use crate::linalg::Vector;
+
+/// A point fixed in a frame; its local position may depend on the design.
+#[derive(Clone, Debug)]
+pub(crate) struct Point<const P: usize> {
+    pub frame: usize,
+    pub place: Place,
+    /// Constant part of the local position.
+    pub offset: Vector<P>,
+}
+
+/// What the design adds to a point's local position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// Nothing.
+    Frame,
+    /// A fraction of the link's length along x (body index).
+    Fraction(usize, f64),
+    /// The centroid of the link (body index).
+    Centroid(usize),
+}
+
+/// A contact sphere.
+#[derive(Clone, Debug)]
+pub(crate) struct Sphere {
+    pub point: usize,
+    pub radius: SphereRadius,
+}
+
+/// Where a sphere's radius comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SphereRadius {
+    /// This parameter.
+    Parameter(usize),
+    /// The link's radius at the sphere's place.
+    Link(usize, Place),
+}
