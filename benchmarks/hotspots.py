@@ -32,10 +32,9 @@ LOADS = ((10, 4_000), (80, 400), (320, 60))
 QUICK_LOADS = ((10, 1_500), (80, 100))
 # Component, file, function; the first match counts, from the innermost inlined function outward.
 PARTS: tuple[tuple[str, str, str], ...] = (
-    ("contact", "potential/contact.rs", ""),
-    ("contact", "potential/enclosure.rs", ""),
-    ("actuator", "potential/actuator.rs", ""),
-    ("elasticity, joints and other potentials", "potential/", "::add"),
+    ("contact", "forces/contact/", ""),
+    ("actuator", "forces/actuator.rs", ""),
+    ("elasticity, joints and other forces", "forces/", ""),
     ("solutions with the factor", "linalg/cholesky.rs", "solve"),
     ("solutions with the factor", "linalg/chain.rs", "solve"),
     ("factorisation", "linalg/cholesky.rs", ""),
@@ -43,7 +42,7 @@ PARTS: tuple[tuple[str, str, str], ...] = (
     ("kinematics", "kinematics.rs", ""),
     ("residual: wrenches pulled back to coordinates", "assembly/motions.rs", "pull_back"),
     ("tangent: columns and curvature of each motion", "assembly/motions.rs", "expand"),
-    ("tangent: pairs of coordinates", "assembly/march.rs", ""),
+    ("tangent: pairs of coordinates", "assembly/accumulate.rs", ""),
     ("tangent: symmetry", "assembly/mod.rs", "symmetrise"),
     ("tangent: contact between bodies", "assembly/mod.rs", "carry_couplings"),
     ("tangent: contact between bodies", "assembly/mod.rs", "keep_jacobians"),
