@@ -1,4 +1,4 @@
-"""`flexor simulate`: follow a model's equilibrium as its actuation rises."""
+"""`flexor simulate`: compute the equilibria of a model under increasing load."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ def simulate(
         list[str] | None,
         typer.Option(
             metavar="FORCES",
-            help="Forces in N: `first:last:step`, or a list such as `0,1,2.5`; of a model with "
-            "several inputs `NAME=FORCES`, repeated.",
+            help="Forces in N: `start:stop:step` or a list such as `0,1,2.5`. For a model with "
+            "several inputs: `NAME=FORCES`, repeated.",
         ),
     ] = None,
     constants: Constants = None,
     changes: Set = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+        bool, typer.Option("--json", help="Print a JSON object instead of the table.")
     ] = False,
     plot: Annotated[
         FilePath | None,
-        typer.Option(help="Draw every load step to scale into this PNG, SVG or PDF."),
+        typer.Option(help="Save a figure of every load step to this PNG, SVG or PDF file."),
     ] = None,
 ) -> int:
-    """Follow a model's equilibrium as its actuation rises.
+    """Compute the equilibria of a model under increasing load.
 
-    Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
-    tip, and whether the equilibrium is stable; then every snap on the way. The exit code is 1 if a
-    load step found no equilibrium; its state is then one of these, and what to do is said below the
-    table (`docs/method.md` has more):
+    Prints the joint angles, the number of spheres in contact, the tip force and the stability at
+    each force, followed by all snaps. The exit code is 1 if a load step does not converge; its
+    state is then one of the following, and a remedy is printed below the table (see also
+    `docs/method.md`):
 
-    * `iteration-limit`: too many iterations, mostly many snaps in a row
-    * `unstable`: an equilibrium from which some motion grows by itself
-    * `stalled`: forces do not balance, yet the energy cannot be lowered
-    * `diverged`: the energy is not finite, or no step could be found
-    * `invalid-design`: a length, radius, modulus or stiffness makes no sense
+    * `iteration-limit`: too many iterations, usually because of many successive snaps
+    * `unstable`: an unstable equilibrium under loads without a potential
+    * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
+    * `diverged`: the energy is not finite, or no acceptable step was found
+    * `invalid-design`: a length, radius, modulus or stiffness is invalid
     * `not-reached`: an earlier load step failed
 
     Examples
@@ -60,7 +60,7 @@ def simulate(
     * `flexor simulate finger --constants printed --json`
     * `flexor simulate finger --set exosuit.length="8 cm"`
 
-    In the JSON object every list has one entry per load step; angles are in rad, forces in N.
+    Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
     if plot is not None:
         from flexor.plot import writable
@@ -85,7 +85,7 @@ def report(path: Path) -> None:
     Parameters
     ----------
     path : Path
-        What to print.
+        The path.
     """
     import numpy as np
 
@@ -101,8 +101,8 @@ def report(path: Path) -> None:
         headings.append("sum / °")
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
-    touches = bool(path.model.file.contacts)
-    headings += [*(["contacts", "tip force / N"] if touches else []), "state", "events"]
+    has_contacts = bool(path.model.file.contacts)
+    headings += [*(["contacts", "tip force / N"] if has_contacts else []), "state", "events"]
     rows = []
     for step in range(len(path)):
         forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
@@ -113,7 +113,7 @@ def report(path: Path) -> None:
         for rod in tips:
             tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
             cells.append(", ".join(fixed(x) for x in tip))
-        if touches:
+        if has_contacts:
             cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
@@ -122,7 +122,7 @@ def report(path: Path) -> None:
     if failed is not None:
         out.print(explained(failed), markup=False, soft_wrap=True)
     for event in path.events:
-        out.print(_tell(event, path), markup=False, soft_wrap=True)
+        out.print(_describe_event(event, path), markup=False, soft_wrap=True)
 
 
 def _state(path: Path, step: int) -> str:
@@ -135,7 +135,7 @@ def _count(events: list[Event]) -> str:
     return ", ".join(event.kind.replace("_", " ") for event in events)
 
 
-def _tell(event: Event, path: Path) -> str:
+def _describe_event(event: Event, path: Path) -> str:
     turns = (
         f"{name.removesuffix('.theta')} {fixed(degrees(before))}° to {fixed(degrees(after))}°"
         for name, before, after in zip(

@@ -1,4 +1,4 @@
-"""The figure of one design: every load step in place, one over the other."""
+"""Figure of one design with all load steps superimposed."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
-MOST_IN_LEGEND = 12
-MOST_IN_ROW = 6
+MAX_LEGEND_ENTRIES = 12
+MAX_LEGEND_COLUMNS = 6
 
 
 def draw_path(
@@ -28,18 +28,18 @@ def draw_path(
     Parameters
     ----------
     scenes : sequence of Scene
-        One for each load step.
+        One scene per load step.
     loads : array_like, shape (s,)
         The loads, for the legend [load_unit].
     planar_model : bool
-        Draw in the plane; otherwise in space.
+        Draw in the x-z plane; otherwise in 3-D.
     load_unit : str
-        Of the loads.
+        Unit of the loads.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a column. Rods are coloured by load; arrows are the contact forces on the limb.
+        One column wide. Rods are coloured by load; arrows are the contact forces on the limb.
     """
     from matplotlib.figure import Figure
 
@@ -54,7 +54,7 @@ def draw_path(
             figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
                 planar.draw_scene(axes, scene, colour=colour, opacity=0.8, depth=2.0 + step)
-                planar.draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
+                planar.draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
             if key:
                 planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
         else:
@@ -62,14 +62,16 @@ def draw_path(
             spatial.frame_axes(space, scenes)
             for scene, colour in zip(scenes, colours, strict=True):
                 spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
-                spatial.draw_pushes(space, scene, cm_per_newton=cm_per_newton, colour=colour)
+                spatial.draw_contact_forces(
+                    space, scene, cm_per_newton=cm_per_newton, colour=colour
+                )
         _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
     return figure
 
 
 def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
-    columns = -(-len(loads) // -(-len(loads) // MOST_IN_ROW))
-    # Matplotlib fills column by column; loads read better row by row.
+    columns = -(-len(loads) // -(-len(loads) // MAX_LEGEND_COLUMNS))
+    # Matplotlib fills legends by column; order the entries by row.
     by_column = [handle for column in range(columns) for handle in loads[column::columns]]
     figure.legend(
         handles=by_column,
@@ -88,8 +90,8 @@ def _load_handles(
 ) -> list[Artist]:
     from matplotlib.patches import Patch
 
-    # A long path would drown the figure in its legend: then only some steps are named.
-    every = -(-len(loads) // MOST_IN_LEGEND)
+    # The legend of a long path lists only some of the steps.
+    every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
         Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:g} {unit}")
