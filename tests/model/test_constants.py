@@ -124,7 +124,8 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
         (
             "siut.length",
             "8 cm",
-            'unknown field "siut" (did you mean "suit"?): expected one of "suit", "chamber", "name", '
+            'unknown field "siut" (did you mean "suit"?): expected one of "suit", "chamber", '
+            '"name", '
             '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
             '"actuators", '
             '"springs", "wrenches", "design", "evaluation", "constants", "use".',

@@ -56,7 +56,8 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
         (
             'spheres = ["foot"]',
             'spheres = ["food"]',
-            'obstacles.floor.spheres refers to the unknown sphere group "food" (did you mean "foot"?)',
+            'obstacles.floor.spheres refers to the unknown sphere group "food" (did you mean '
+            '"foot"?)',
         ),
         ('spheres = ["foot"]', 'spheres = ["foot", "foot"]', "obstacles.floor.spheres names"),
         ('spheres = ["foot"]', "spheres = []", "obstacles.floor.spheres"),
