@@ -189,7 +189,7 @@ def _on_mechanics(study: Study, constants: str, best: Data) -> list[Row]:
     angles = best[furthest]["joint_angles"]
     return [
         (
-            "the mechanics of the interaction are essential to judge the actuation",
+            "the mechanics of the interaction are essential to evaluate the actuation",
             "Abstract, Fig. 3",
             turned["joints"] < 0.9 * turned["alone"],
             f"at 10 N the tip of the free exosuit turns by {turned['alone']:.0f}°, on the finger "
