@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError
-from flexor.model.lowering import dorsal, points
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.profile import surface
 
@@ -111,7 +110,7 @@ class DesignSpace:
             length_bounds=_pair(file.design.length_bounds),
             radius_bounds=_pair(file.design.radius_bounds),
             minimum_radius=float(file.design.minimum_radius),
-            points=points(rod),
+            points=rod.sample_points,
         )
 
 
@@ -207,7 +206,7 @@ def slot_values(
     ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
     if follows_surface(rod):
         place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
-        columns.append(place + batch.radius[:, :1] * dorsal(rod))
+        columns.append(place + batch.radius[:, :1] * rod.placement.dorsal)
         ranges.append(slots[f"{name}.translation"])
     indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
     return indices, np.concatenate(columns, axis=1)
@@ -233,7 +232,7 @@ def slot_jacobian(file: ModelFile, name: str, jacobian: GeometryJacobian) -> Arr
     rod = file.rod(name)
     rows = [jacobian.length[:, None, :], jacobian.radius, jacobian.slope]
     if follows_surface(rod):
-        rows.append(jacobian.radius[:, :1, :] * dorsal(rod)[None, :, None])
+        rows.append(jacobian.radius[:, :1, :] * rod.placement.dorsal[None, :, None])
     return np.concatenate(rows, axis=1)
 
 
