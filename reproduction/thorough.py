@@ -52,18 +52,14 @@ class Thorough(Method):
         Designs that it evaluates at most.
     """
 
+    name: ClassVar[str] = "thorough"
     gradients: ClassVar[bool] = True
 
     evaluations: int = 2000
 
-    @property
-    def name(self) -> str:
-        """``"thorough"``."""
-        return "thorough"
-
     def run(self, run: Run) -> str:
         """Run all stages."""
-        random = np.random.default_rng(run.seed)
+        random = run.random
         known = Known(run)
         self._explore(run, known, random)
         self._vary(run, known, random)
@@ -93,7 +89,7 @@ class Thorough(Method):
         return f"{run.function.evaluations} evaluations in seven stages"
 
     def _explore(self, run: Run, known: Known, random: np.random.Generator) -> None:
-        known(run.starts(1, random))
+        known(run.starts(1))
         count = int(EXPLORE * self.evaluations)
         zeros, ones = np.zeros(run.size), np.ones(run.size)
         points = _some_on_bounds(starting_designs(None, count, zeros, ones, random), random)

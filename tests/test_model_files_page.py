@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from pydantic_core import PydanticUndefined
 
 import flexor
 from flexor.model import Model, parse, schema
+from flexor.model.schema.force import Force
 from flexor.model.schema.strain import BASES, MODES
 from flexor.model.schema.table import Table
 
@@ -22,11 +24,11 @@ TABLES: dict[str, type[Table]] = {
     "Links": schema.Link,
     "Placement": schema.Placement,
     "Spheres": schema.SphereGroup,
-    "Contacts": schema.Contact,
-    "Obstacles": schema.Obstacle,
-    "Actuators": schema.Actuator,
-    "Springs": schema.Spring,
-    "Wrenches": schema.Wrench,
+    **{
+        table.capitalize(): kind
+        for table, kind in schema.ModelFile.named_tables().items()
+        if inspect.isclass(kind) and issubclass(kind, Force)
+    },
     "Design": schema.Design,
     "Evaluation": schema.Evaluation,
 }

@@ -131,7 +131,7 @@ def test_exosuit_alone_is_the_finger_without_one() -> None:
     finger, alone = described("finger"), described("exosuit-alone")
     assert alone["bodies"] == finger["bodies"][:1]
     assert alone["actuators"] == finger["actuators"]
-    assert alone["contacts"] == alone["spheres"] == []
+    assert not {"contacts", "spheres"} & set(alone)  # empty lists are left out
 
 
 def test_tendon_arm_is_the_spatial_reference() -> None:

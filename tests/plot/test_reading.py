@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from flexor.model import ContactForces
-from flexor.model.schema import Actuator, Link, Rod
+from flexor.model.schema import Link, Rod
+from flexor.model.schema.actuator import Actuator
 from flexor.plot.reading import read_scene
 
 from .synthetic import rod_frames
@@ -46,8 +47,10 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
         point=np.array([[0.0, 0.0, 0.02], [0.004, 0.0, 0.02]]),
         depth=np.array([0.001, 0.001]),
     )
+    exosuit = Rod.model_validate(rod)
     file = SimpleNamespace(
-        bodies={"exosuit": Rod.model_validate(rod), "ph_1": Link.model_validate(link)},
+        rod=lambda name: {"exosuit": exosuit}[name],
+        bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},
         actuators={"chamber": Actuator.model_validate({"kind": "chamber", "rod": "exosuit"})},
     )
     return SimpleNamespace(

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model import Model
-from flexor.model.lowering import points
 from flexor.model.reading import check
 
 Array = NDArray[np.float64]
@@ -99,4 +98,4 @@ def vector(components: Vector, unit: str) -> Json:
 
 def sample_points(model: Model, name: str) -> Array:
     """Return the places X in [0, 1] of a rod's frames, (P,)."""
-    return points(model.file.rod(name))
+    return model.file.rod(name).sample_points

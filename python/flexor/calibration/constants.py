@@ -16,7 +16,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
 
 Array = NDArray[np.float64]
-_NAMED = ("bodies", "contacts", "obstacles", "actuators", "springs", "wrenches", "spheres")
+_NAMED = tuple(ModelFile.named_tables())
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,11 @@ out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 
+def say(sentence: str) -> None:
+    """Print a line of results to stdout, without markup or wrapping."""
+    out.print(sentence, markup=False, soft_wrap=True)
+
+
 def print_error(sentence: str) -> None:
     """Print an error message to stderr, without markup or wrapping.
 

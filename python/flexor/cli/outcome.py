@@ -6,7 +6,7 @@ import math
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-from flexor.cli.console import err, out
+from flexor.cli.console import err, say
 from flexor.cli.progress import duration
 from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
@@ -47,15 +47,13 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
             )
         )
     show(("", start_title(study), "optimum", "change"), rows)
-    out.print(_improvement(study), markup=False, soft_wrap=True)
+    say(_improvement(study))
     if math.isfinite(study.best.value) and study.problem.model.joints:
         _print_sensitivity(study.best.sensitivity)
     reason = study.finished or (study.result.reason if study.result else "")
-    out.print(
+    say(
         f"{study.evaluations:,} designs {'in total, resumed for' if resumed else 'in'} "
-        f"{duration(seconds)}: {reason}.",
-        markup=False,
-        soft_wrap=True,
+        f"{duration(seconds)}: {reason}."
     )
 
 
@@ -93,9 +91,9 @@ def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
     if quiet:
         return
     if study.folder is not None:
-        out.print(f"study:  {study.folder}", markup=False, soft_wrap=True)
+        say(f"study:  {study.folder}")
     for file in files:
-        out.print(f"figure: {file}", markup=False, soft_wrap=True)
+        say(f"figure: {file}")
 
 
 def as_json(study: Study, seconds: float) -> dict[str, Any]:
@@ -150,7 +148,7 @@ def _print_sensitivity(found: Sensitivity) -> None:
     names = ("sensitivity", "bending", "tip force / N", "if decreased", "if increased")
     show(names, rows)
     if found.regularity != "regular":
-        out.print(_CAVEATS[found.regularity], markup=False, soft_wrap=True)
+        say(_CAVEATS[found.regularity])
 
 
 def _sensitivity(found: Sensitivity) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexor.cli.changes import load_changed
-from flexor.cli.console import err, out
+from flexor.cli.console import err, say
 from flexor.cli.options import Constants, Model, Set
 from flexor.cli.table import fixed, number, show
 from flexor.cli.values import loads
@@ -120,9 +120,9 @@ def report(path: Path) -> None:
     show(headings, rows, left=0)
     failed = next((word for word in path.status if word != "converged"), None)
     if failed is not None:
-        out.print(explained(failed), markup=False, soft_wrap=True)
+        say(explained(failed))
     for event in path.events:
-        out.print(_describe_event(event, path), markup=False, soft_wrap=True)
+        say(_describe_event(event, path))
 
 
 def _state(path: Path, step: int) -> str:

@@ -28,6 +28,12 @@ class Geometry:
     radius: FloatArray
     slope: FloatArray
 
+    def __len__(self) -> int:
+        return len(self.length)
+
+    def __getitem__(self, which: slice) -> Geometry:
+        return Geometry(self.length[which], self.radius[which], self.slope[which])
+
 
 @dataclass(frozen=True)
 class GeometryJacobian:

@@ -6,8 +6,9 @@ those of many designs as `Paths`. What a file may say is in `flexor.model.schema
 
 from __future__ import annotations
 
+from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.model.events import Event
-from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
+from flexor.model.geometry import DesignSpace
 from flexor.model.loading import load
 from flexor.model.loads import forces
 from flexor.model.model import Model

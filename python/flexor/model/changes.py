@@ -17,7 +17,7 @@ else:
     import tomli as tomllib
 
 Document = Mapping[str, Any]
-_NAMED = ("bodies", "contacts", "obstacles", "actuators", "springs", "wrenches", "spheres")
+_NAMED = tuple(ModelFile.named_tables())
 
 
 def changed(document: Document, path: str, value: object, source: str) -> dict[str, Any]:

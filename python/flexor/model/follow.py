@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import REGULARITY, STATUS
+from flexor.design.geometry import Geometry
 from flexor.errors import InputError
 from flexor.model.chunks import chunks
 from flexor.model.events import event_table
-from flexor.model.geometry import GeometryBatch
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options
 from flexor.model.structure import Structure
@@ -29,7 +29,7 @@ _CONVERGED = STATUS.index("converged")
 
 def follow(
     model: Structure,
-    geometry: GeometryBatch | None,
+    geometry: Geometry | None,
     loads: Array,
     threads: int,
     options: Mapping[str, float],

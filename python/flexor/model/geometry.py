@@ -4,56 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.errors import InputError
-from flexor.model.lowering import dorsal, points
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.profile import surface
 
 Array = NDArray[np.float64]
 Slots = Mapping[str, tuple[int, int]]
-
-
-class Geometry(Protocol):
-    """Geometry of a rod for n designs, S at the rod's m sample points X in [0, 1]."""
-
-    @property
-    def length(self) -> Array:
-        """Length L [m], (n,)."""
-        ...
-
-    @property
-    def radius(self) -> Array:
-        """Surface S(X) [m], (n, m)."""
-        ...
-
-    @property
-    def slope(self) -> Array:
-        """Its derivative dS/dX [m], (n, m)."""
-        ...
-
-
-class GeometryJacobian(Protocol):
-    """Derivative of a `Geometry` with respect to k parameters of each design."""
-
-    @property
-    def length(self) -> Array:
-        """dL/dp, (n, k)."""
-        ...
-
-    @property
-    def radius(self) -> Array:
-        """dS/dp, (n, m, k)."""
-        ...
-
-    @property
-    def slope(self) -> Array:
-        """d(dS/dX)/dp, (n, m, k)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -111,7 +72,7 @@ class DesignSpace:
             length_bounds=_pair(file.design.length_bounds),
             radius_bounds=_pair(file.design.radius_bounds),
             minimum_radius=float(file.design.minimum_radius),
-            points=points(rod),
+            points=rod.sample_points,
         )
 
 
@@ -119,56 +80,33 @@ def _pair(bounds: tuple[float, float]) -> tuple[float, float]:
     return (float(bounds[0]), float(bounds[1]))
 
 
-@dataclass(frozen=True, eq=False)
-class GeometryBatch:
-    """Geometry of n designs as checked arrays, which can be sliced.
+def checked_geometry(file: ModelFile, name: str, geometry: Geometry) -> Geometry:
+    """Return a geometry as arrays of numbers, with the number of designs in front.
 
-    Attributes
+    Parameters
     ----------
-    length : (n,) array
-        Length L [m].
-    radius, slope : (n, m) arrays
-        Surface S(X) and its derivative dS/dX [m].
+    file
+        The model file.
+    name
+        The rod.
+    geometry
+        Geometry of n designs; anything with arrays ``length``, ``radius`` and ``slope``.
+
+    Raises
+    ------
+    InputError
+        If it is not given at the rod's sample points.
     """
-
-    length: Array
-    radius: Array
-    slope: Array
-
-    @classmethod
-    def of(cls, file: ModelFile, name: str, geometry: Geometry) -> GeometryBatch:
-        """Read a geometry of a rod.
-
-        Parameters
-        ----------
-        file
-            The model file.
-        name
-            The rod.
-        geometry
-            Geometry of n designs.
-
-        Raises
-        ------
-        InputError
-            If it is not given at the rod's sample points.
-        """
-        length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
-        radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
-        slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
-        expected = (len(length), file.rod(name).sample_count)
-        if radius.shape != expected or slope.shape != expected:
-            raise InputError(
-                f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
-                f"{len(length)} lengths and {expected[1]} sample points both must be {expected}."
-            )
-        return cls(length, radius, slope)
-
-    def __len__(self) -> int:
-        return len(self.length)
-
-    def __getitem__(self, which: slice) -> GeometryBatch:
-        return GeometryBatch(self.length[which], self.radius[which], self.slope[which])
+    length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
+    radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
+    slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
+    expected = (len(length), file.rod(name).sample_count)
+    if radius.shape != expected or slope.shape != expected:
+        raise InputError(
+            f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
+            f"{len(length)} lengths and {expected[1]} sample points both must be {expected}."
+        )
+    return Geometry(length, radius, slope)
 
 
 def slot_values(
@@ -202,12 +140,12 @@ def slot_values(
         If the geometry is not given at the rod's sample points.
     """
     rod = file.rod(name)
-    batch = GeometryBatch.of(file, name, geometry)
+    batch = checked_geometry(file, name, geometry)
     columns = [batch.length[:, None], batch.radius, batch.slope]
     ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
     if follows_surface(rod):
         place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
-        columns.append(place + batch.radius[:, :1] * dorsal(rod))
+        columns.append(place + batch.radius[:, :1] * rod.placement.dorsal)
         ranges.append(slots[f"{name}.translation"])
     indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
     return indices, np.concatenate(columns, axis=1)
@@ -233,7 +171,7 @@ def slot_jacobian(file: ModelFile, name: str, jacobian: GeometryJacobian) -> Arr
     rod = file.rod(name)
     rows = [jacobian.length[:, None, :], jacobian.radius, jacobian.slope]
     if follows_surface(rod):
-        rows.append(jacobian.radius[:, :1, :] * dorsal(rod)[None, :, None])
+        rows.append(jacobian.radius[:, :1, :] * rod.placement.dorsal[None, :, None])
     return np.concatenate(rows, axis=1)
 
 

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor._engine import sample_points
-from flexor.model.interactions import (
-    Json,
-    lower_actuator,
-    lower_contact,
-    lower_spring,
-    lower_wrench,
-    sphere_group,
-)
 from flexor.model.schema import (
     Body,
     FixedJoint,
@@ -21,15 +14,16 @@ from flexor.model.schema import (
     Joint,
     Link,
     ModelFile,
-    Obstacle,
     PrismaticJoint,
     RevoluteJoint,
     Rod,
 )
 from flexor.model.schema.profile import surface
 from flexor.model.schema.strain import MODES
+from flexor.model.schema.vector import direction
 
 Array = NDArray[np.float64]
+Json = dict[str, Any]
 
 
 def lower(file: ModelFile) -> Json:
@@ -46,28 +40,20 @@ def lower(file: ModelFile) -> Json:
         The description, ready for JSON: SI units, parents before their children, the radius of
         each rod at its sample points.
     """
-    bodies = {name: file.bodies[name] for name in parents_first(file.bodies)}
-    solid = {contact.second for contact in file.contacts.values() if contact.shape != "spheres"}
-    spheres = {
-        name: sphere_group(group, bodies, name in solid) for name, group in file.spheres.items()
-    }
-    return {
+    described: Json = {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
-        "bodies": [_body(name, body, file.planar) for name, body in bodies.items()],
-        "spheres": [{"name": name, "spheres": group} for name, group in spheres.items()],
-        "contacts": [
-            lower_contact(name, contact, file.spheres, bodies)
-            for name, contact in file.contacts.items()
+        "bodies": [
+            _body(name, file.bodies[name], file.planar) for name in parents_first(file.bodies)
         ],
-        "actuators": [
-            lower_actuator(name, actuator, points(file.rod(actuator.rod)))
-            for name, actuator in file.actuators.items()
-        ],
-        "half_spaces": [_half_space(name, wall) for name, wall in file.obstacles.items()],
-        "springs": [lower_spring(name, spring, bodies) for name, spring in file.springs.items()],
-        "wrenches": [lower_wrench(name, wrench, bodies) for name, wrench in file.wrenches.items()],
     }
+    solid = {contact.second for contact in file.contacts.values() if contact.shape != "spheres"}
+    for name, group in file.spheres.items():
+        spheres = group.lower(file.bodies, name in solid)
+        described.setdefault("spheres", []).append({"name": name, "spheres": spheres})
+    for _, name, force in file.forces():
+        described.setdefault(force.description, []).append(force.lower(name, file))
+    return described
 
 
 def parents_first(bodies: dict[str, Body]) -> list[str]:
@@ -89,41 +75,13 @@ def parents_first(bodies: dict[str, Body]) -> list[str]:
     return order
 
 
-def points(rod: Rod) -> Array:
-    """Return the sample points of a rod: X in [0, 1], element ends and Gauss points.
-
-    Parameters
-    ----------
-    rod
-        The rod.
-    """
-    return sample_points(rod.elements, rod.gauss_points)
-
-
-def dorsal(body: Body) -> Array:
-    """Return the local z axis of a body's placement, in its parent's frame; shape (3,).
-
-    Parameters
-    ----------
-    body
-        The body.
-    """
-    vector = np.array(body.placement.rotation.components)
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.array([0.0, 0.0, 1.0])
-    axis, up = vector / angle, np.array([0.0, 0.0, 1.0])
-    along = axis * axis[2]  # Rodrigues' formula
-    return np.asarray(along + np.cos(angle) * (up - along) + np.sin(angle) * np.cross(axis, up))
-
-
 def _body(name: str, body: Body, planar: bool) -> Json:
     place = body.placement
     translation = np.array([place.x, place.y, place.z], dtype=float)
     if isinstance(body, Rod):
-        radius, slope = surface(body.radius, points(body))
+        radius, slope = surface(body.radius, body.sample_points)
         if place.reference == "underside":
-            translation = translation + radius[0] * dorsal(body)
+            translation = translation + radius[0] * place.dorsal
         shape = {"rod": _rod(body, radius, slope)}
     else:
         shape = {"link": _link(body)}
@@ -171,29 +129,13 @@ def _link(link: Link) -> Json:
     }
 
 
-def _direction(axis: tuple[float, float, float]) -> list[float]:
-    scaled = np.array(axis) / np.max(np.abs(axis))  # or the norm of a huge axis would overflow
-    direction: list[float] = (scaled / np.linalg.norm(scaled)).tolist()
-    return direction
-
-
-def _half_space(name: str, obstacle: Obstacle) -> Json:
-    return {
-        "name": name,
-        "spheres": list(obstacle.spheres),
-        "point": list(obstacle.point.components),
-        "normal": _direction(obstacle.normal),
-        "stiffness": float(obstacle.stiffness),
-    }
-
-
 def _joint(joint: Joint, planar: bool) -> Json:
     if isinstance(joint, FixedJoint):
         return {"kind": "fixed"}
     if isinstance(joint, (RevoluteJoint, PrismaticJoint)):
         return {
             "kind": joint.kind,
-            "axis": _direction(joint.axis),
+            "axis": direction(joint.axis),
             "stiffness": [float(joint.stiffness)],
             "rest": [float(joint.rest)],
             "lower": [None if joint.lower is None else float(joint.lower)],

@@ -11,16 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor import _engine
+from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.errors import InputError
 from flexor.model.follow import follow
-from flexor.model.geometry import (
-    DesignSpace,
-    Geometry,
-    GeometryBatch,
-    GeometryJacobian,
-    slot_jacobian,
-    slot_values,
-)
+from flexor.model.geometry import DesignSpace, checked_geometry, slot_jacobian, slot_values
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
 from flexor.model.reading import parse
@@ -240,7 +234,7 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = GeometryBatch.of(self.file, self.design.rod, geometry)
+        batch = checked_geometry(self.file, self.design.rod, geometry)
         return follow(self, batch, self._loads(force), threads, options, gradient)
 
     def equilibrium(
@@ -264,7 +258,7 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = None if design is None else GeometryBatch.of(self.file, self.design.rod, design)
+        batch = None if design is None else checked_geometry(self.file, self.design.rod, design)
         if batch is not None and len(batch) != 1:
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
         return follow(self, batch, self._loads(force), 1, options)[0]

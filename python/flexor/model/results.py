@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, ClassVar, cast, overload
+from typing import Any, ClassVar, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.errors import InputError
 from flexor.model import state
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.structure import Structure
-
-if TYPE_CHECKING:
-    from flexor.model.geometry import GeometryJacobian
 
 Array = NDArray[np.float64]
 _Several = slice | list[int] | NDArray[Any]
@@ -131,7 +129,8 @@ class Results:
         every = np.broadcast_to(self.model.parameters, (*self._count, self.model.parameters.size))
         every = every.copy()
         if self.radius is not None:
-            indices, values = self.model.geometry_slots(self)
+            geometry = Geometry(self.length, self.radius, self.slope)
+            indices, values = self.model.geometry_slots(geometry)
             every[..., indices] = values if self._count else values[0]
         return every
 

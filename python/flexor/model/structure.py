@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.design.geometry import Geometry, GeometryJacobian
+
 if TYPE_CHECKING:
     from flexor import _engine
-    from flexor.model.geometry import Geometry, GeometryJacobian
     from flexor.model.schema import ModelFile
 
 Array = NDArray[np.float64]

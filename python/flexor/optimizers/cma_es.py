@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, Range, at_least, at_most, option
 from flexor.optimizers.unit_box import penalize_failures
 
 
@@ -35,49 +34,28 @@ class CmaEs(Method):
         A run stops when its step sizes, as fractions of the ranges, fall below this.
     """
 
-    population: int = 0
-    step: float = 0.3
-    restarts: int = 3
-    tolerance: float = 1e-6
+    name: ClassVar[str] = "cma-es"
 
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        population_valid = self.population == 0 or self.population >= 4
-        for option, valid, allowed in (
-            ("population", population_valid, "at least 4, or 0 for the default"),
-            ("step", 0.0 < self.step <= 1.0, "above 0 and at most 1"),
-            ("restarts", self.restarts >= 0, "at least 0"),
-            ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
-        ):
-            require(self.name, option, getattr(self, option), valid, allowed)
-
-    @property
-    def name(self) -> str:
-        """``"cma-es"``."""
-        return "cma-es"
+    population: int = option(
+        0, Range(lambda value: value == 0 or value >= 4, "at least 4, or 0 for the default")
+    )
+    step: float = option(0.3, at_most(1))
+    restarts: int = option(3, at_least(0))
+    tolerance: float = option(1e-6, FRACTION)
 
     def run(self, run: Run) -> str:
         """Run CMA-ES with its restarts."""
-        random = np.random.default_rng(run.seed)
-        starts = run.starts(1, random)
+        starts = run.starts(1)
         values = run.values(starts)
         mean = starts[int(np.argmin(values))]
         population = self.population or max(8, 4 + int(3.0 * math.log(run.size)))
         reason = ""
         for restart in range(self.restarts + 1):
-            reason = self._single_run(run, mean, population, random, restart)
-            mean, population = random.uniform(size=run.size), 2 * population
+            reason = self._single_run(run, mean, population, restart)
+            mean, population = run.random.uniform(size=run.size), 2 * population
         return f"{reason}, after {self.restarts} restarts" if self.restarts else reason
 
-    def _single_run(
-        self, run: Run, mean: FloatArray, population: int, random: np.random.Generator, restart: int
-    ) -> str:
+    def _single_run(self, run: Run, mean: FloatArray, population: int, restart: int) -> str:
         from cma import CMAEvolutionStrategy
 
         k = run.size
@@ -87,7 +65,7 @@ class CmaEs(Method):
             {
                 "bounds": [0.0, 1.0],
                 "popsize": population,
-                "randn": _normal_sampler(random),
+                "randn": lambda *shape: run.random.standard_normal(shape),
                 "seed": math.nan,  # do not seed numpy's global generator
                 "tolx": self.tolerance,
                 "tolfun": 1e-11,
@@ -100,10 +78,3 @@ class CmaEs(Method):
             strategy.tell(candidates, penalize_failures(run.values(points)).tolist())
             run.step(f"run {restart + 1} of {self.restarts + 1}, step {strategy.sigma:.2g}")
         return f"CMA-ES stopped by {', '.join(stop)}"
-
-
-def _normal_sampler(random: np.random.Generator) -> Callable[..., Any]:
-    def normal(*shape: int) -> Any:
-        return random.standard_normal(shape)
-
-    return normal

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
-from flexor.optimizers.pymoo_loop import check_population, first_population, generations
+from flexor.optimizers.options import at_least, at_most, option
+from flexor.optimizers.pymoo_loop import generations
 
 
 @dataclass(frozen=True)
@@ -23,26 +24,11 @@ class DifferentialEvolution(Method):
         Stop after this many generations without improvement.
     """
 
-    population: int = 32
-    crossover: float = 0.7
-    patience: int = 50
+    name: ClassVar[str] = "differential-evolution"
 
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        check_population(self.name, self.population, self.patience, least=5)
-        valid = 0.0 < self.crossover <= 1.0
-        require(self.name, "crossover", self.crossover, valid, "above 0 and at most 1")
-
-    @property
-    def name(self) -> str:
-        """``"differential-evolution"``."""
-        return "differential-evolution"
+    population: int = option(32, at_least(5))
+    crossover: float = option(0.7, at_most(1))
+    patience: int = option(50, at_least(1))
 
     def run(self, run: Run) -> str:
         """Evolve until no improvement is found."""
@@ -50,7 +36,7 @@ class DifferentialEvolution(Method):
 
         algorithm = DE(
             pop_size=self.population,
-            sampling=first_population(run, self.population),
+            sampling=run.starts(self.population),
             variant="DE/rand/1/bin",
             CR=self.crossover,
         )

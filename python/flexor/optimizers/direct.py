@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from typing import Any, ClassVar
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, Range, option
 
 # SciPy allocates its rectangles in advance.
 MAX_EVALUATIONS = 200_000
@@ -35,34 +33,20 @@ class Direct(Method):
         Approximate evaluation limit if no budget is given.
     """
 
+    name: ClassVar[str] = "direct"
+
     local: bool = True
-    side: float = 1e-4
-    gain: float = 1e-4
-    evaluations: int = 5_000
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        require(self.name, "side", self.side, 0.0 < self.side < 1.0, "between 0 and 1")
-        require(self.name, "gain", self.gain, 0.0 < self.gain < 1.0, "between 0 and 1")
-        valid = 1 <= self.evaluations <= MAX_EVALUATIONS
-        require(self.name, "evaluations", self.evaluations, valid, f"from 1 to {MAX_EVALUATIONS}")
-
-    @property
-    def name(self) -> str:
-        """``"direct"``."""
-        return "direct"
+    side: float = option(1e-4, FRACTION)
+    gain: float = option(1e-4, FRACTION)
+    evaluations: int = option(
+        5_000, Range(lambda value: 1 <= value <= MAX_EVALUATIONS, f"from 1 to {MAX_EVALUATIONS}")
+    )
 
     def run(self, run: Run) -> str:
         """Divide until the best rectangle is small."""
         from scipy.optimize import direct
 
-        run.values(run.starts(1, np.random.default_rng(run.seed)))
+        run.values(run.starts(1))
 
         def value(point: FloatArray) -> float:
             return float(run.values(point[None, :])[0])

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import at_least, option
 from flexor.optimizers.unit_box import penalize_failures
 
 # Finite-difference step of the local searches, as a fraction of the ranges.
@@ -33,30 +34,16 @@ class DualAnnealing(Method):
         Whether to run local searches.
     """
 
-    iterations: int = 1000
+    name: ClassVar[str] = "dual-annealing"
+
+    iterations: int = option(1000, at_least(1))
     local: bool = True
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        require(self.name, "iterations", self.iterations, self.iterations >= 1, "at least 1")
-
-    @property
-    def name(self) -> str:
-        """``"dual-annealing"``."""
-        return "dual-annealing"
 
     def run(self, run: Run) -> str:
         """Run all annealing iterations."""
         from scipy.optimize import dual_annealing
 
-        random = np.random.default_rng(run.seed)
-        starts = run.starts(1, random)
+        starts = run.starts(1)
         start = starts[int(np.argmin(run.values(starts)))]
 
         requests = itertools.count(1)
@@ -81,7 +68,7 @@ class DualAnnealing(Method):
             maxiter=self.iterations,
             maxfun=10**9,
             x0=start,
-            rng=random,
+            rng=run.random,
             no_local_search=not self.local,
             minimizer_kwargs={"method": "L-BFGS-B", "jac": gradient, "bounds": box},
         )

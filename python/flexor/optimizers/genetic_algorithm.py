@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.pymoo_loop import check_population, first_population, generations
+from flexor.optimizers.options import at_least, option
+from flexor.optimizers.pymoo_loop import generations
 
 
 @dataclass(frozen=True)
@@ -20,23 +22,10 @@ class GeneticAlgorithm(Method):
         Stop after this many generations without improvement.
     """
 
-    population: int = 32
-    patience: int = 50
+    name: ClassVar[str] = "genetic-algorithm"
 
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        check_population(self.name, self.population, self.patience, least=4)
-
-    @property
-    def name(self) -> str:
-        """``"genetic-algorithm"``."""
-        return "genetic-algorithm"
+    population: int = option(32, at_least(4))
+    patience: int = option(50, at_least(1))
 
     def run(self, run: Run) -> str:
         """Evolve until no improvement is found."""
@@ -46,7 +35,7 @@ class GeneticAlgorithm(Method):
 
         algorithm = GA(
             pop_size=self.population,
-            sampling=first_population(run, self.population),
+            sampling=run.starts(self.population),
             crossover=SBX(),
             mutation=PM(),
         )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from flexor.errors import InputError
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import at_least, option
 
 MAX_DESIGNS = 4_000_000
 # Batch size for functions that do not stream: large enough to keep every core busy, small enough
@@ -29,27 +30,14 @@ class Grid(Method):
         Indices of the parameters to vary; all by default.
     """
 
-    points: int = 81
+    name: ClassVar[str] = "grid"
+
+    points: int = option(81, at_least(2))
     columns: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        require(self.name, "points", self.points, self.points >= 2, "at least 2")
-
-    @property
-    def name(self) -> str:
-        """``"grid"``."""
-        return "grid"
 
     def run(self, run: Run) -> str:
         """Evaluate every point; the last column varies fastest."""
-        start = run.designs(run.starts(1, np.random.default_rng(run.seed))[:1])[0]
+        start = run.designs(run.starts(1)[:1])[0]
         designs = grid_designs(run.lower, run.upper, start, self.points, self.columns)
         for done in run.function.stream(designs, BATCH):
             run.step("grid", len(designs) - done)

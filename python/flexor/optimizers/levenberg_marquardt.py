@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, Range, at_least, at_most, option
 
 MAX_DAMPING = 1e12
 MIN_DAMPING = 1e-12
@@ -71,39 +71,18 @@ class LevenbergMarquardt(Method):
         Maximum number of iterations.
     """
 
+    name: ClassVar[str] = "levenberg-marquardt"
     gradients: ClassVar[bool] = True
 
-    starts: int = 1
-    difference: float = 1e-6
-    damping: float = 1e-2
-    tolerance: float = 1e-6
-    iterations: int = 400
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        for option, valid, allowed in (
-            ("starts", self.starts >= 1, "at least 1"),
-            ("difference", 0.0 < self.difference <= 0.1, "above 0 and at most 0.1"),
-            ("damping", 0.0 < self.damping < np.inf, "above 0"),
-            ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
-            ("iterations", self.iterations >= 1, "at least 1"),
-        ):
-            require(self.name, option, getattr(self, option), valid, allowed)
-
-    @property
-    def name(self) -> str:
-        """``"levenberg-marquardt"``."""
-        return "levenberg-marquardt"
+    starts: int = option(1, at_least(1))
+    difference: float = option(1e-6, at_most(0.1))
+    damping: float = option(1e-2, Range(lambda value: 0.0 < value < np.inf, "above 0"))
+    tolerance: float = option(1e-6, FRACTION)
+    iterations: int = option(400, at_least(1))
 
     def run(self, run: Run) -> str:
         """Iterate until the search from every start has ended."""
-        points = run.starts(self.starts, np.random.default_rng(run.seed))
+        points = run.starts(self.starts)
         searches = [
             LocalSearch(
                 point, vector, self.damping, done="" if np.isfinite(vector).all() else "failed"

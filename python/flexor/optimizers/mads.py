@@ -9,13 +9,12 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import IO, Any
+from typing import IO, Any, ClassVar
 
 import numpy as np
 
-from flexor.optimizers.extras import require_installed
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, option
 
 # The budget is enforced by BudgetedEvaluator, not by NOMAD.
 UNLIMITED = 10_000_000
@@ -36,28 +35,14 @@ class Mads(Method):
         Stop when the mesh size, as a fraction of the ranges, falls below this.
     """
 
+    name: ClassVar[str] = "mads"
+
     models: bool = True
-    mesh: float = 1e-7
-
-    def __post_init__(self) -> None:
-        """Check the options and that NOMAD is installed.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range or NOMAD is missing.
-        """
-        require(self.name, "mesh", self.mesh, 0.0 < self.mesh < 1.0, "between 0 and 1")
-        require_installed(self.name)
-
-    @property
-    def name(self) -> str:
-        """``"mads"``."""
-        return "mads"
+    mesh: float = option(1e-7, FRACTION)
 
     def run(self, run: Run) -> str:
         """Poll until the mesh reaches its tolerance."""
-        starts = run.starts(1, np.random.default_rng(run.seed))
+        starts = run.starts(1)
         start = starts[int(np.argmin(run.values(starts)))]
         run.step("start")
         parameters = [

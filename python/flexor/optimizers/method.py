@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
@@ -14,6 +15,7 @@ from flexor.optimizers.interface import (
     ProgressCallback,
     SearchResult,
 )
+from flexor.optimizers.options import Options
 from flexor.optimizers.unit_box import UnitBox
 
 # A converged method may request cached designs indefinitely; stop it after this many iterations
@@ -45,7 +47,7 @@ class Run(UnitBox):
         seed: int,
         progress: ProgressCallback | None,
     ) -> None:
-        super().__init__(function, lower, upper, start)
+        super().__init__(function, lower, upper, start, np.random.default_rng(seed))
         self.seed = seed
         self.iteration = 0
         self._progress = progress
@@ -79,17 +81,11 @@ class Run(UnitBox):
             self._progress(self.function.progress(self.iteration, detail, remaining))
 
 
-class Method(ABC):
+class Method(Options, ABC):
     """Base class of searches implemented as one procedure on a `Run`.
 
-    Subclasses are frozen dataclasses whose fields are the options, all with defaults. See
-    `flexor.optimizers.Search`.
+    See `flexor.optimizers.Search`.
     """
-
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Name on the command line."""
 
     @abstractmethod
     def run(self, run: Run) -> str:

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
@@ -33,37 +33,17 @@ class MultistartBfgs(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
+    name: ClassVar[str] = "multistart-bfgs"
     gradients: ClassVar[bool] = True
 
-    starts: int = 8
-    tolerance: float = 1e-6
-    iterations: int = 100
-    difference: float = 1e-6
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        for option, valid, allowed in (
-            ("starts", self.starts >= 1, "at least 1"),
-            ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
-            ("iterations", self.iterations >= 1, "at least 1"),
-            ("difference", 0.0 < self.difference <= 0.1, "above 0 and at most 0.1"),
-        ):
-            require(self.name, option, getattr(self, option), valid, allowed)
-
-    @property
-    def name(self) -> str:
-        """``"multistart-bfgs"``."""
-        return "multistart-bfgs"
+    starts: int = option(8, at_least(1))
+    tolerance: float = option(1e-6, FRACTION)
+    iterations: int = option(100, at_least(1))
+    difference: float = option(1e-6, at_most(0.1))
 
     def run(self, run: Run) -> str:
         """Run a local search from each start in turn."""
-        points = run.starts(self.starts, np.random.default_rng(run.seed))
+        points = run.starts(self.starts)
         values = run.values(points)
         run.step("starts")
         valid = [i for i in np.argsort(values, kind="stable") if np.isfinite(values[i])]

@@ -1,28 +1,80 @@
-"""Validation of the methods' options."""
+"""Options of the methods and their ranges."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, TypeVar
+
 from flexor.errors import InputError
+from flexor.optimizers.extras import require_installed
+
+T = TypeVar("T")
 
 
-def require(method: str, option: str, value: float, valid: bool, allowed: str) -> None:
-    """Raise an error if an option is out of range.
+@dataclass(frozen=True)
+class Range:
+    """Values that an option may have.
 
-    Parameters
+    Attributes
     ----------
-    method, option : str
-        Names of the method and the option.
-    value : float
-        Value of the option.
-    valid : bool
-        Whether the value is allowed. Comparisons with NaN are false, so NaN is rejected.
-    allowed : str
-        The allowed range, for example ``"at least 1"``.
-
-    Raises
-    ------
-    InputError
-        If the value is not valid.
+    contains : callable
+        Whether a value is allowed. Comparisons with NaN are false, so NaN is rejected.
+    text : str
+        The range in words, for example ``"at least 1"``.
     """
-    if not valid:
-        raise InputError(f"option {option} of {method} must be {allowed}, got {value:g}.")
+
+    contains: Callable[[Any], bool]
+    text: str
+
+
+FRACTION = Range(lambda value: 0.0 < value < 1.0, "between 0 and 1")
+
+
+def at_least(least: int) -> Range:
+    """Return the range of numbers from ``least``."""
+    return Range(lambda value: value >= least, f"at least {least}")
+
+
+def at_most(most: float) -> Range:
+    """Return the range of positive numbers up to ``most``."""
+    return Range(lambda value: 0.0 < value <= most, f"above 0 and at most {most:g}")
+
+
+def option(default: T, allowed: Range) -> T:
+    """Declare an option with its default and its range."""
+    declared: T = field(default=default, metadata={"range": allowed})
+    return declared
+
+
+@dataclass(frozen=True)
+class Options:
+    """Base class of the methods: a frozen dataclass whose fields are the options.
+
+    Attributes
+    ----------
+    name : str
+        Name on the command line.
+    """
+
+    name: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        """Check the options and that the method's library is installed.
+
+        Raises
+        ------
+        InputError
+            If an option is out of its range or the library is missing.
+        """
+        for each in fields(self):
+            if "range" in each.metadata:
+                self._require(each.name, each.metadata["range"])
+        require_installed(self.name)
+
+    def _require(self, option: str, allowed: Range) -> None:
+        value = getattr(self, option)
+        if not allowed.contains(value):
+            raise InputError(
+                f"option {option} of {self.name} must be {allowed.text}, got {value:g}."
+            )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.pymoo_loop import check_population, first_population, generations
+from flexor.optimizers.options import at_least, option
+from flexor.optimizers.pymoo_loop import generations
 
 
 @dataclass(frozen=True)
@@ -20,27 +22,14 @@ class ParticleSwarm(Method):
         Stop after this many generations without improvement.
     """
 
-    population: int = 32
-    patience: int = 50
+    name: ClassVar[str] = "particle-swarm"
 
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        check_population(self.name, self.population, self.patience, least=2)
-
-    @property
-    def name(self) -> str:
-        """``"particle-swarm"``."""
-        return "particle-swarm"
+    population: int = option(32, at_least(2))
+    patience: int = option(50, at_least(1))
 
     def run(self, run: Run) -> str:
         """Iterate until no improvement is found."""
         from pymoo.algorithms.soo.nonconvex.pso import PSO
 
-        algorithm = PSO(pop_size=self.population, sampling=first_population(run, self.population))
+        algorithm = PSO(pop_size=self.population, sampling=run.starts(self.population))
         return generations(run, algorithm, self.patience)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.errors import InputError
 from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
 from flexor.optimizers.interface import (
     BatchFunction,
@@ -18,6 +18,7 @@ from flexor.optimizers.interface import (
     ProgressCallback,
     SearchResult,
 )
+from flexor.optimizers.options import FRACTION, Options, Range, at_least, at_most, option
 from flexor.optimizers.starts import starting_designs
 
 
@@ -41,7 +42,7 @@ class PollState:
 
 
 @dataclass(frozen=True)
-class PatternSearch:
+class PatternSearch(Options):
     """Generalised pattern search (Torczon 1997) with the positive basis 2N and complete polling.
 
     Each iteration evaluates the 2k neighbours ``design ± mesh (upper - lower) e_i`` as one batch
@@ -66,43 +67,20 @@ class PatternSearch:
         The search from a start ends when its mesh falls below this.
     """
 
-    starts: int = 1
-    initial_mesh: float = 0.25
+    name: ClassVar[str] = "pattern-search"
+
+    starts: int = option(1, at_least(1))
+    initial_mesh: float = option(0.25, at_most(1))
     largest_mesh: float = 1.0
-    expansion: float = 2.0
-    contraction: float = 0.5
-    tolerance: float = 1e-6
+    expansion: float = option(2.0, Range(lambda value: 1.0 <= value < np.inf, "at least 1"))
+    contraction: float = option(0.5, FRACTION)
+    tolerance: float = option(1e-6, FRACTION)
 
     def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        for option, valid, allowed in (
-            ("starts", self.starts >= 1, "at least 1"),
-            ("initial_mesh", 0.0 < self.initial_mesh <= 1.0, "above 0 and at most 1"),
-            (
-                "largest_mesh",
-                self.initial_mesh <= self.largest_mesh <= 1.0,
-                "from initial_mesh to 1",
-            ),
-            ("expansion", 1.0 <= self.expansion < np.inf, "at least 1"),
-            ("contraction", 0.0 < self.contraction < 1.0, "between 0 and 1"),
-            ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
-        ):
-            if not valid:
-                raise InputError(
-                    f"option {option} of pattern-search must be {allowed}, "
-                    f"got {getattr(self, option):g}."
-                )
-
-    @property
-    def name(self) -> str:
-        """``"pattern-search"``."""
-        return "pattern-search"
+        """Check the options; see `Options`."""
+        super().__post_init__()
+        between = Range(lambda mesh: self.initial_mesh <= mesh <= 1.0, "from initial_mesh to 1")
+        self._require("largest_mesh", between)
 
     def minimize(
         self,

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
@@ -34,41 +34,19 @@ class PolishedPattern(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
+    name: ClassVar[str] = "pattern-search+polish"
     gradients: ClassVar[bool] = True
 
-    starts: int = 1
-    initial_mesh: float = 0.25
-    mesh: float = 0.05
-    tolerance: float = 1e-6
-    iterations: int = 100
-    difference: float = 1e-6
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range.
-        """
-        for option, valid, allowed in (
-            ("starts", self.starts >= 1, "at least 1"),
-            ("initial_mesh", 0.0 < self.initial_mesh <= 1.0, "above 0 and at most 1"),
-            ("mesh", 0.0 < self.mesh < 1.0, "between 0 and 1"),
-            ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
-            ("iterations", self.iterations >= 1, "at least 1"),
-            ("difference", 0.0 < self.difference <= 0.1, "above 0 and at most 0.1"),
-        ):
-            require(self.name, option, getattr(self, option), valid, allowed)
-
-    @property
-    def name(self) -> str:
-        """``"pattern-search+polish"``."""
-        return "pattern-search+polish"
+    starts: int = option(1, at_least(1))
+    initial_mesh: float = option(0.25, at_most(1))
+    mesh: float = option(0.05, FRACTION)
+    tolerance: float = option(1e-6, FRACTION)
+    iterations: int = option(100, at_least(1))
+    difference: float = option(1e-6, at_most(0.1))
 
     def run(self, run: Run) -> str:
         """Run the pattern search, then a local search from each of its results, best first."""
-        starts = run.starts(self.starts, np.random.default_rng(run.seed))
+        starts = run.starts(self.starts)
         coarse = PatternSearch(initial_mesh=self.initial_mesh, tolerance=self.mesh)
         polls = []
         box = np.zeros(run.size), np.ones(run.size)

@@ -6,26 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Run
-from flexor.optimizers.options import require
-
-
-def check_population(method: str, population: int, patience: int, least: int) -> None:
-    """Check the population size and the patience.
-
-    Raises
-    ------
-    InputError
-        If one is too small.
-    """
-    require(method, "population", population, population >= least, f"at least {least}")
-    require(method, "patience", patience, patience >= 1, "at least 1")
-
-
-def first_population(run: Run, count: int) -> FloatArray:
-    """Return the starts, completed by a Latin hypercube sample, (count or more, k)."""
-    return run.starts(count, np.random.default_rng(run.seed))
 
 
 def generations(run: Run, algorithm: Any, patience: int) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from flexor.optimizers.extras import require_installed
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
-from flexor.optimizers.options import require
+from flexor.optimizers.options import at_least, option
 
 
 @dataclass(frozen=True)
@@ -30,25 +30,10 @@ class Surrogate(Method):
         Number of designs proposed per iteration.
     """
 
-    evaluations: int = 200
-    batch: int = 1
+    name: ClassVar[str] = "surrogate"
 
-    def __post_init__(self) -> None:
-        """Check the options and that egobox is installed.
-
-        Raises
-        ------
-        InputError
-            If one is out of its range or egobox is missing.
-        """
-        require(self.name, "evaluations", self.evaluations, self.evaluations >= 1, "at least 1")
-        require(self.name, "batch", self.batch, self.batch >= 1, "at least 1")
-        require_installed(self.name)
-
-    @property
-    def name(self) -> str:
-        """``"surrogate"``."""
-        return "surrogate"
+    evaluations: int = option(200, at_least(1))
+    batch: int = option(1, at_least(1))
 
     def run(self, run: Run) -> str:
         """Evaluate the initial sample, then iterate EGO."""
@@ -57,14 +42,13 @@ class Surrogate(Method):
         import egobox
 
         k = run.size
-        random = np.random.default_rng(run.seed)
-        points = run.starts(2 * k + 2, random)
+        points = run.starts(2 * k + 2)
         values = run.values(points)
         run.step("initial sample")
         while np.count_nonzero(np.isfinite(values)) < k + 1:
             if len(points) >= self.evaluations:
                 return "too few successful designs to fit a model"
-            more = random.uniform(size=(2 * k + 2, k))
+            more = run.random.uniform(size=(2 * k + 2, k))
             points, values = np.concatenate((points, more)), np.append(values, run.values(more))
             run.step("initial sample")
         valid = np.isfinite(values)

@@ -21,6 +21,8 @@ class UnitBox:
         Bounds.
     start : (k,) or (s, k) array or None
         Starting designs.
+    random : numpy Generator
+        Random generator of further starts, and of the method.
     """
 
     def __init__(
@@ -29,10 +31,12 @@ class UnitBox:
         lower: FloatArray,
         upper: FloatArray,
         start: ArrayLike | None,
+        random: np.random.Generator,
     ) -> None:
         self.function = function
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
+        self.random = random
         self._start = start
         self._start_designs: dict[bytes, FloatArray] = {}
 
@@ -41,7 +45,7 @@ class UnitBox:
         """Number k of parameters."""
         return self.lower.size
 
-    def starts(self, count: int, random: np.random.Generator) -> FloatArray:
+    def starts(self, count: int) -> FloatArray:
         """Return the given starts, completed to ``count`` with a Latin hypercube, (s, k).
 
         Raises
@@ -49,7 +53,7 @@ class UnitBox:
         InputError
             If a given start is outside the bounds.
         """
-        designs = starting_designs(self._start, count, self.lower, self.upper, random)
+        designs = starting_designs(self._start, count, self.lower, self.upper, self.random)
         points = self.points(designs)
         # Scaling there and back may change the last bit; starts are evaluated exactly as given.
         self._start_designs.update(

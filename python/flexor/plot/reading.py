@@ -12,7 +12,7 @@ from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
-    from flexor.model.schema import Actuator
+    from flexor.model.schema.actuator import Actuator
 
 Array = NDArray[np.float64]
 
@@ -59,12 +59,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
 
 
 def _line(path: Path, name: str, actuator: Actuator, rod: Rod, station: Array) -> Line:
-    from flexor.model.lowering import points as sample_points
-    from flexor.model.schema import Rod as RodTable
-
-    table = path.model.file.bodies[actuator.rod]
-    assert isinstance(table, RodTable)
-    sampled, _ = actuator.path.sampled(sample_points(table))
+    sampled, _ = actuator.path.sampled(path.model.file.rod(actuator.rod).sample_points)
     lever = path.model.slot(f"{name}.lever", path.parameters)
     offset = np.stack([_at(station, column) for column in sampled.T], axis=1)
     offset = offset + rod.half_height[:, None] * lever

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from flexor.model import units
+from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.checks import check_rod
+from flexor.model.schema.force import Force
+from flexor.model.schema.planar import at_zero
 from flexor.model.schema.profile import interpolated
 from flexor.model.schema.table import Choice, Name, Number, Table
 from flexor.model.units import Angle, Length, PositiveLength
+from flexor.model.validation import field_error
 
 Array = NDArray[np.float64]
 
@@ -77,12 +82,14 @@ def _lever(value: object) -> object:
     return value
 
 
-class Actuator(Table):
+class Actuator(Force):
     """A chamber (u > 0 elongates it) or a cable (u > 0 is its tension) along a rod.
 
     Its offset from the axis is ``path`` + ``lever`` S(X). A scalar lever is along z, so that 1 is
     on the dorsal surface.
     """
+
+    description: ClassVar[str] = "actuators"
 
     kind: Annotated[Literal["chamber", "cable"], Choice("chamber", "cable")]
     rod: Name
@@ -90,3 +97,27 @@ class Actuator(Table):
         Annotated[Curve, Tag("curve")] | Annotated[Helix, Tag("helix")], Discriminator(_form)
     ] = Curve()
     lever: Annotated[Lever, BeforeValidator(_lever)] = Lever()
+
+    def check(self, path: str, system: BodySystem) -> None:
+        """Check that the rod exists."""
+        check_rod(self.rod, system.bodies, f"{path}.rod")
+
+    def check_planar(self, path: str) -> None:
+        """Reject a path outside the plane."""
+        if not isinstance(self.path, Curve):
+            raise field_error("is a helix, which is not planar", f"{path}.path")
+        for offset in self.path.y:
+            at_zero(offset, f"{path}.path.y")
+        at_zero(self.lever.y, f"{path}.lever.y")
+
+    def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
+        """Describe the actuator to the engine, at the sample points of its rod."""
+        path, slope = self.path.sampled(system.rod(self.rod).sample_points)
+        return {
+            "name": name,
+            "kind": self.kind,
+            "rod": self.rod,
+            "path": path.tolist(),
+            "path_slope": slope.tolist(),
+            "lever": [self.lever.y, self.lever.z],
+        }

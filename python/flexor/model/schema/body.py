@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+from flexor._engine import sample_points
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
@@ -14,6 +17,8 @@ from flexor.model.schema.table import Choice, Count, Name, PositiveNumber, Table
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
+
+Array = NDArray[np.float64]
 
 
 class Placement(Table):
@@ -29,6 +34,18 @@ class Placement(Table):
     z: Length = units.LENGTH.si(0.0)
     rotation: Rotation = Rotation()
     reference: Annotated[Literal["axis", "underside"], Choice("axis", "underside")] = "axis"
+
+    @property
+    def dorsal(self) -> Array:
+        """The local z axis in the parent's frame; shape (3,)."""
+        vector = np.array(self.rotation.components)
+        angle = float(np.linalg.norm(vector))
+        up = np.array([0.0, 0.0, 1.0])
+        if angle == 0.0:
+            return up
+        axis = vector / angle
+        along = axis * axis[2]  # Rodrigues' formula
+        return np.asarray(along + np.cos(angle) * (up - along) + np.sin(angle) * np.cross(axis, up))
 
 
 class Section(Table):
@@ -107,6 +124,11 @@ class Rod(Table):
     def shear_modulus(self) -> float:
         """Shear modulus of the isotropic material [Pa]."""
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    @property
+    def sample_points(self) -> Array:
+        """Sample points X in [0, 1], element ends and Gauss points; shape (P,)."""
+        return sample_points(self.elements, self.gauss_points)
 
     @property
     def sample_count(self) -> int:

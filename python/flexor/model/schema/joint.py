@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.schema.table import Number, Table, one_of
+from flexor.model.schema.table import Table, one_of
+from flexor.model.schema.vector import Axis
 from flexor.model.units import (
     Angle,
     AngularStiffness,
@@ -19,19 +20,7 @@ from flexor.model.units import (
     PositiveStiffness,
     Stiffness,
 )
-from flexor.model.validation import describe, field_error
-
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-
-
-def _axis(value: object) -> object:
-    if isinstance(value, str):
-        if value not in _AXES:
-            raise field_error(
-                f'is {describe(value)}: expected "x", "y", "z" or a list of three numbers'
-            )
-        return _AXES[value]
-    return value
+from flexor.model.validation import field_error
 
 
 def _repeated(count: int) -> BeforeValidator:
@@ -45,7 +34,6 @@ def _repeated(count: int) -> BeforeValidator:
     return BeforeValidator(repeat)
 
 
-Axis = Annotated[tuple[Number, Number, Number], BeforeValidator(_axis)]
 _NO_STIFFNESS = units.STIFFNESS.si(0.0)
 _NO_ANGULAR_STIFFNESS = units.ANGULAR_STIFFNESS.si(0.0)
 

@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import Any
 
 from pydantic import Field, model_validator
 
 from flexor.model.schema.actuator import Actuator
-from flexor.model.schema.body import Body, Rod
-from flexor.model.schema.checks import check_names, check_references, check_tree
+from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.checks import check_names, check_rod, check_tree
+from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
+from flexor.model.schema.force import Force
 from flexor.model.schema.obstacle import Obstacle
-from flexor.model.schema.planar import check_planar
-from flexor.model.schema.points import Contact, SphereGroup, Spring, Wrench
-from flexor.model.schema.table import Name, Switch, Table, Text
-from flexor.model.schema.vector import Gravity
+from flexor.model.schema.planar import check_planar_body, in_plane
+from flexor.model.schema.spring import Spring
+from flexor.model.schema.table import Name
+from flexor.model.schema.wrench import Wrench
 
 
-class ModelFile(Table):
+class ModelFile(BodySystem):
     """A model file with one of its sets of constants applied.
 
     ``constants`` holds the sets as written, ``use`` the name of the one whose values have been
     applied to the other tables; see `flexor.model.constants`.
     """
 
-    name: Name
-    title: Text = ""
-    planar: Switch = False
-    gravity: Gravity = Gravity()
-    bodies: Annotated[dict[Name, Body], Field(min_length=1)]
-    spheres: dict[Name, SphereGroup] = Field(default_factory=dict)
     contacts: dict[Name, Contact] = Field(default_factory=dict)
     obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
     actuators: dict[Name, Actuator] = Field(default_factory=dict)
@@ -43,25 +40,25 @@ class ModelFile(Table):
     @model_validator(mode="after")
     def _check(self) -> ModelFile:
         """Check the consistency of the tables."""
-        check_names(self)
-        check_tree(self)
-        check_references(self)
+        check_names({table: getattr(self, table) for table in self.named_tables()})
+        check_tree(self.bodies)
+        for name, group in self.spheres.items():
+            group.check(f"spheres.{name}", self.bodies)
+        for table, name, force in self.forces():
+            force.check(f"{table}.{name}", self)
+        if self.design is not None:
+            check_rod(self.design.rod, self.bodies, "design.rod")
         if self.planar:
-            check_planar(self)
+            in_plane(self.gravity, "gravity")
+            for name, body in self.bodies.items():
+                check_planar_body(body, f"bodies.{name}")
+            for table, name, force in self.forces():
+                force.check_planar(f"{table}.{name}")
         return self
 
-    def rod(self, name: str) -> Rod:
-        """Return a rod by name.
-
-        Parameters
-        ----------
-        name
-            Its name.
-        """
-        body = self.bodies[name]
-        if not isinstance(body, Rod):
-            raise TypeError(f"{name} is a {body.kind}")
-        return body
+    def forces(self) -> Iterator[tuple[str, str, Force]]:
+        """Yield table, name and description of each force, in the order of the fields."""
+        return self.entries(Force)  # type: ignore[type-abstract]
 
     def to_document(self) -> dict[str, Any]:
         """Return the tables as TOML values, with quantities as originally written."""

@@ -1,15 +1,17 @@
-"""Points on bodies, and the elements attached to them."""
+"""Points on bodies, points in the world and groups of spheres."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from flexor.model import units
-from flexor.model.schema.table import Choice, Index, Name, Switch, Table
-from flexor.model.schema.vector import ForceVector, MomentVector, Offset
-from flexor.model.units import NonNegativeLength, PositiveStiffness, PositiveStiffnessPerLength
+from flexor.model.schema.body import Body, Link, Rod
+from flexor.model.schema.checks import check_known
+from flexor.model.schema.planar import in_plane
+from flexor.model.schema.table import Index, Name, Table
+from flexor.model.schema.vector import Offset
 from flexor.model.validation import describe, field_error
 
 
@@ -39,17 +41,84 @@ class Station(Table):
             raise field_error('needs either at (such as "tip") or point (of a rod)')
         return self
 
+    def check_point(self, path: str, bodies: Mapping[str, Body]) -> None:
+        """Check that the body exists and has such a point.
+
+        Parameters
+        ----------
+        path
+            Dotted path of the table, for messages.
+        bodies
+            All bodies by name.
+        """
+        check_known(self.body, "body", bodies, f"{path}.body")
+        body, name = bodies[self.body], self.body
+        if isinstance(body, Link):
+            if self.point is not None:
+                tail = f'is {self.point}: only rods have points, and "{name}" is a link'
+                raise field_error(tail, path=f"{path}.point")
+        elif self.at == "centroid":
+            tail = f'is "centroid": only links support it, and "{name}" is a rod'
+            raise field_error(tail, path=f"{path}.at")
+        elif self.point is not None:
+            if self.point >= body.sample_count:
+                tail = f'is {self.point}: the points of "{name}" are 0 to {body.sample_count - 1}'
+                raise field_error(tail, path=f"{path}.point")
+        elif isinstance(self.at, float) and body.point_at(self.at) is None:
+            tail = f'is {self.at!r}: on the rod "{name}" it must be a multiple of 1/{body.elements}'
+            raise field_error(f"{tail} (an element boundary)", path=f"{path}.at")
+
+    def lower_point(self, bodies: Mapping[str, Body]) -> dict[str, Any]:
+        """Describe the point to the engine.
+
+        Parameters
+        ----------
+        bodies
+            All bodies by name.
+        """
+        return {"body": self.body, "station": self._station(bodies[self.body])}
+
+    def _station(self, body: Body) -> Any:
+        if self.at == "centroid":
+            return "centroid"
+        if self.point is not None:
+            return {"point": self.point}
+        assert self.at is not None
+        fraction = float({"base": 0.0, "tip": 1.0}.get(str(self.at), self.at))
+        return (
+            {"point": body.point_at(fraction)} if isinstance(body, Rod) else {"fraction": fraction}
+        )
+
 
 class Attachment(Station):
     """A point fixed to a body, at an offset from a station in its local frame."""
 
     offset: Offset = Offset()
 
+    def check_planar(self, path: str) -> None:
+        """Reject an offset out of the plane."""
+        in_plane(self.offset, f"{path}.offset")
+
+    def lower_point(self, bodies: Mapping[str, Body]) -> dict[str, Any]:
+        """Describe the point to the engine."""
+        return {**super().lower_point(bodies), "offset": list(self.offset.components)}
+
 
 class Ground(Table):
     """A point fixed in the world."""
 
     world: Offset
+
+    def check_point(self, path: str, bodies: Mapping[str, Body]) -> None:
+        """Accept any point."""
+
+    def check_planar(self, path: str) -> None:
+        """Reject a point outside the plane."""
+        in_plane(self.world, f"{path}.world")
+
+    def lower_point(self, bodies: Mapping[str, Body]) -> dict[str, Any]:
+        """Describe the point to the engine."""
+        return {"world": list(self.world.components)}
 
 
 def _form(value: object) -> str:
@@ -83,59 +152,38 @@ class SphereGroup(Table):
                 raise field_error(f"contains {describe(body)} twice", path="bodies")
         return self
 
+    def check(self, path: str, bodies: Mapping[str, Body]) -> None:
+        """Check that the bodies and points exist.
 
-class Contact(Table):
-    """Contact (8) between all pairs of spheres of two groups.
+        Parameters
+        ----------
+        path
+            Dotted path of the table, for messages.
+        bodies
+            All bodies by name.
+        """
+        for body in self.bodies:
+            check_known(body, "body", bodies, f"{path}.bodies")
+        for index, station in enumerate(self.points):
+            station.check_point(f"{path}.points[{index}]", bodies)
 
-    With ``shape = "round-cones"`` the bodies of the second group are solids: a link is a round
-    cone from base to tip, a rod a chain of round cones between its sample points. The contact
-    stiffness is ``stiffness`` per sphere of the first group or, against round cones only,
-    ``stiffness_per_length`` of its rods.
+    def lower(self, bodies: Mapping[str, Body], solid: bool = False) -> list[dict[str, Any]]:
+        """Describe the spheres to the engine.
 
-    A group may be in contact with itself; pairs closer than ``skip`` in the group's order are then
-    excluded. ``tip_spheres`` is the number of trailing spheres of the first group that contribute
-    to F_t (14): by default one, or none for self-contact.
-    """
-
-    first: Name
-    second: Name
-    shape: Annotated[Literal["spheres", "round-cones"], Choice("spheres", "round-cones")] = (
-        "spheres"
-    )
-    stiffness: PositiveStiffness | None = None
-    stiffness_per_length: PositiveStiffnessPerLength | None = None
-    skip: Index = 0
-    tip_spheres: Index | None = None
-
-    @model_validator(mode="after")
-    def _check(self) -> Contact:
-        if self.stiffness_per_length is None:
-            if self.stiffness is None:
-                raise field_error(f"is missing: {units.STIFFNESS.hint}", path="stiffness")
-        elif self.stiffness is not None:
-            raise field_error("has both stiffness and stiffness_per_length: give one")
-        elif self.shape == "spheres":
-            raise field_error('requires shape = "round-cones"', path="stiffness_per_length")
-        return self
-
-
-class Spring(Table):
-    """A straight spring, or a tension-only strap (``slack``), between two points."""
-
-    first: Attachment
-    second: Anchor
-    stiffness: PositiveStiffness
-    rest_length: NonNegativeLength = units.LENGTH.si(0.0)
-    slack: Switch = False
-
-
-class Wrench(Attachment):
-    """A force and a moment at a point of a body, fixed in the world or following the body.
-
-    With ``input`` it is scaled by the load of the path.
-    """
-
-    force: ForceVector = ForceVector()
-    moment: MomentVector = MomentVector()
-    frame: Annotated[Literal["world", "body"], Choice("world", "body")] = "world"
-    input: Switch = False
+        Parameters
+        ----------
+        bodies
+            All bodies by name.
+        solid
+            Whether round cones are made of the group; links then have spheres at both ends.
+        """
+        spheres: list[dict[str, Any]] = []
+        for name in self.bodies:
+            body = bodies[name]
+            if isinstance(body, Rod):
+                stations: list[Any] = [{"point": 0}]
+                stations += [{"point": index} for index in range(body.sample_count)]
+            else:
+                stations = [{"fraction": 0.0}, {"fraction": 1.0} if solid else "centroid"]
+            spheres += [{"body": name, "station": station} for station in stations]
+        return spheres + [station.lower_point(bodies) for station in self.points]

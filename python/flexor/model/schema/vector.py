@@ -1,12 +1,45 @@
-"""Vectors as tables of components, which default to zero."""
+"""Directions, and vectors as tables of components, which default to zero."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import numpy as np
+from pydantic import BeforeValidator
+
 from flexor.model import units
-from flexor.model.schema.table import Table
+from flexor.model.schema.table import Number, Table
 from flexor.model.units import Acceleration, Angle, Force, Length, Moment
+from flexor.model.validation import describe, field_error
 
 Triple = tuple[float, float, float]
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def _axis(value: object) -> object:
+    if isinstance(value, str):
+        if value not in _AXES:
+            raise field_error(
+                f'is {describe(value)}: expected "x", "y", "z" or a list of three numbers'
+            )
+        return _AXES[value]
+    return value
+
+
+Axis = Annotated[tuple[Number, Number, Number], BeforeValidator(_axis)]
+
+
+def direction(axis: Triple) -> list[float]:
+    """Return the unit vector along an axis.
+
+    Parameters
+    ----------
+    axis
+        Any vector but zero.
+    """
+    scaled = np.array(axis) / np.max(np.abs(axis))  # or the norm of a huge axis would overflow
+    unit: list[float] = (scaled / np.linalg.norm(scaled)).tolist()
+    return unit
 
 
 class Vector(Table):

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
 
-from flexor._engine import sample_points
-from flexor.model.schema import Body, Rod, SphereGroup
+from flexor.model.schema.body import Body, Rod
+from flexor.model.schema.points import SphereGroup
 
 Json = dict[str, object]
 
 
-def round_cones(group: SphereGroup, bodies: dict[str, Body]) -> list[Json]:
+def round_cones(group: SphereGroup, bodies: Mapping[str, Body]) -> list[Json]:
     """Describe the round cones that a solid group's spheres span.
 
     A link is one, from base to tip; a rod a chain of them, from sample point to sample point (its
@@ -48,7 +49,7 @@ def _continues(body: Body, before: str) -> bool:
     return body.parent == before and not moved and body.joint.kind not in ("prismatic", "free")
 
 
-def length_shares(group: SphereGroup, bodies: dict[str, Body]) -> list[float]:
+def length_shares(group: SphereGroup, bodies: Mapping[str, Body]) -> list[float]:
     """Share the length of a group's rods out among their spheres, by the trapezoidal rule.
 
     The sphere at a rod's joint gets nothing: the one at its first sample point is there as well.
@@ -69,7 +70,7 @@ def length_shares(group: SphereGroup, bodies: dict[str, Body]) -> list[float]:
     for name in group.bodies:
         rod = bodies[name]
         assert isinstance(rod, Rod)
-        intervals = np.diff(sample_points(rod.elements, rod.gauss_points))
+        intervals = np.diff(rod.sample_points)
         halves = 0.5 * intervals
         inner = np.concatenate([halves, [0.0]]) + np.concatenate([[0.0], halves])
         shares += [0.0, *inner.tolist()]

@@ -1,0 +1,65 @@
+"""Bodies and the spheres on them, which forces refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, TypeVar, get_args, get_origin
+
+from pydantic import Field
+
+from flexor.model.schema.body import Body, Rod
+from flexor.model.schema.points import SphereGroup
+from flexor.model.schema.table import Name, Switch, Table, Text
+from flexor.model.schema.vector import Gravity
+
+T = TypeVar("T", bound=Table)
+
+
+class BodySystem(Table):
+    """The part of a model file that does not depend on the forces."""
+
+    name: Name
+    title: Text = ""
+    planar: Switch = False
+    gravity: Gravity = Gravity()
+    bodies: Annotated[dict[Name, Body], Field(min_length=1)]
+    spheres: dict[Name, SphereGroup] = Field(default_factory=dict)
+
+    @classmethod
+    def named_tables(cls) -> dict[str, Any]:
+        """Return the types of the entries of all tables of named entries.
+
+        Sphere groups are last: they may be called like what touches them.
+        """
+        fields = {name: field.annotation for name, field in cls.model_fields.items()}
+        fields["spheres"] = fields.pop("spheres")
+        mappings = {
+            name: get_args(type) for name, type in fields.items() if get_origin(type) is dict
+        }
+        return {name: kind for name, (_, kind) in mappings.items() if get_origin(kind) is not dict}
+
+    def entries(self, kind: type[T]) -> Iterator[tuple[str, str, T]]:
+        """Yield table, name and entry of each named entry of a kind.
+
+        Parameters
+        ----------
+        kind
+            A class of tables.
+        """
+        for table in self.named_tables():
+            for name, entry in getattr(self, table).items():
+                if isinstance(entry, kind):
+                    yield table, name, entry
+
+    def rod(self, name: str) -> Rod:
+        """Return a rod by name.
+
+        Parameters
+        ----------
+        name
+            Its name.
+        """
+        body = self.bodies[name]
+        if not isinstance(body, Rod):
+            raise TypeError(f"{name} is a {body.kind}")
+        return body

@@ -1,0 +1,95 @@
+"""Contact between groups of spheres, or between spheres and round cones."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import model_validator
+
+from flexor.model import units
+from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.checks import check_known, check_rod
+from flexor.model.schema.force import Force
+from flexor.model.schema.round_cones import length_shares, round_cones
+from flexor.model.schema.table import Choice, Index, Name
+from flexor.model.units import PositiveStiffness, PositiveStiffnessPerLength
+from flexor.model.validation import field_error
+
+
+class Contact(Force):
+    """Contact (8) between all pairs of spheres of two groups.
+
+    With ``shape = "round-cones"`` the bodies of the second group are solids: a link is a round
+    cone from base to tip, a rod a chain of round cones between its sample points. The contact
+    stiffness is ``stiffness`` per sphere of the first group or, against round cones only,
+    ``stiffness_per_length`` of its rods.
+
+    A group may be in contact with itself; pairs closer than ``skip`` in the group's order are then
+    excluded. ``tip_spheres`` is the number of trailing spheres of the first group that contribute
+    to F_t (14): by default one, or none for self-contact.
+    """
+
+    description: ClassVar[str] = "contacts"
+
+    first: Name
+    second: Name
+    shape: Annotated[Literal["spheres", "round-cones"], Choice("spheres", "round-cones")] = (
+        "spheres"
+    )
+    stiffness: PositiveStiffness | None = None
+    stiffness_per_length: PositiveStiffnessPerLength | None = None
+    skip: Index = 0
+    tip_spheres: Index | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Contact:
+        if self.stiffness_per_length is None:
+            if self.stiffness is None:
+                raise field_error(f"is missing: {units.STIFFNESS.hint}", path="stiffness")
+        elif self.stiffness is not None:
+            raise field_error("has both stiffness and stiffness_per_length: give one")
+        elif self.shape == "spheres":
+            raise field_error('requires shape = "round-cones"', path="stiffness_per_length")
+        return self
+
+    def check(self, path: str, system: BodySystem) -> None:
+        """Check that both groups exist and suit the shape."""
+        check_known(self.first, "sphere group", system.spheres, f"{path}.first")
+        check_known(self.second, "sphere group", system.spheres, f"{path}.second")
+        if self.shape == "spheres":
+            return
+        for _, other, contact in system.entries(Contact):
+            if contact.shape == "spheres" and self.second in (contact.first, contact.second):
+                tail = f'is "{self.second}", whose spheres are used by {other}: define another'
+                raise field_error(f"{tail} group for round cones", path=f"{path}.second")
+        if self.stiffness_per_length is not None:
+            group = system.spheres[self.first]
+            for body in group.bodies:
+                check_rod(body, system.bodies, f"spheres.{self.first}.bodies")
+            if group.points:
+                name = path.rpartition(".")[2]
+                tail = f"has points, but {name} has a stiffness per length: use rods only"
+                raise field_error(tail, path=f"spheres.{self.first}")
+
+    def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
+        """Describe the contact to the engine."""
+        first, second = system.spheres[self.first], system.spheres[self.second]
+        count = len(first.lower(system.bodies))
+        tip = 0 if self.first == self.second else 1
+        tip = min(count, tip if self.tip_spheres is None else self.tip_spheres)
+        stiffness = self.stiffness or self.stiffness_per_length
+        assert stiffness is not None
+        described = {
+            "name": name,
+            "first": self.first,
+            "second": self.second,
+            "stiffness": float(stiffness),
+            "skip": self.skip,
+            "tip_spheres": list(range(count - tip, count)),
+        }
+        if self.shape == "round-cones":
+            described["cones"] = round_cones(second, system.bodies)
+        if self.stiffness_per_length is not None:
+            described["weights"] = length_shares(first, system.bodies)
+            described["per_length"] = True
+        return described
