@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 from flexor.errors import unknown_name
 from flexor.model.schema.body import Link, Rod
@@ -15,6 +15,35 @@ _NAME = re.compile(r"[A-Za-z]\w*(-\w+)*", re.ASCII)
 _TABLES = ("bodies", "spheres", "contacts", "obstacles", "actuators", "springs", "wrenches")
 # What the engine finds by name alone; sphere groups may be called like the body they cover.
 _SHARED = ("bodies", "contacts", "obstacles", "actuators", "springs", "wrenches")
+
+
+# Limits of a model's size, so that a short file cannot ask for unbounded time and memory.
+MAX_BODIES = 2_000
+MAX_POINTS = 200_000
+MAX_PAIRS = 2_000_000
+
+
+def check_size(file: Tables) -> None:
+    """Check the numbers of bodies, sample points and pairs of spheres."""
+    if len(file.bodies) > MAX_BODIES:
+        raise field_error(f"has {len(file.bodies):,} entries: at most {MAX_BODIES:,}", "bodies")
+    rods = {name: body for name, body in file.bodies.items() if isinstance(body, Rod)}
+    points = sum(rod.sample_count for rod in rods.values())
+    points += sum(rods[each.rod].sample_count for each in file.actuators.values())
+    if points > MAX_POINTS:
+        tail = f"have {points:,} sample points, counted again for each actuator: at most"
+        raise field_error(f"{tail} {MAX_POINTS:,}", "bodies")
+    spheres = {
+        name: len(group.points)
+        + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
+        for name, group in file.spheres.items()
+    }
+    pairs = 0
+    for name, contact in file.contacts.items():
+        pairs += spheres[contact.first] * spheres[contact.second]
+        if pairs > MAX_PAIRS:
+            tail = f"has too many pairs of spheres: all contacts together at most {MAX_PAIRS:,}"
+            raise field_error(tail, path=f"contacts.{name}")
 
 
 def check_names(file: Tables) -> None:
@@ -39,18 +68,21 @@ def check_tree(file: Tables) -> None:
     for name, body in file.bodies.items():
         if body.parent is not None:
             _check_known(body.parent, "body", file.bodies, f"bodies.{name}.parent")
+    rooted: set[str] = set()
     for name in file.bodies:
-        chain = [name]
-        while (parent := file.bodies[chain[-1]].parent) is not None:
-            if parent == name:
-                cycle = " -> ".join([*chain, name])
+        line: dict[str, None] = {}
+        above: str | None = name
+        while above is not None and above not in rooted:
+            if above in line:
+                ring = list(line)[list(line).index(above) :]
+                shown = " -> ".join([*ring, above] if len(ring) < 20 else [*ring[:20], "..."])
                 raise field_error(
-                    f'is "{file.bodies[name].parent}": a body cannot be its own ancestor ({cycle})',
-                    path=f"bodies.{name}.parent",
+                    f'is "{file.bodies[above].parent}": a body cannot be its own ancestor ({shown})',
+                    path=f"bodies.{above}.parent",
                 )
-            if parent in chain:
-                break  # a cycle of the ancestors, reported there
-            chain.append(parent)
+            line[above] = None
+            above = file.bodies[above].parent
+        rooted.update(line)
 
 
 def check_references(file: Tables) -> None:
@@ -95,10 +127,9 @@ def _check_shape(file: Tables, name: str, contact: Contact) -> None:
             raise field_error(tail, path=f"spheres.{contact.first}")
 
 
-def _check_known(name: str, kind: str, allowed: Iterable[str], path: str) -> None:
-    names = list(allowed)
-    if name not in names:
-        raise field_error(f"refers to the {unknown_name(kind, name, names)}", path=path)
+def _check_known(name: str, kind: str, allowed: Mapping[str, object], path: str) -> None:
+    if name not in allowed:
+        raise field_error(f"refers to the {unknown_name(kind, name, allowed)}", path=path)
 
 
 def _check_rod(file: Tables, name: str, path: str) -> None:

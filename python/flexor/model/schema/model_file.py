@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Body, Rod
-from flexor.model.schema.checks import check_names, check_references, check_tree
+from flexor.model.schema.checks import check_names, check_references, check_size, check_tree
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar
@@ -46,6 +46,7 @@ class ModelFile(Table):
         check_names(self)
         check_tree(self)
         check_references(self)
+        check_size(self)
         if self.planar:
             check_planar(self)
         return self

@@ -10,7 +10,7 @@ from flexor.model import units
 from flexor.model.schema.table import Choice, Index, Name, Switch, Table
 from flexor.model.schema.vector import ForceVector, MomentVector, Offset
 from flexor.model.units import NonNegativeLength, PositiveStiffness, PositiveStiffnessPerLength
-from flexor.model.validation import describe, field_error
+from flexor.model.validation import describe, field_error, first_repeated
 
 
 def _at(value: object) -> object:
@@ -78,9 +78,8 @@ class SphereGroup(Table):
     def _check(self) -> SphereGroup:
         if not self.bodies and not self.points:
             raise field_error("is empty: give bodies or points")
-        for index, body in enumerate(self.bodies):
-            if body in self.bodies[:index]:
-                raise field_error(f"contains {describe(body)} twice", path="bodies")
+        if (body := first_repeated(self.bodies)) is not None:
+            raise field_error(f"contains {describe(body)} twice", path="bodies")
         return self
 
 
