@@ -10,7 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["ClusterError", "InputError", "alternatives", "shortened", "unknown", "unknown_name"]
+__all__ = [
+    "ClusterError",
+    "InputError",
+    "alternatives",
+    "one_line",
+    "shortened",
+    "unknown",
+    "unknown_name",
+]
 
 # Maximum number of names listed in a message; a model file has fewer fields.
 _MAX_NAMES = 60
@@ -30,7 +38,12 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__("".join(c if c.isprintable() else " " for c in sentence))
+        super().__init__(one_line(sentence))
+
+
+def one_line(text: str) -> str:
+    """Replace control characters and whatever else is not printable by spaces."""
+    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def alternatives(name: str, allowed: Iterable[str]) -> str:

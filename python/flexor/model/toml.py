@@ -93,7 +93,7 @@ def read_text(path: pathlib.Path, what: str) -> str:
 
 
 def _check_keys(text: str, source: str) -> None:
-    """Reject dotted keys of too many parts, which take a time quadratic in their length to parse."""
+    """Reject dotted keys of too many parts: to parse one takes a time quadratic in them."""
     for token in _TOKEN.finditer(text):
         key = token["key"]
         if key is not None and key.count(".") >= MAX_DEPTH and _parts(key) > MAX_DEPTH:

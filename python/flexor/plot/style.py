@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.errors import InputError
+from flexor.errors import InputError, one_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,6 +82,11 @@ def shades(count: int) -> NDArray[np.float64]:
 
     positions = np.linspace(0.92, 0.0, count) if count > 1 else np.array([0.35])
     return np.asarray(matplotlib.colormaps["viridis"](positions), dtype=np.float64)
+
+
+def literal(text: str) -> str:
+    """Return a text, possibly from somebody's file, that matplotlib shows as it is."""
+    return one_line(text).replace("$", r"\$")
 
 
 def save(figure: Figure, file: str | FilePath) -> FilePath:

@@ -76,8 +76,9 @@ def check_tree(file: Tables) -> None:
             if above in line:
                 ring = list(line)[list(line).index(above) :]
                 shown = " -> ".join([*ring, above] if len(ring) < 20 else [*ring[:20], "..."])
+                parent = file.bodies[above].parent
                 raise field_error(
-                    f'is "{file.bodies[above].parent}": a body cannot be its own ancestor ({shown})',
+                    f'is "{parent}": a body cannot be its own ancestor ({shown})',
                     path=f"bodies.{above}.parent",
                 )
             line[above] = None
