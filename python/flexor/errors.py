@@ -22,6 +22,18 @@ __all__ = [
 
 # Maximum number of names listed in a message; a model file has fewer fields.
 _MAX_NAMES = 60
+# Symbols of fields, which are no closer in spelling than others.
+_SYMBOLS = {
+    "E": "young_modulus",
+    "nu": "poisson_ratio",
+    "rho": "density",
+    "k": "stiffness",
+    "L": "length",
+    "R": "radius",
+    "S": "radius",
+    "g": "gravity",
+    "ν": "poisson_ratio",
+}
 
 
 class ClusterError(RuntimeError):
@@ -65,7 +77,10 @@ def alternatives(name: str, allowed: Iterable[str]) -> str:
     names = [shortened(choice) for choice in allowed]
     more = len(names) - _MAX_NAMES
     lowered = {choice.lower(): choice for choice in reversed(names)}
-    near = get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
+    spelt = _SYMBOLS.get(name, "")
+    near = (
+        [spelt] if spelt in lowered else get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
+    )
     hint = f' (did you mean "{lowered[near[0]]}"?)' if near else ""
     if not names:
         return f'"{name}": none are defined'

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError, one_line
+from flexor.store import replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,8 +116,8 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
     if target.suffix == ".pdf":
         metadata = {"CreationDate": None}
     try:
-        with style():
-            figure.savefig(target, metadata=metadata)
+        with style(), replaced(target) as draft:
+            figure.savefig(draft, metadata=metadata)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'cannot write the figure "{target}": {why}.') from None
