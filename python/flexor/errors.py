@@ -10,10 +10,30 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["ClusterError", "InputError", "alternatives", "shortened", "unknown", "unknown_name"]
+__all__ = [
+    "ClusterError",
+    "InputError",
+    "alternatives",
+    "one_line",
+    "shortened",
+    "unknown",
+    "unknown_name",
+]
 
 # Maximum number of names listed in a message; a model file has fewer fields.
 _MAX_NAMES = 60
+# Symbols of fields, which are no closer in spelling than others.
+_SYMBOLS = {
+    "E": "young_modulus",
+    "nu": "poisson_ratio",
+    "rho": "density",
+    "k": "stiffness",
+    "L": "length",
+    "R": "radius",
+    "S": "radius",
+    "g": "gravity",
+    "ν": "poisson_ratio",
+}
 
 
 class ClusterError(RuntimeError):
@@ -30,7 +50,12 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__("".join(c if c.isprintable() else " " for c in sentence))
+        super().__init__(one_line(sentence))
+
+
+def one_line(text: str) -> str:
+    """Replace control characters and whatever else is not printable by spaces."""
+    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def alternatives(name: str, allowed: Iterable[str]) -> str:
@@ -52,7 +77,10 @@ def alternatives(name: str, allowed: Iterable[str]) -> str:
     names = [shortened(choice) for choice in allowed]
     more = len(names) - _MAX_NAMES
     lowered = {choice.lower(): choice for choice in reversed(names)}
-    near = get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
+    spelt = _SYMBOLS.get(name, "")
+    near = (
+        [spelt] if spelt in lowered else get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
+    )
     hint = f' (did you mean "{lowered[near[0]]}"?)' if near else ""
     if not names:
         return f'"{name}": none are defined'

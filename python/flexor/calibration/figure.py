@@ -10,7 +10,7 @@ import numpy as np
 from flexor.calibration.identifiability import THRESHOLD
 from flexor.calibration.report import Row, rows
 from flexor.calibration.result import Calibration
-from flexor.plot.style import CHAMBER, FORCE, LINE, PAGE, style
+from flexor.plot.style import CHAMBER, FORCE, LINE, PAGE, literal, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +56,7 @@ def _targets(axes: Axes, shown: list[Row]) -> None:
         marker = "o" if clipped == off else (">" if off > 0 else "<")
         axes.plot([0.0, clipped], [place, place], color=colour, linewidth=0.8)
         axes.plot(clipped, place, marker, color=colour, markersize=4)
-        text = f"{_plain(row.found)} ({_plain(row.wanted)}) {row.unit}".rstrip()
+        text = f"{_plain(row.found)} ({_plain(row.wanted)}) {literal(row.unit)}".rstrip()
         axes.annotate(
             text, (1.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5
         )
@@ -85,7 +85,9 @@ def _profile(axes: Axes, calibration: Calibration, i: int) -> None:
     axes.axvspan(low, high, color="#E3E8EC", zorder=0, linewidth=0)
     axes.axhline(THRESHOLD, color=LINE, linewidth=0.5, linestyle=":")
     axes.set_ylim(0.0, max(5.0, min(15.0, float(np.nanmax(rise)) * 1.05)))
-    axes.set_xlabel(f"{constant.name} / {constant.unit.text}".removesuffix(" / "), labelpad=1)
+    axes.set_xlabel(
+        literal(f"{constant.name} / {constant.unit.text}".removesuffix(" / ")), labelpad=1
+    )
     axes.locator_params(axis="x", nbins=3)
     if i % 2 == 0:
         axes.set_ylabel("misfit rises by", labelpad=2)
@@ -99,7 +101,7 @@ def _combinations(axes: Axes, calibration: Calibration) -> None:
     for place, direction in enumerate(found.directions):
         axes.barh(place, direction.deviation, color=FORCE, height=0.22)
         axes.annotate(
-            found.describe(direction),
+            literal(found.describe(direction)),
             (0.0, place - 0.34),
             xycoords=("axes fraction", "data"),
             fontsize=6.5,
@@ -115,7 +117,8 @@ def _combinations(axes: Axes, calibration: Calibration) -> None:
 
 
 def _label(row: Row) -> str:
-    return row.target if row.force is None else f"{row.target}, {row.force:g} N"
+    target = literal(row.target)
+    return target if row.force is None else f"{target}, {row.force:g} N"
 
 
 def _share(row: Row) -> float:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from flexor.calibration.schema import TargetsFile
 from flexor.errors import InputError, shortened
-from flexor.model.toml import tables
+from flexor.model.toml import read_text, tables
 from flexor.model.validation import first_error
 
 _ENTRY = re.compile(r"(?P<kind>target|constant)\[(?P<index>\d+)\]")
@@ -31,14 +31,7 @@ def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:
         If it cannot be read, is not TOML, or is not a valid targets file.
     """
     place = locate(path)
-    try:
-        text = place.read_bytes().decode("utf-8")
-    except UnicodeDecodeError as error:
-        why = f"byte {error.start} is not text in UTF-8"
-        raise InputError(f'cannot read the targets file "{path}": {why}.') from None
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError(f'cannot read the targets file "{path}": {why}.') from None
+    text = read_text(place, "targets file")
     return parse(text, str(path)), text
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from dataclasses import dataclass
@@ -15,8 +13,8 @@ import numpy as np
 from flexor.calibration.identifiability import Identifiability
 from flexor.calibration.result import Calibration, Fit
 from flexor.calibration.targets import BoundTarget
-from flexor.errors import InputError
-from flexor.store import write_text
+from flexor.errors import InputError, one_line
+from flexor.store import csv_text, write_text
 
 _ZERO = 1e-9  # relative to the target value
 CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
@@ -91,29 +89,28 @@ def constants_toml(calibration: Calibration, name: str) -> str:
         constant.name: tuple(constant.shown(end, 4) for end in identifiability.interval(i))
         for i, constant in enumerate(identifiability.constants)
     }
-    lines = [f"# {calibration.title or 'Calibrated'}: fitted to {calibration.source}."]
+    title = calibration.title or "Calibrated"
+    lines = [f"# {one_line(title)}: fitted to {one_line(calibration.source)}."]
     blocks: dict[str, list[str]] = {}
     for model, system in best.problem.systems.items():
         block = []
         for field, constant in system.fields().items():
             value = constant.unit.shown(best.constants[constant.name], 9)
-            text = f'"{value}"' if constant.unit.si else value
+            text = json.dumps(value) if constant.unit.si else value
             low, high = ranges[constant.name]
-            block.append(f"{field} = {text}  # 95 % confidence: {low} to {high}")
+            block.append(f"{field} = {text}  # 95 % confidence: {one_line(f'{low} to {high}')}")
         blocks.setdefault("\n".join(block), []).append(model)
     for block_text, models in blocks.items():
-        lines += ["", f"# for {' and '.join(models)}", f"[constants.{name}]", block_text]
+        lines += ["", f"# for {one_line(' and '.join(models))}", f"[constants.{name}]", block_text]
     return "\n".join(lines) + "\n"
 
 
 def targets_csv(fit: Fit) -> str:
     """Return every value of every target as CSV."""
-    out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    table.writerow(["target", "weight", "force / N", "unit", "wanted", "found", "off", "tolerance"])
+    lines = [["target", "weight", "force / N", "unit", "wanted", "found", "off", "tolerance"]]
     for row in rows(fit):
         numbers = (row.wanted, row.found, row.off, row.tolerance)
-        table.writerow(
+        lines.append(
             [
                 row.target,
                 row.weight,
@@ -122,7 +119,7 @@ def targets_csv(fit: Fit) -> str:
                 *("" if math.isnan(number) else f"{number:.9g}" for number in numbers),
             ]
         )
-    return out.getvalue()
+    return csv_text(lines)
 
 
 def to_dict(calibration: Calibration) -> dict[str, Any]:

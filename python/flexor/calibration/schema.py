@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model.schema.table import Choice, Count, Name, Table, Text
-from flexor.model.validation import describe, field_error
+from flexor.model.validation import describe, field_error, first_repeated
 
 QUANTITIES = ("bending", "angle", "tip-force", "contacts", "x", "y", "z", "rotation", "optimum")
 _OF = {
@@ -140,6 +140,6 @@ class TargetsFile(Table):
 
 
 def _check_different(names: list[str], kind: str) -> None:
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            raise field_error(f"has the name {describe(name)} twice", path=f"{kind}[{index}]")
+    if (name := first_repeated(names)) is not None:
+        index = names.index(name, names.index(name) + 1)
+        raise field_error(f"has the name {describe(name)} twice", path=f"{kind}[{index}]")

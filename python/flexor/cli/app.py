@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import errno
+import os
 import sys
 from typing import Annotated
 
@@ -20,7 +20,7 @@ from flexor.cli import (
     sets,
     simulate,
 )
-from flexor.cli.console import print_error
+from flexor.cli.console import print_error, spell_what_streams_lack
 from flexor.cli.studies import LOST
 from flexor.errors import ClusterError, InputError
 
@@ -43,14 +43,6 @@ app.command("reproduce", hidden=True, context_settings=reproduce.ANYTHING)(repro
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)
-
-
-# Errors of the file system, reported without a traceback.
-_FILE_SYSTEM_ERRORS = tuple(
-    getattr(errno, name)
-    for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS", "EACCES", "EPERM", "EIO")
-    if hasattr(errno, name)
-)
 
 
 def _version(requested: bool) -> None:
@@ -87,16 +79,22 @@ def main(arguments: list[str] | None = None) -> None:
     Exit codes: 0 success; 1 completed with failures (such as a load step without equilibrium);
     2 invalid input; 3 cluster lost; 130 interrupted.
     """
+    spell_what_streams_lack()
     try:
         code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         print_error(str(error))
         code = 2
+    except BrokenPipeError:
+        # Whoever read has left; what is still buffered goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 141
     except OSError as error:
-        if error.errno not in _FILE_SYSTEM_ERRORS:
-            raise
         where = f'"{error.filename}"' if error.filename else "a file"
         print_error(f"{where} cannot be written or read: {(error.strerror or str(error)).lower()}.")
+        code = 2
+    except MemoryError:
+        print_error("there is not enough memory: ask for fewer steps, designs, elements or points.")
         code = 2
     except ClusterError as error:
         print_error(str(error))

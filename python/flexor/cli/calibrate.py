@@ -199,9 +199,9 @@ class _Live:
 
         self._bar = Bar(
             SpinnerColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=20),
-            TextColumn("{task.fields[known]}"),
+            TextColumn("{task.fields[known]}", markup=False),
             console=err,
             transient=True,
         )

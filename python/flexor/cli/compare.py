@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import time
@@ -192,7 +190,7 @@ def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> l
     from dataclasses import asdict
 
     from flexor import plot
-    from flexor.store import write_text
+    from flexor.store import csv_text, write_text
 
     summaries = [asdict(each) for each in result.summaries()]
     searches = result.table()
@@ -202,11 +200,7 @@ def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> l
     ]
     files = [place / "comparison.csv", place / "searches.csv"]
     for file, lines in zip(files, (summaries, rows), strict=True):
-        target = io.StringIO()
-        writer = csv.DictWriter(target, list(lines[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(lines)
-        write_text(file, target.getvalue())
+        write_text(file, csv_text([list(lines[0]), *(line.values() for line in lines)]))
     with err.status("drawing the profiles"):
         figure = plot.profiles(result)
         files += save_figure(figure, place, "profiles")

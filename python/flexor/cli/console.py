@@ -2,10 +2,49 @@
 
 from __future__ import annotations
 
-from rich.console import Console
+import codecs
+import sys
+from typing import Any
 
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
+from rich.console import Console
+from rich.text import Text
+
+from flexor.errors import one_line
+
+_SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
+
+
+class _PlainConsole(Console):
+    """A console on which texts are what they are: no markup, and no control characters."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print texts and tables."""
+        shown = [plain(each) if isinstance(each, str) else each for each in objects]
+        super().print(*shown, **options)
+
+
+out = _PlainConsole(highlight=False)
+err = _PlainConsole(stderr=True, highlight=False)
+
+
+def plain(text: str) -> Text:
+    """Return a text, possibly from somebody's file, as it is shown: line breaks stay."""
+    return Text("\n".join(one_line(line) for line in text.split("\n")))
+
+
+def spell_what_streams_lack() -> None:
+    """Let streams of few characters (``LANG=C``) spell others instead of raising errors."""
+    codecs.register_error("flexor", _spelt)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="flexor")
+
+
+def _spelt(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    missing = error.object[error.start : error.end]
+    return "".join(_SPELT.get(each, "?") for each in missing), error.end
 
 
 def say(sentence: str) -> None:

@@ -153,7 +153,7 @@ def _settings(
     model: Any, parameters: str, axes: str | None, grid: int, start: str | None, force: str | None
 ) -> dict[str, Any]:
     from flexor import design
-    from flexor.cli.start import starts
+    from flexor.design.start import starts
     from flexor.model import forces
     from flexor.study.landscape import grid_over
 

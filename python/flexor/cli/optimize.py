@@ -156,8 +156,8 @@ def _settings(
     force: str | None,
 ) -> dict[str, Any]:
     from flexor import design, optimizers
-    from flexor.cli.start import starts
     from flexor.cli.values import numbers
+    from flexor.design.start import starts
     from flexor.model import forces
 
     chosen = design.parameter_set(parameters, model.design)

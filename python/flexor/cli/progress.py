@@ -11,6 +11,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn
 
 from flexor.cli.console import err
 from flexor.cli.table import number
+from flexor.errors import one_line
 
 if TYPE_CHECKING:
     if sys.version_info >= (3, 11):
@@ -33,9 +34,9 @@ class LiveLine:
     def __init__(self, first: str) -> None:
         self._bar = Progress(
             SpinnerColumn(finished_text="●"),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=20),
-            TextColumn("{task.fields[left]}"),
+            TextColumn("{task.fields[left]}", markup=False),
             console=err,
             transient=True,
         )
@@ -72,7 +73,11 @@ class LiveLine:
             self._bar.start()
             self._shown = True
         self._bar.update(
-            self._task, description=" · ".join(parts), completed=done, total=total, left=left
+            self._task,
+            description=one_line(" · ".join(parts)),
+            completed=done,
+            total=total,
+            left=left,
         )
 
 

@@ -122,10 +122,5 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
         The files.
     """
     from flexor import plot
-    from flexor.store import replaced
 
-    files = [folder / f"{name}{ending}" for ending in (".png", ".svg")]
-    for file in files:
-        with replaced(file) as draft:
-            plot.save(figure, draft)
-    return files
+    return [plot.save(figure, folder / f"{name}{ending}") for ending in (".png", ".svg")]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from rich import box
 from rich.table import Table
 
-from flexor.cli.console import out
+from flexor.cli.console import out, plain
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> Table:
@@ -32,13 +32,13 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int =
     rows = [tuple(row) for row in rows]
     for column, heading in enumerate(headings):
         result.add_column(
-            heading.replace(" / ", "\n"),
+            plain(heading.replace(" / ", "\n")),
             justify="left" if column < left else "right",
             overflow="fold",
             no_wrap=column >= left and not any(_is_word(row[column]) for row in rows),
         )
     for row in rows:
-        result.add_row(*row)
+        result.add_row(*map(plain, row))
     return result
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -128,14 +128,16 @@ def register(name: str, factory: Factory) -> None:
     _FACTORIES[name] = factory
 
 
-def parameter_set(text: str | ParameterSet, space: Space = PAPER) -> ParameterSet:
+def parameter_set(
+    text: str | ParameterSet | Sequence[str | ParameterSet], space: Space = PAPER
+) -> ParameterSet:
     """Look up a parameter set by name; a `ParameterSet` is returned unchanged.
 
     Parameters
     ----------
-    text : str or ParameterSet
-        One name or several joined with ``+``, for example ``"L+R01"``. Case, underscores and
-        commas are ignored (``"R_LP"``, ``"R0,1"``).
+    text : str, ParameterSet or sequence of these
+        One name or several joined with ``+``, for example ``"L+R01"``; a list is joined. Case,
+        underscores and commas are ignored (``"R_LP"``, ``"R0,1"``).
     space : Space
         The exosuit and the bounds of the search, usually ``model.design``.
 
@@ -152,6 +154,9 @@ def parameter_set(text: str | ParameterSet, space: Space = PAPER) -> ParameterSe
     """
     if isinstance(text, ParameterSet):
         return text
+    if isinstance(text, (list, tuple)) and text:
+        sets = [parameter_set(each, space) for each in text]
+        return sets[0] if len(sets) == 1 else union(*sets)
     if not isinstance(text, str):
         raise InputError(f'parameter set is {text!r}: a name such as "L+R01" or a set is needed.')
     factories = {_normalized(name): factory for name, factory in _FACTORIES.items()}

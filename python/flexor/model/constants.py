@@ -13,6 +13,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.model.validation import describe
 
 Document = Mapping[str, Any]
+MAX_SETS = 50  # each is checked with the whole model
 
 
 def names(document: Document, source: str) -> tuple[str, ...]:
@@ -33,6 +34,8 @@ def names(document: Document, source: str) -> tuple[str, ...]:
     sets = document.get("constants", {})
     if not isinstance(sets, Mapping):
         raise InputError(f"{source}: constants is {describe(sets)}: expected a table of sets.")
+    if len(sets) > MAX_SETS:
+        raise InputError(f"{source}: constants has {len(sets):,} sets: at most {MAX_SETS}.")
     for name, values in sets.items():
         if not isinstance(values, Mapping):
             raise InputError(

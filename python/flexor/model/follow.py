@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from flexor._engine import REGULARITY, STATUS
 from flexor.design.geometry import Geometry
 from flexor.errors import InputError
-from flexor.model.chunks import chunks
+from flexor.model.chunks import SIZE, chunks
 from flexor.model.events import event_table
 from flexor.model.results import Paths
-from flexor.model.solver import solver_options
+from flexor.model.solver import solver_options, useful_threads
 from flexor.model.structure import Structure
 
 Array = NDArray[np.float64]
@@ -58,12 +58,16 @@ def follow(
         If an option is not known or cannot be used.
     """
     settings: dict[str, Any] = {**solver_options(options)}
+    threads = useful_threads(threads)
     # The engine starts at the first load, from the reference state; paths start without load.
     lead = int(bool(loads[0].any()))
     steps = np.concatenate([np.zeros((lead, loads.shape[1])), loads])
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
     whole: dict[str, Any] = {}
+    # Ask for what the results need before the engine does, which would abort the process.
+    for size in (count, min(count, SIZE)):
+        np.empty((size, len(steps), model.engine.dof + 8))
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = model.geometry_slots(geometry[chunk])

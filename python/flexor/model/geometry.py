@@ -12,6 +12,7 @@ from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.errors import InputError
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.profile import surface
+from flexor.model.validation import describe
 
 Array = NDArray[np.float64]
 Slots = Mapping[str, tuple[int, int]]
@@ -97,6 +98,11 @@ def checked_geometry(file: ModelFile, name: str, geometry: Geometry) -> Geometry
     InputError
         If it is not given at the rod's sample points.
     """
+    if not all(hasattr(geometry, field) for field in ("length", "radius", "slope")):
+        raise InputError(
+            f"the geometry is {describe(geometry)}: expected one with length, radius and "
+            "slope, as ParameterSet.geometry returns."
+        )
     length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
     radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
     slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))

@@ -10,6 +10,7 @@ from flexor.model.model import Model
 from flexor.model.presets import locate
 from flexor.model.reading import check, read
 from flexor.model.schema import ModelFile
+from flexor.model.validation import describe
 
 
 def load(
@@ -42,6 +43,8 @@ def load(
     """
     if isinstance(model, ModelFile):
         return Model(check(model.to_document(), use=constants, changes=changes, source=model.name))
+    if not isinstance(model, (str, os.PathLike)):
+        raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
     path = locate(model)
     return Model(read(path, use=constants, changes=changes), source=str(path))
 

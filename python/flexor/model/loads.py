@@ -109,6 +109,24 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
     return result
 
 
+def evaluation_forces(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
+    """Parse the forces at which designs are evaluated: as `forces`, or by the name of the input.
+
+    Raises
+    ------
+    InputError
+        As for `loads`; also if an input other than the only one is loaded.
+    """
+    if not isinstance(force, Mapping):
+        return forces(force)
+    if len(inputs) > 1:
+        raise InputError(
+            f"force is a table, but designs of a model with {len(inputs)} inputs cannot be "
+            "evaluated: give a model with one."
+        )
+    return loads(force, inputs)[:, 0]
+
+
 def _value(value: object, path: str) -> float:
     if isinstance(value, str) and (number := _decimal(value)) is not None:
         value = float(number)

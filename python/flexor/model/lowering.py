@@ -64,15 +64,15 @@ def parents_first(bodies: dict[str, Body]) -> list[str]:
     bodies
         Bodies whose parents exist and form no loop.
     """
-    order: list[str] = []
+    order: dict[str, None] = {}
     for name in bodies:
         line: list[str] = []
         above: str | None = name
         while above is not None and above not in order:
             line.append(above)
             above = bodies[above].parent
-        order.extend(reversed(line))
-    return order
+        order.update(dict.fromkeys(reversed(line)))
+    return list(order)
 
 
 def _body(name: str, body: Body, planar: bool) -> Json:

@@ -12,7 +12,7 @@ from flexor.errors import InputError, shortened
 from flexor.model import constants
 from flexor.model.changes import changed
 from flexor.model.schema import ModelFile
-from flexor.model.toml import check_depth, tables
+from flexor.model.toml import check_depth, read_text, tables
 from flexor.model.validation import first_error
 
 
@@ -35,14 +35,7 @@ def read(
     InputError
         If it cannot be read, is not valid TOML, or is not a valid model.
     """
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except UnicodeDecodeError as error:
-        why = f"byte {error.start} is not valid UTF-8"
-        raise InputError(f'cannot read the model file "{path}": {why}.') from None
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError(f'cannot read the model file "{path}": {why}.') from None
+    text = read_text(path, "model file")
     return parse(text, use=use, changes=changes, source=str(path))
 
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+
+import numpy as np
 
 from flexor._engine import SOLVER_OPTIONS
 from flexor.errors import InputError, unknown
 from flexor.model.validation import describe
+
+# Beyond the cores of a machine more threads only cost memory.
+_MOST_THREADS = 64
 
 
 def solver_options(options: Mapping[str, float]) -> dict[str, float]:
@@ -45,3 +51,23 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
             raise InputError(f"{found}: it must be {start} and at most {high:g}.")
         checked[name] = int(value) if known["integer"] else float(value)
     return checked
+
+
+def useful_threads(threads: int) -> int:
+    """Return a number of threads for the engine, no more than are of use.
+
+    Parameters
+    ----------
+    threads
+        As given; 0 for one per core.
+
+    Raises
+    ------
+    InputError
+        If it is no number of threads.
+    """
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
+        raise InputError(
+            f"threads is {describe(threads)}: expected an integer, 0 for one per core or more."
+        )
+    return min(int(threads), max(_MOST_THREADS, os.cpu_count() or 1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pathlib
 import re
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,6 +17,18 @@ else:
 
 # Maximum nesting depth, far beyond that of any valid file.
 MAX_DEPTH = 30
+# Maximum size of a file [bytes], a thousand times that of a large model.
+MAX_BYTES = 10_000_000
+# Runs of dotted keys; comments and strings are matched first so that their dots do not count. An
+# unclosed string ends with the line or the file, which keeps the scan linear.
+_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\\\n]*(?:\\.[^"\\\n]*)*"?|'[^'\n]*'?)"""
+_TOKEN = re.compile(
+    r"""#[^\n]*"""
+    r"""|"{3}[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*(?:"{3,5}|\Z)"""
+    r"""|'{3}.*?(?:'{3,5}|\Z)"""
+    rf"""|(?P<key>{_PART}(?:[ \t]*\.[ \t]*{_PART})*)""",
+    re.DOTALL,
+)
 _POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
 
 
@@ -34,6 +47,7 @@ def tables(text: str, source: str) -> dict[str, Any]:
     InputError
         If it is not valid TOML or nested too deeply.
     """
+    _check_keys(text, source)
     try:
         document = tomllib.loads(text)
     except ValueError as error:  # includes integers beyond Python's digit limit
@@ -46,6 +60,52 @@ def tables(text: str, source: str) -> dict[str, Any]:
         raise InputError(f"{source}: not valid TOML: tables are nested too deeply.") from None
     check_depth(document, source)
     return document
+
+
+def read_text(path: pathlib.Path, what: str) -> str:
+    """Read a file of at most ``MAX_BYTES`` as UTF-8.
+
+    Parameters
+    ----------
+    path
+        The file.
+    what
+        What it is, for messages, such as ``"model file"``.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is too large or is not UTF-8.
+    """
+    cannot = f'cannot read the {what} "{path}"'
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        why = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{cannot}: {why.lower()}.") from None
+    if len(content) > MAX_BYTES:
+        raise InputError(f"{cannot}: it has more than {MAX_BYTES // 1_000_000} MB.")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{cannot}: byte {error.start} is not valid UTF-8.") from None
+
+
+def _check_keys(text: str, source: str) -> None:
+    """Reject dotted keys of too many parts: to parse one takes a time quadratic in them."""
+    for token in _TOKEN.finditer(text):
+        key = token["key"]
+        if key is not None and key.count(".") >= MAX_DEPTH and _parts(key) > MAX_DEPTH:
+            line = text.count("\n", 0, token.start()) + 1
+            raise InputError(
+                f"{source}: not valid TOML at line {line}: a dotted key has more than "
+                f"{MAX_DEPTH} parts."
+            )
+
+
+def _parts(key: str) -> int:
+    return len(re.findall(_PART, key))
 
 
 def check_depth(document: Mapping[str, Any], source: str) -> None:

@@ -128,7 +128,8 @@ class Dimension:
     def _factor(self, value: str, unit: str) -> Decimal:
         factor = _factor(unit, self.unit)
         if factor == "unknown":
-            near = [common for common in _COMMON if common.lower() == unit.lower()]
+            squeezed = _joined(unit)
+            near = [common for common in _COMMON if _joined(common) == squeezed]
             near += get_close_matches(unit[:60], _COMMON, n=1)
             suggestion = f' (did you mean "{near[0]}"?)' if near else ""
             raise field_error(
@@ -136,8 +137,17 @@ class Dimension:
                 f"{self.hint}"
             )
         if factor == "other":
-            raise field_error(f"is {describe(value)}, which is not {self.name}: {self.hint}")
+            near = [c for c in _COMMON if _joined(c) == _joined(unit) and c != unit]
+            near = [c for c in near if isinstance(_factor(c, self.unit), Decimal)]
+            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
+            tail = f"is {describe(value)}, which is not {self.name}{suggestion}: {self.hint}"
+            raise field_error(tail)
         return factor
+
+
+def _joined(unit: str) -> str:
+    """Return a unit without the signs of a product, as it is often written: ``Nm/rad``."""
+    return "".join(sign for sign in unit.lower() if sign not in "*·. ")
 
 
 @cache

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.optimizers import entries
-from flexor.plot.style import COLUMN, LINE, PAGE, style
+from flexor.plot.style import COLUMN, LINE, PAGE, literal, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -197,7 +197,7 @@ def _draw_search(
     )  # fmt: skip
     if path.label:
         plan.annotate(
-            path.label,
+            literal(path.label),
             (x[0], y[0]),
             xytext=(3, 3 if marker == PATH_STYLES[0][1] else -8),
             textcoords="offset points",

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.errors import InputError
+from flexor.errors import InputError, one_line
+from flexor.store import replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -84,6 +85,11 @@ def shades(count: int) -> NDArray[np.float64]:
     return np.asarray(matplotlib.colormaps["viridis"](positions), dtype=np.float64)
 
 
+def literal(text: str) -> str:
+    """Return a text, possibly from somebody's file, that matplotlib shows as it is."""
+    return one_line(text).replace("$", r"\$")
+
+
 def save(figure: Figure, file: str | FilePath) -> FilePath:
     """Save a figure as PNG, SVG or PDF, according to the file name's extension.
 
@@ -110,8 +116,8 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
     if target.suffix == ".pdf":
         metadata = {"CreationDate": None}
     try:
-        with style():
-            figure.savefig(target, metadata=metadata)
+        with style(), replaced(target) as draft:
+            figure.savefig(draft, metadata=metadata)
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'cannot write the figure "{target}": {why}.') from None

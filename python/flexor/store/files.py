@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from flexor.errors import InputError
+from flexor.errors import InputError, one_line
 
 # Not on Windows, where `check_regular` alone has to do.
 NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
@@ -75,6 +77,30 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8; see `replaced`."""
     with replaced(path) as draft:
         draft.write_text(text, encoding="utf-8", newline="")
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Return rows as CSV that no spreadsheet takes for formulas.
+
+    Control characters in texts become spaces; a text that then begins with ``=``, ``+``, ``-`` or
+    ``@`` and is not a number gets an apostrophe in front.
+    """
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows([_cell(each) for each in row] for row in rows)
+    return out.getvalue()
+
+
+def _cell(value: object) -> object:
+    if not isinstance(value, str):
+        return value
+    text = one_line(value)
+    if not text.lstrip().startswith(("=", "+", "-", "@")):
+        return text
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}"
+    return text
 
 
 def reason(error: OSError) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.model.loading import require_model
+from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.study.problem import FloatArray, Problem
@@ -118,7 +119,7 @@ def objective_function(
     parameters: str | ParameterSet = "L+R01",
     objective: str | Objective = "bending",
     *,
-    force: ArrayLike | None = None,
+    force: Any = None,
     failed: float = 1e3,
     engine_options: Mapping[str, float] | None = None,
 ) -> ObjectiveFunction:
@@ -132,8 +133,9 @@ def objective_function(
         What may be changed.
     objective : str or Objective
         What is minimised; f_bc is differentiated with its count of contacts held.
-    force : (steps,) array, optional
-        Actuation forces [N], of which the last counts; by default the objective's or the model's.
+    force : (steps,) array, str or dict, optional
+        Actuation forces [N], as for `Model.equilibrium`, of which the last counts; by default the
+        objective's or the model's.
     failed : float
         Value given for designs that fail.
     engine_options : dict, optional
@@ -165,7 +167,7 @@ def objective_function(
     chosen = parameter_set(parameters, require_model(model).design)
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(force)
+        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
     if not wanted.differentiable:
         raise InputError(f'objective "{wanted.name}" has no gradient.')
     problem = Problem(model, chosen.on(model.design), wanted, dict(engine_options or {}))

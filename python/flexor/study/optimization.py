@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
+from flexor.design.start import bounds_in_si, starts
 from flexor.errors import InputError
 from flexor.model.loading import require_model
+from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
@@ -37,7 +39,7 @@ def optimize(
     *,
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    force: ArrayLike | None = None,
+    force: Any = None,
     seed: int = 0,
     budget: int | Budget | None = None,
     folder: str | Path | None = None,
@@ -59,13 +61,15 @@ def optimize(
         What is minimised, for example ``"bending"`` (f_b).
     method : str or Search
         How.
-    start : (k,) or (s, k) array or "random", optional
-        Where the search begins, SI; the parameter set's own start (the model's exosuit) by
-        default, and drawn from the seed if ``"random"``.
+    start : (k,) or (s, k) array, str or list of str, optional
+        Where the search begins, SI, or texts such as ``"10 cm, 0.7 cm"`` or ``"R_0=0.7 cm"``;
+        the parameter set's own start (the model's exosuit) by default, and drawn from the seed if
+        ``"random"``.
     bounds : dict, optional
-        Other bounds by label, SI.
-    force : (steps,) array, optional
-        Actuation forces [N], of which the last counts; by default the objective's or the model's.
+        Other bounds by label, SI or texts with a unit.
+    force : (steps,) array, str or dict, optional
+        Actuation forces [N], as for `Model.equilibrium`, of which the last counts; by default the
+        objective's or the model's.
     seed : int
         Random seed.
     budget : int or Budget, optional
@@ -106,10 +110,10 @@ def optimize(
     chosen = parameter_set(parameters, require_model(model).design)
     chosen = chosen.on(model.design)
     if bounds:
-        chosen = chosen.with_bounds(bounds)
+        chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(force)
+        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:
@@ -193,13 +197,16 @@ def resume(
 
 
 def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:
-    if isinstance(start, str):
-        if start.strip().casefold() != "random":
-            raise InputError(f'start is "{start}": give numbers, or "random".')
-        return None
-    designs: FloatArray = np.atleast_2d(
-        np.asarray(chosen.start if start is None else start, dtype=np.float64)
-    )
+    texts = [start] if isinstance(start, str) else start
+    if isinstance(texts, (list, tuple)) and texts and all(isinstance(t, str) for t in texts):
+        start = starts(list(texts), chosen, "start")
+        if start == "random":
+            return None
+    try:
+        given = np.asarray(chosen.start if start is None else start, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError("start must be numbers in SI units or texts with units.") from None
+    designs: FloatArray = np.atleast_2d(given)
     chosen.check_inside(designs, "the model's own exosuit as start" if start is None else "start")
     return designs + 0.0
 

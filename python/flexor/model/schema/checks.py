@@ -50,21 +50,24 @@ def check_tree(bodies: Mapping[str, Body]) -> None:
     for name, body in bodies.items():
         if body.parent is not None:
             check_known(body.parent, "body", bodies, f"bodies.{name}.parent")
+    rooted: set[str] = set()
     for name in bodies:
-        chain = [name]
-        while (parent := bodies[chain[-1]].parent) is not None:
-            if parent == name:
-                cycle = " -> ".join([*chain, name])
+        line: dict[str, None] = {}
+        above: str | None = name
+        while above is not None and above not in rooted:
+            if above in line:
+                ring = list(line)[list(line).index(above) :]
+                shown = " -> ".join([*ring, above] if len(ring) < 20 else [*ring[:20], "..."])
                 raise field_error(
-                    f'is "{bodies[name].parent}": a body cannot be its own ancestor ({cycle})',
-                    path=f"bodies.{name}.parent",
+                    f'is "{bodies[above].parent}": a body cannot be its own ancestor ({shown})',
+                    path=f"bodies.{above}.parent",
                 )
-            if parent in chain:
-                break  # a cycle of the ancestors, reported there
-            chain.append(parent)
+            line[above] = None
+            above = bodies[above].parent
+        rooted.update(line)
 
 
-def check_known(name: str, kind: str, allowed: Iterable[str], path: str) -> None:
+def check_known(name: str, kind: str, allowed: Mapping[str, object], path: str) -> None:
     """Check that a name is one of those allowed.
 
     Parameters
@@ -78,9 +81,8 @@ def check_known(name: str, kind: str, allowed: Iterable[str], path: str) -> None
     path
         Dotted path of the field, for messages.
     """
-    names = list(allowed)
-    if name not in names:
-        raise field_error(f"refers to the {unknown_name(kind, name, names)}", path=path)
+    if name not in allowed:
+        raise field_error(f"refers to the {unknown_name(kind, name, allowed)}", path=path)
 
 
 def check_rod(name: str, bodies: Mapping[str, Body], path: str) -> None:

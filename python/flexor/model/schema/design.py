@@ -39,6 +39,14 @@ class Design(Table):
     radius_bounds: Bounds
     minimum_radius: PositiveLength
 
+    @model_validator(mode="after")
+    def _check(self) -> Design:
+        if self.minimum_radius > self.radius_bounds[1]:
+            tail = f"is {_original(self.minimum_radius)}: it must not be above the upper of "
+            tail += f"radius_bounds, {_original(self.radius_bounds[1])}"
+            raise field_error(tail, path="minimum_radius")
+        return self
+
 
 class Evaluation(Table):
     """The load at which objectives are evaluated, reached from zero in equal steps."""

@@ -13,6 +13,7 @@ from flexor.model.schema.checks import check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
+from flexor.model.schema.limits import check_size
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.spring import Spring
@@ -48,6 +49,7 @@ class ModelFile(BodySystem):
             force.check(f"{table}.{name}", self)
         if self.design is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
+        check_size(self.bodies, self.spheres, self.contacts, self.actuators)
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():

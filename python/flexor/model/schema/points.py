@@ -12,7 +12,7 @@ from flexor.model.schema.checks import check_known
 from flexor.model.schema.planar import in_plane
 from flexor.model.schema.table import Index, Name, Table
 from flexor.model.schema.vector import Offset
-from flexor.model.validation import describe, field_error
+from flexor.model.validation import describe, field_error, first_repeated
 
 
 def _at(value: object) -> object:
@@ -147,9 +147,8 @@ class SphereGroup(Table):
     def _check(self) -> SphereGroup:
         if not self.bodies and not self.points:
             raise field_error("is empty: give bodies or points")
-        for index, body in enumerate(self.bodies):
-            if body in self.bodies[:index]:
-                raise field_error(f"contains {describe(body)} twice", path="bodies")
+        if (body := first_repeated(self.bodies)) is not None:
+            raise field_error(f"contains {describe(body)} twice", path="bodies")
         return self
 
     def check(self, path: str, bodies: Mapping[str, Body]) -> None:

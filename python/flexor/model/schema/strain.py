@@ -23,6 +23,8 @@ Basis = Literal[
 ]
 ELEMENT_DEGREE = {"nodal_linear": 1, "nodal_quadratic": 2, "nodal_cubic": 3, "hermite": 3}
 GLOBAL = ("monomial", "legendre", "chebyshev")
+# The condition number of their Gram matrix passes 1e14 here.
+MAX_MONOMIAL = 10
 BASES = (*ELEMENT_DEGREE, *GLOBAL)
 
 
@@ -45,6 +47,9 @@ class ModeBasis(Table):
         if self.basis not in GLOBAL and self.order is not None:
             tail = f'is {self.order}: the degree of "{self.basis}" is fixed, leave it out'
             raise field_error(tail, path="order")
+        if self.basis == "monomial" and self.order is not None and self.order > MAX_MONOMIAL:
+            tail = f"is {self.order}: monomials above {MAX_MONOMIAL} are numerically dependent, "
+            raise field_error(f'{tail}use the basis "legendre" for the same functions', "order")
         return self
 
 

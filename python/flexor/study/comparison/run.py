@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
-
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.model.loading import require_model
+from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Search, available, canonical
@@ -40,7 +39,7 @@ def compare(
     methods: str | Sequence[str] | Mapping[str, Search] | None = None,
     seeds: int | Sequence[int] = 10,
     budget: int = 500,
-    force: ArrayLike | None = None,
+    force: Any = None,
     known: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
@@ -67,8 +66,8 @@ def compare(
         every method: a random design of the set, or the next if that fails.
     budget : int
         Distinct designs that each search may evaluate.
-    force : (steps,) array, optional
-        Actuation forces [N], of which the last counts.
+    force : (steps,) array, str or dict, optional
+        Actuation forces [N], as for `Model.equilibrium`, of which the last counts.
     known : dict, optional
         Best values known from elsewhere, by set.
     folder : path, optional
@@ -177,12 +176,12 @@ def _problems(
     model: Model,
     parameters: str | Sequence[str | ParameterSet],
     objective: str | Objective,
-    force: ArrayLike | None,
+    force: Any,
     engine_options: Mapping[str, float] | None,
 ) -> dict[str, Problem]:
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(force)
+        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
     problems: dict[str, Problem] = {}
     for each in _listed(parameters, "parameter set"):
         chosen = parameter_set(each, require_model(model).design)

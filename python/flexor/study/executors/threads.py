@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from flexor.model.chunks import chunks
 from flexor.model.results import Paths
+from flexor.model.solver import useful_threads
 from flexor.study.executors.interface import Executor
 from flexor.study.problem import FloatArray, Problem
 
@@ -23,6 +24,16 @@ class Threads(Executor):
     """
 
     threads: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the number.
+
+        Raises
+        ------
+        InputError
+            If it is none.
+        """
+        useful_threads(self.threads)
 
     @property
     def slots(self) -> int:

@@ -29,7 +29,7 @@ def landscape(
     *,
     grid: int = 81,
     axes: Sequence[str] | None = None,
-    start: ArrayLike | None = None,
+    start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     force: ArrayLike | None = None,
     folder: str | Path | None = None,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexor.errors import InputError
 from flexor.optimizers import grid_axes, grid_designs
-from flexor.store import replaced, write_text
+from flexor.store import csv_text, replaced, write_text
 from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import Settings
@@ -228,12 +226,10 @@ class Landscape:
         heads += [f"objective {objective.name}", f"{objective.quantity} [{objective.unit}]"]
         heads += [f"{joint} [rad]" for joint in self.problem.model.joints]
         heads += ["tip force [N]", "touching", "events", "failure"]
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(heads)
+        rows: list[list[object]] = [[*heads]]
         for i in np.ndindex(*self.value.shape):
             failed = bool(self.failed[i])
-            writer.writerow(
+            rows.append(
                 [
                     *self.designs[i].tolist(),
                     "" if failed else float(self.value[i]),
@@ -245,4 +241,4 @@ class Landscape:
                     self.reason[i],
                 ]
             )
-        return out.getvalue()
+        return csv_text(rows)

@@ -1,10 +1,13 @@
-"""Parsing of starting designs."""
+"""Parsing of starting designs and bounds that are given as texts."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from flexor.errors import InputError, unknown
 
@@ -15,8 +18,10 @@ _VALUE = re.compile(r"(?P<number>[^a-zA-Z]*(?:[eE][+-]?\d+)?)\s*(?P<unit>[a-zA-Z
 _COMPATIBLE = ({"m", "cm", "mm"}, {"rad", "deg"}, {"1"})
 
 
-def starts(texts: list[str], chosen: ParameterSet) -> list[list[float]] | str | None:
-    """Parse the values of `--start`.
+def starts(
+    texts: Sequence[str], chosen: ParameterSet, option: str = "--start"
+) -> list[list[float]] | str | None:
+    """Parse starting designs.
 
     Parameters
     ----------
@@ -26,6 +31,8 @@ def starts(texts: list[str], chosen: ParameterSet) -> list[list[float]] | str | 
         Numbers without a unit are in the set's display units.
     chosen : ParameterSet
         The parameter set.
+    option : str
+        How the argument is called, for messages.
 
     Returns
     -------
@@ -41,10 +48,40 @@ def starts(texts: list[str], chosen: ParameterSet) -> list[list[float]] | str | 
         return None
     if len(texts) == 1 and texts[0].strip().lower() == "random":
         return "random"
-    return [_design(text, chosen) for text in texts]
+    return [_design(text, chosen, option) for text in texts]
 
 
-def _design(text: str, chosen: ParameterSet) -> list[float]:
+def bounds_in_si(
+    bounds: Mapping[str, Sequence[object]], chosen: ParameterSet
+) -> dict[str, tuple[float, float]]:
+    """Convert bounds by label, numbers in SI units or texts such as ``"6 cm"``.
+
+    Raises
+    ------
+    InputError
+        If a label is unknown, or bounds are not two finite numbers or texts.
+    """
+    converted = {}
+    for label, pair in bounds.items():
+        if label not in chosen.labels:
+            raise unknown(f"parameter of {chosen.name}", label, chosen.labels)
+        if isinstance(pair, str) or not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
+            raise InputError(f"bounds has {label} = {pair!r}: expected a lower and an upper bound.")
+        low, high = (
+            _si(end, label, chosen, "bounds") if isinstance(end, str) else _number(end, label)
+            for end in pair
+        )
+        converted[label] = (low, high)
+    return converted
+
+
+def _number(value: object, label: str) -> float:
+    if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+        return float(value)
+    raise InputError(f"bounds has {label} = {value!r}: expected a number or a text with its unit.")
+
+
+def _design(text: str, chosen: ParameterSet, option: str) -> list[float]:
     parts = [part.strip() for part in text.split(",") if part.strip()]
     labels = chosen.labels
     if parts and all("=" in part for part in parts):
@@ -53,17 +90,17 @@ def _design(text: str, chosen: ParameterSet) -> list[float]:
             label, _, value = (side.strip() for side in part.partition("="))
             if label not in labels:
                 raise unknown(f"parameter of {chosen.name}", label, labels)
-            design[labels.index(label)] = _si(value, label, chosen)
+            design[labels.index(label)] = _si(value, label, chosen, option)
         return design
     if len(parts) != len(labels):
         raise InputError(
-            f'--start is "{text}": {chosen.name} needs {len(labels)} values '
+            f'{option} is "{text}": {chosen.name} needs {len(labels)} values '
             f'({", ".join(labels)}), label=value pairs, or "random".'
         )
-    return [_si(part, label, chosen) for part, label in zip(parts, labels, strict=True)]
+    return [_si(part, label, chosen, option) for part, label in zip(parts, labels, strict=True)]
 
 
-def _si(text: str, label: str, chosen: ParameterSet) -> float:
+def _si(text: str, label: str, chosen: ParameterSet, option: str) -> float:
     from flexor.design.parameter_set import UNITS
 
     own = chosen.units[chosen.labels.index(label)]
@@ -76,5 +113,5 @@ def _si(text: str, label: str, chosen: ParameterSet) -> float:
         number = math.nan
     if unit not in allowed or not math.isfinite(number):
         units = "" if own == "1" else f" in {', '.join(u for u in UNITS if u in allowed)}"
-        raise InputError(f'--start has {label} = "{text}": expected a finite number{units}.')
+        raise InputError(f'{option} has {label} = "{text}": expected a finite number{units}.')
     return number * UNITS[unit]
