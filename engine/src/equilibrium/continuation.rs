@@ -31,6 +31,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// The load at the beginning of the segment between two listed loads, and its change over it.
     start_load: Vec<f64>,
     rate: Vec<f64>,
+    /// Difference between the largest and the smallest value of each input over the path.
+    range: Vec<f64>,
     work: Vec<f64>,
 }
 
@@ -60,6 +62,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             moved: zeros(),
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],
+            range: vec![0.0; inputs],
             work: zeros(),
         }
     }
@@ -80,7 +83,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     /// # Panics
     /// If a load or `q0` has the wrong length.
     pub fn follow(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
-        let largest_load = loads.iter().flat_map(|l| l.iter()).fold(0.0f64, |m, u| m.max(u.abs()));
+        self.set_ranges(loads);
         self.system.set_state(q0);
         self.predictor.forget_curvature();
         self.rate.fill(0.0);
@@ -95,7 +98,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                     self.system.set_load(target);
                     self.find_stable(self.options.trust_region.initial_radius, tangent_reuse)
                 } else {
-                    self.follow_segment(target, step, largest_load, sink)
+                    self.follow_segment(target, step, sink)
                 };
             } else {
                 status = Status::NotReached;
@@ -112,12 +115,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         &mut self,
         target: &[f64],
         step: LoadStep,
-        largest_load: f64,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         self.set_segment(target);
-        let span = max_norm(&self.rate);
-        if span == 0.0 {
+        if max_norm(&self.rate) == 0.0 {
             return Status::Converged;
         }
         let first = self.system.iterations();
@@ -126,8 +127,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         } else {
             self.options.max_displacement_with_contact
         };
-        let smallest = (self.options.min_step * largest_load / span).min(1.0);
-        let mut control = StepControl::new(self.options.step, smallest);
+        let mut control = StepControl::new(self.options.step, self.smallest_step());
         // The factor at hand belongs to the equilibrium just found.
         self.system.velocity(&self.rate, &mut self.velocity[0]);
         let mut status = Status::Converged;
@@ -169,6 +169,21 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             self.velocity.swap(0, 1);
         }
         status
+    }
+
+    /// How much each input varies over the path.
+    fn set_ranges(&mut self, loads: &[&[f64]]) {
+        for (input, range) in self.range.iter_mut().enumerate() {
+            let values = loads.iter().map(|load| load[input]);
+            *range = values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min);
+        }
+    }
+
+    /// The smallest sub-step of the segment: that of the input which it changes most, measured by the
+    /// range of that input alone, so that what another one is held at does not matter.
+    fn smallest_step(&self) -> f64 {
+        let steps = self.range.iter().zip(&self.rate).filter(|(_, rate)| **rate != 0.0);
+        steps.map(|(range, rate)| self.options.min_step * range / rate.abs()).fold(1.0, f64::min)
     }
 
     /// Sets the segment from the current load to `target`. A curvature that is known holds for it if it
