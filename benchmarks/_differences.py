@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.design import ParameterSet
-from flexor.model import Batch, Model
+from flexor.model import Model, Paths
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,8 @@ def check(model: Model, chosen: ParameterSet, designs: Array, seed: int, step: f
             moved = designs + sign * (i + 1) * step * direction
             batch = model.evaluate(chosen.geometry(moved, model.X), tolerance=TOLERANCE)
             differences += sign * weight * outputs(batch) / step
-            smooth &= (batch.pairs[:, -1] == here.pairs[:, -1]) & (_snaps(batch) == _snaps(here))
+            smooth &= batch.pairs[:, -1] == here.pairs[:, -1]
+            smooth &= batch.event_count == here.event_count
             smooth &= (_clamped(model, chosen, moved) == clamped).all(axis=1)
     return Check(
         exact=np.einsum("nok,nk->no", exact, direction),
@@ -84,13 +85,9 @@ def check(model: Model, chosen: ParameterSet, designs: Array, seed: int, step: f
     )
 
 
-def outputs(batch: Batch) -> Array:
+def outputs(batch: Paths) -> Array:
     """Joint angles and tip force at the last step, (n, joints + 1)."""
     return np.concatenate((batch.joint_angles[:, -1], batch.tip_force[:, -1:]), axis=1)
-
-
-def _snaps(batch: Batch) -> NDArray[np.intp]:
-    return np.bincount(batch.events["design"], minlength=len(batch))
 
 
 def _clamped(model: Model, chosen: ParameterSet, designs: Array) -> NDArray[np.bool_]:

@@ -28,9 +28,10 @@ from rich.table import Table
 
 import flexor
 from flexor.design import parameter_set
+from flexor.model import Paths
+from flexor.model.chunks import SIZE
 from flexor.objectives import objective
-from flexor.study import Cluster, Executor, Outcomes, Problem, Threads
-from flexor.study.executors import PART
+from flexor.study import Cluster, Executor, Problem, Threads
 from flexor.study.executors.task import PickledProblem, dumps, evaluate
 
 WORKERS = 2
@@ -55,7 +56,7 @@ def main() -> None:
     problem = Problem(model, chosen, objective("bending"))
     random = np.random.default_rng(1)
     span = chosen.upper - chosen.lower
-    designs = chosen.lower + span * random.random((asked.batches * PART, chosen.size))
+    designs = chosen.lower + span * random.random((asked.batches * SIZE, chosen.size))
     taken = {"threads": Taken([], []), "cluster": Taken([], [])}
     with Cluster(f"local:{WORKERS}") as cluster, Progress(console=Console(stderr=True)) as progress:
         ways: dict[str, Executor] = {"threads": Threads(WORKERS), "cluster": cluster}
@@ -68,10 +69,10 @@ def main() -> None:
                 taken[name].wall.append(wall)
                 taken[name].processor.append(processor)
         trips = [timed(lambda: cluster.evaluate(problem, designs[:1]))[1] for _ in range(30)]
-    report(taken, asked.batches, asked.runs, statistics.median(trips), problem, designs[:PART])
+    report(taken, asked.batches, asked.runs, statistics.median(trips), problem, designs[:SIZE])
 
 
-def timed(work: Callable[[], Outcomes]) -> tuple[Outcomes, float, float]:
+def timed(work: Callable[[], Paths]) -> tuple[Paths, float, float]:
     """Return what came out, wall time and processor time of this process and its children [s]."""
     wall, processor = time.perf_counter(), processor_time()
     found = work()
@@ -85,11 +86,11 @@ def processor_time() -> float:
     return float(sum(each.user + each.system for each in times))
 
 
-def same(one: Outcomes, other: Outcomes) -> bool:
+def same(one: Paths, other: Paths) -> bool:
     """Say whether two outcomes agree to the last bit."""
     return all(
         getattr(one, name).tobytes() == getattr(other, name).tobytes()
-        for name in ("value", "joint_angles", "tip_force", "touching", "iterations")
+        for name in ("value", "joint_angles", "tip_force", "touching", "total_iterations")
     )
 
 
@@ -102,7 +103,7 @@ def report(
     batch: np.ndarray,
 ) -> None:
     """Print the tables."""
-    console, count = Console(), batches * PART
+    console, count = Console(), batches * SIZE
     table = Table("where", "designs/s", "processor time, ms a design", "wall", "processor")
     for column in table.columns[1:]:
         column.justify = "right"
@@ -118,7 +119,7 @@ def report(
         )
     load = f"load of the machine {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     console.print(
-        f"{machine()}; {batches} batches of {PART} designs, medians of {runs} runs; {load}",
+        f"{machine()}; {batches} batches of {SIZE} designs, medians of {runs} runs; {load}",
         markup=False,
     )
     console.print(table)
@@ -133,7 +134,7 @@ def report(
         f"a batch costs {1e3 * statistics.median(extra):.1f} ms of processor time more; "
         f"one design there and back takes {1e3 * trip:.1f} ms\n"
         f"the problem, with each task: {len(PickledProblem.of(problem).content):,} bytes; "
-        f"a design: {sent / PART:.0f} bytes there, {back / PART:.0f} back",
+        f"a design: {sent / SIZE:.0f} bytes there, {back / SIZE:.0f} back",
         markup=False,
     )
 

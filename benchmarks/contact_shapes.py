@@ -67,7 +67,7 @@ def facts(model: Model, designs: int, line: int, title: str) -> dict[str, str]:
         start = time.process_time()
         batch = model.evaluate(geometry(model, chosen), "0:5:1", threads=1)
         seconds += time.process_time() - start
-        np.add.at(snaps, first + batch.events["design"], 1)
+        snaps[first : first + PART] = batch.event_count
         iterations[first : first + PART] = batch.iterations.sum(axis=1)
         converged += int(batch.converged.all(axis=1).sum())
     angle = bending_along_a_line(model, line)

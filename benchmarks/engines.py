@@ -5,7 +5,7 @@ Here both engines take turns on small parts of the same designs, and the best ti
 counts: what is left varies by about one in a hundred between builds of the same method. Keep the
 engine to compare with before building the new one:
 
-    cp python/flexor/_engine.abi3.so old.so
+    cp python/flexor/_engine_native.abi3.so old.so
     ./dev bench engines --against old.so
 """
 
@@ -90,8 +90,10 @@ def by_parts(
 
 def load(path: Path) -> ModuleType:
     """Import an extension module by its file."""
-    loader = ExtensionFileLoader("_engine", str(path))
-    spec = ModuleSpec("_engine", loader, origin=str(path))
+    # The engine of version 0.1.0 has the short name.
+    name = "_engine" if b"PyInit__engine\0" in path.read_bytes() else "_engine_native"
+    loader = ExtensionFileLoader(name, str(path))
+    spec = ModuleSpec(name, loader, origin=str(path))
     module = module_from_spec(spec)
     loader.exec_module(module)
     return module

@@ -49,7 +49,7 @@ def main() -> None:
     reading.add_argument("--seeds", type=int, default=8, help="of each search")
     reading.add_argument("--budget", type=int, default=3000, help="designs of each search")
     asked = reading.parse_args()
-    model, console = flexor.load("finger"), Console()
+    model, console = flexor.load("finger", "calibrated"), Console()
     section = measure(asked.designs, asked.runs)
     section.report()
     found = {name: searches(model, name, asked.seeds, asked.budget) for name in SETS}
@@ -64,7 +64,7 @@ def main() -> None:
 def measure(designs: int, runs: int) -> Section:
     """Measure cost and error of gradients, and write it up."""
     made = table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     with progress() as bar:
         for name in bar.track(SETS, description="gradients"):
             made.add_row(name, *accuracy(model, name, designs, runs))

@@ -113,16 +113,15 @@ def built(folder: Path) -> Path:
     options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false")
     if subprocess.run(["cargo", *build, *options], cwd=ROOT, check=False).returncode:
         raise Missing("cargo could not build the engine with its symbols.")
-    module = folder / "_engine.abi3.so"
+    module = folder / "_engine_native.abi3.so"
     shutil.copy(TARGET / "release" / "lib_engine.so", module)
     return module
 
 
 def follow(module: Path, elements: int, designs: int) -> None:
     """Follow random designs with the engine in a file: what is sampled."""
-    spec = spec_from_file_location(
-        "flexor._engine", module, loader=ExtensionFileLoader("flexor._engine", str(module))
-    )
+    name = "flexor._engine_native"
+    spec = spec_from_file_location(name, module, loader=ExtensionFileLoader(name, str(module)))
     assert spec is not None and spec.loader is not None
     engine = module_from_spec(spec)
     spec.loader.exec_module(engine)
@@ -144,14 +143,14 @@ def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
         raise Missing(f"perf could not record: {done.stderr.strip() or 'no message'}")
     fields = ["perf", "script", "-i", str(data), "-F", "ip,sym,dso", "--show-mmap-events"]
     lines = subprocess.run(fields, capture_output=True, text=True, check=True).stdout.splitlines()
-    code = re.compile(r"\[0x(\w+)\(0x\w+\) @ (?:0x)?(\w+) .*r-xp .*_engine\.abi3\.so")
+    code = re.compile(r"\[0x(\w+)\(0x\w+\) @ (?:0x)?(\w+) .*r-xp .*_engine_native\.abi3\.so")
     base, addresses = 0, Counter[int]()
     for line in lines:
         if "PERF_RECORD_MMAP" in line:
             mapped = code.search(line)
             if mapped:
                 base = int(mapped[1], 16) - virtual(module, int(mapped[2], 16))
-        elif "_engine.abi3.so" in line:
+        elif "_engine_native.abi3.so" in line:
             addresses[int(line.split()[0], 16) - base] += 1
         elif re.search(r"\b__mem(set|move|cpy)", line):
             addresses[CLEARING] += 1

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.progress import track
 
 import flexor
-from flexor.model import Batch
+from flexor.model import Paths
 
 PART = 50
 BAR = 1e-8  # rad
@@ -87,11 +87,9 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
     return section, good
 
 
-def first_event(batch: Batch) -> NDArray[np.float64]:
+def first_event(batch: Paths) -> NDArray[np.float64]:
     """Return the force of each design's first event, (n,) [N]; infinite without one."""
-    found = np.full(len(batch), np.inf)
-    np.minimum.at(found, batch.events["design"], batch.events["load"][:, 0])
-    return found
+    return np.array([table["force"].min(initial=np.inf) for table in batch.event_table])
 
 
 if __name__ == "__main__":

@@ -19,8 +19,7 @@ from rich.progress import track
 from rich.table import Table
 
 import flexor
-from flexor._engine import STATUS
-from flexor.model import Batch
+from flexor.model import Paths
 
 PART = 100
 GOOD = "converged and stable at every step"
@@ -44,8 +43,8 @@ def main() -> int:
         for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
             batch = model.evaluate(geometry(model, vectors[first : first + PART]))
             ends.update(worst(batch))
-            events += len(batch.events["design"])
-            snapping += len(set(batch.events["design"].tolist()))
+            events += int(batch.event_count.sum())
+            snapping += int((batch.event_count > 0).sum())
             iterations += int(batch.iterations.sum())
             broken += not_finite(batch)
         good &= ends[GOOD] >= 0.999 * asked.designs and broken == 0
@@ -63,16 +62,16 @@ def main() -> int:
     return 0 if good else 1
 
 
-def worst(batch: Batch) -> list[str]:
+def worst(batch: Paths) -> list[str]:
     """Name the first status of each design that is not the good one."""
     names = []
-    for codes, stable in zip(batch.status.tolist(), batch.stable.tolist(), strict=True):
-        bad = [STATUS[code] for code in codes if STATUS[code] != "converged"]
+    for words, stable in zip(batch.status.tolist(), batch.stable.tolist(), strict=True):
+        bad = [word for word in words if word != "converged"]
         names.append(bad[0] if bad else GOOD if all(stable) else "unstable")
     return names
 
 
-def not_finite(batch: Batch) -> int:
+def not_finite(batch: Paths) -> int:
     """Count the converged steps of which any number is not finite."""
     finite = np.isfinite(batch.q).all(axis=2)
     for numbers in (batch.energy, batch.residual, batch.tip_force):

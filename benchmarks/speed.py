@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 import flexor
 from flexor.design import Geometry
-from flexor.model import Batch, Model, parse
+from flexor.model import Model, Paths, parse
 
 SPATIAL = """
 name = "spatial rod"
@@ -143,11 +143,10 @@ def measure(designs: int, runs: int) -> Section:
     return section
 
 
-def iterations(batch: Batch) -> tuple[str, ...]:
+def iterations(batch: Paths) -> tuple[str, ...]:
     """Return mean and median, the share that snaps, and the means without and with."""
     each = batch.iterations.sum(axis=1)
-    snaps = np.zeros(len(each), dtype=bool)
-    snaps[batch.events["design"]] = True
+    snaps = batch.event_count > 0
     means = [each, each[~snaps], each[snaps]]
     mean, calm, snapping = (f"{part.mean():.1f}" if part.size else "" for part in means)
     return mean, f"{np.median(each):.0f}", f"{100 * snaps.mean():.1f}%", calm, snapping
@@ -163,10 +162,10 @@ def part_by_part(
         best[i] = min(best[i], took.wall[0])
 
 
-def evaluated(model: Model, designs: Geometry, force: str, threads: int) -> Batch:
+def evaluated(model: Model, designs: Geometry, force: str, threads: int) -> Paths:
     """Evaluate once."""
     batch = model.evaluate(designs, force, threads=threads)
-    assert isinstance(batch, Batch)
+    assert isinstance(batch, Paths)
     return batch
 
 

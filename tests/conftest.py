@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import importlib.util
+import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -25,3 +27,12 @@ def analytic() -> ModuleType:
     sys.modules["analytic_model"] = module
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Let child processes be interrupted even if these tests are not (``nohup ./dev test &``)."""
+    # A child inherits that a signal is ignored, but not a handler.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -1,4 +1,7 @@
 //! The compiled module `flexor._engine`: arrays in, arrays out, the GIL released while solving.
+//!
+//! One library, a name for each build: for every processor, for AVX2 with FMA, for AVX-512, for the
+//! machine it was built on. `flexor._dispatch` imports the one that fits.
 
 mod dispatch;
 mod model;
@@ -16,14 +19,54 @@ fn sample_points(py: Python<'_>, elements: usize, gauss_points: usize) -> Bound<
     flexor_engine::strain::sample_points(elements, gauss_points).to_pyarray(py)
 }
 
-#[pymodule]
-fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
+/// The builds for x86-64-v4 and -v3 that this processor can run.
+#[pyfunction]
+fn cpu_runs() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let v3 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("f16c")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("movbe");
+        let v4 = v3
+            && is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512cd")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
+        [(v4, "avx512"), (v3, "avx2")].into_iter().filter(|(runs, _)| *runs).map(|(_, name)| name).collect()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    Vec::new()
+}
+
+/// Defines the module under the name that a build of it is installed by.
+macro_rules! engine {
+    ($name:ident) => {
+        #[pymodule]
+        fn $name(module: &Bound<'_, PyModule>) -> PyResult<()> {
+            fill(module)
+        }
+    };
+}
+engine!(_engine_baseline);
+engine!(_engine_avx2);
+engine!(_engine_avx512);
+engine!(_engine_native);
+
+fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_points, module)?)?;
+    module.add_function(wrap_pyfunction!(cpu_runs, module)?)?;
     module.add_class::<model::Model>()?;
     module.add("SOLVER_OPTIONS", options::describe(module.py())?)?;
     module.add("STATUS", Status::ALL.map(Status::name).to_vec())?;
     module.add("EVENTS", EventKind::ALL.map(EventKind::name).to_vec())?;
     module.add("REGULARITY", Regularity::ALL.map(Regularity::name).to_vec())?;
+    // Decides the last bits: without it, products are rounded before they are added.
+    module.add("FUSED_MULTIPLY_ADD", cfg!(target_feature = "fma"))?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     Ok(())
 }

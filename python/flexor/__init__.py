@@ -60,7 +60,6 @@ _PACKAGES = (
     "errors",
     "model",
     "objectives",
-    "paper",
     "plot",
     "optimizers",
     "store",

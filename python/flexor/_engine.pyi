@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 STATUS: list[str]
 EVENTS: list[str]
 REGULARITY: list[str]
+FUSED_MULTIPLY_ADD: bool
 
 class SolverOption(TypedDict):
     default: float
@@ -61,6 +62,7 @@ class Contacts(TypedDict):
     point: NDArray[np.float64]
     depth: NDArray[np.float64]
 
+def cpu_runs() -> list[str]: ...
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
 
 class Model:

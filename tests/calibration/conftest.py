@@ -39,7 +39,9 @@ class Outcome:
 @pytest.fixture(scope="session")
 def coarse() -> Model:
     """The paper's finger with a third of its elements: the same physics, quickly."""
-    return package.load("finger", changes={"exosuit.elements": 4, "exosuit.gauss_points": 2})
+    return package.load(
+        "finger", "calibrated", changes={"exosuit.elements": 4, "exosuit.gauss_points": 2}
+    )
 
 
 @pytest.fixture

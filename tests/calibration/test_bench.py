@@ -22,12 +22,12 @@ def bench():
         "skin.stiffness": "150 N/m",
         "ph_1.joint.stiffness": "0.055 N*m/rad",
     }
-    return package.load("finger", changes=changes).equilibrium([2, 4, 6, 8, 10])
+    return package.load("finger", "calibrated", changes=changes).equilibrium([2, 4, 6, 8, 10])
 
 
 @pytest.fixture(scope="module")
 def found():
-    return calibrate(package.load("finger"), FILE, samples=256, starts=4)
+    return calibrate(package.load("finger", "calibrated"), FILE, samples=256, starts=4)
 
 
 def test_the_file_holds_what_its_first_lines_say(bench) -> None:
@@ -76,7 +76,7 @@ def test_the_confidence_intervals_are_those_of_repeated_measurements(bench, tmp_
             lines = lines.replace(old, new)
         path = tmp_path / f"{turn}.toml"
         path.write_text(lines)
-        once = calibrate(package.load("finger"), path, samples=64, starts=2)
+        once = calibrate(package.load("finger", "calibrated"), path, samples=64, starts=2)
         deviation = once.identifiability.deviation
         u = once.best.minimum.u
         truth = [c.fraction(TRUTH[c.name]) for c in once.identifiability.constants]
@@ -87,7 +87,10 @@ def test_the_confidence_intervals_are_those_of_repeated_measurements(bench, tmp_
 
 
 def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) -> None:
-    ran = flexor("calibrate", "finger", FILE, "--samples", 64, "--starts", 2, "--name", "bench")
+    ran = flexor(
+        "calibrate", "finger", FILE, "--constants", "calibrated", "--samples", 64, "--starts", 2,
+        "--name", "bench",
+    )  # fmt: skip
     assert ran.code == 0
     assert ran.err == ""
     for words in ("first joint", "K_1", "N*m/rad", "held out", "identifiable", "evaluations in"):
@@ -99,7 +102,7 @@ def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) 
     assert "[constants.bench]" in snippet
     told = json.loads((folder / "calibration.json").read_text())
     model = tmp_path / "pasted.toml"
-    text = package.load("finger").file.to_toml()
+    text = package.load("finger", "calibrated").file.to_toml()
     model.write_text(f"{text.split('[constants')[0].replace('use =', '# use =')}\n{snippet}")
     pasted = package.load(model, constants="bench")
     for name, field in NAMES.items():

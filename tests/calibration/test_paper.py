@@ -30,7 +30,7 @@ def test_the_three_angles_are_met(tmp_path) -> None:
     text = read(FILES[0])[1].split("# --- held out")[0]
     path = tmp_path / "angles.toml"
     path.write_text(text)
-    found = calibrate(package.load("finger"), path, samples=1024, starts=3)
+    found = calibrate(package.load("finger", "calibrated"), path, samples=1024, starts=3)
     assert found.best.met
     models = found.best.models()
     three, two = models["finger"], models["finger-2-links"]

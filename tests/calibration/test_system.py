@@ -134,7 +134,7 @@ def test_one_constant_sets_fields_of_several_models_and_bodies() -> None:
     value = "1 rad"
     tolerance = "1 rad"
     """
-    problem = bind_problem(parse(text, "made"), package.load("finger"), "made")
+    problem = bind_problem(parse(text, "made"), package.load("finger", "calibrated"), "made")
     three, two = (system.model([0.05]) for system in problem.systems.values())
     for model, joints in ((three, ("ph_1", "ph_3")), (two, ("ph_12", "ph_3"))):
         for joint in joints:

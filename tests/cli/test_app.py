@@ -32,7 +32,7 @@ def test_help_teaches_by_example(flexor, command: str) -> None:
 def test_presets_lists_every_model_with_its_constants(flexor) -> None:
     ran = flexor("presets")
     assert ran.code == 0
-    for word in ("finger", "finger-2-links", "exosuit-alone", "printed", "calibrated (default)"):
+    for word in ("finger", "finger-2-links", "exosuit-alone", "printed", "surface (default)"):
         assert word in ran.out
 
 
@@ -58,3 +58,9 @@ def test_sets_lists_parameters_in_their_units_and_objectives(flexor) -> None:
 def test_bad_use_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
     ran = flexor(*arguments)
     assert words in ran.refusal
+
+
+def test_reproduce_says_where_it_went_and_is_not_listed(flexor) -> None:
+    ran = flexor("reproduce", "--only", "fig4", "--out", "here")
+    assert "is now `./dev reproduce`" in ran.refusal
+    assert "reproduce" not in flexor("--help").out

@@ -4,9 +4,11 @@ import json
 import os
 import shlex
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -69,7 +71,17 @@ def test_a_start_is_read_in_any_form(flexor, start: str) -> None:
     np.testing.assert_allclose(read, [0.007, 0.0075], rtol=1e-12)
 
 
+def evaluated(record: Path) -> int:
+    """Return how many designs the record of a running study holds."""
+    try:
+        with sqlite3.connect(f"{record.as_uri()}?mode=ro", uri=True, timeout=10) as sql:
+            return int(sql.execute("SELECT count(*) FROM evaluations").fetchone()[0])
+    except sqlite3.Error:
+        return 0
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
     command = [sys.executable, "-c", "from flexor.cli.app import main; main()"]
     # Twenty starts down to the last bit: long enough to be interrupted on any machine.
@@ -84,11 +96,10 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
     )
     record = tmp_path / "my study" / "record.sqlite"
     until = time.monotonic() + 60.0
-    while not record.exists() and process.poll() is None and time.monotonic() < until:
+    while evaluated(record) == 0 and process.poll() is None and time.monotonic() < until:
         time.sleep(0.05)
-    time.sleep(0.5)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert out == ""
     assert "Traceback" not in err

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import flexor
 from flexor.design import parameter_set
-from flexor.model import Batch, Model
+from flexor.model import Model, Paths
 
 SETS = {"finger": "L+R01", "tendon-arm": "L+Rsc"}
 
@@ -20,33 +20,33 @@ def models() -> dict[str, Model]:
     return {name: flexor.load(name) for name in SETS}
 
 
-def evaluated(model: Model, vectors: NDArray[np.float64], threads: int) -> Batch:
+def evaluated(model: Model, vectors: NDArray[np.float64], threads: int) -> Paths:
     chosen = parameter_set(SETS[model.name], model.design)
     geometry = chosen.geometry(vectors, model.X)
     # Also designs that do not get far, and after which the next must not be another.
     return model.evaluate(geometry, "0:5:2.5", threads, gradient=True, max_iterations=60)
 
 
-def bits(batch: Batch, row: int) -> tuple[object, ...]:
+def bits(batch: Paths, row: int) -> tuple[object, ...]:
     assert batch.gradient is not None
     assert batch.regularity is not None
     arrays = (
         batch.q,
-        batch.status,
+        batch.converged,
         batch.iterations,
         batch.residual,
         batch.energy,
         batch.tip_force,
     )
-    mine = batch.events["design"] == row
-    events = [batch.events[key][mine].tobytes() for key in ("step", "load", "before", "after")]
+    events = batch.event_table[row].tobytes()
     counts = (
         batch.tip_force[row].tobytes(),
         batch.pairs[row].tobytes(),
         batch.touching[row].tobytes(),
         batch.regularity[row],
+        *batch.status[row],
     )
-    return (*(a[row].tobytes() for a in arrays), *counts, batch.gradient[row].tobytes(), *events)
+    return (*(a[row].tobytes() for a in arrays), *counts, batch.gradient[row].tobytes(), events)
 
 
 @settings(deadline=None, max_examples=8)

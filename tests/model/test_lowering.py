@@ -92,6 +92,7 @@ def test_finger_has_the_papers_spheres() -> None:
     ("use", "modulus", "lever", "stiffness"),
     [
         ("printed", 30e3, 1.0, 1000.0),
+        ("surface", 361.1e3, 1.0, 361.2),
         ("calibrated", 2.2285e6, 4.4875, 77.1),
         ("calibrated-optimum", 371.86e3, 1.09926, 446.33),
     ],
@@ -106,9 +107,9 @@ def test_sets_of_constants(use: str, modulus: float, lever: float, stiffness: fl
     assert chamber["path"] == chamber["path_slope"] == [[0.0, 0.0]] * 41
 
 
-def test_calibrated_is_the_default_everywhere() -> None:
+def test_surface_is_the_default_everywhere() -> None:
     for name in ("finger", "finger-2-links", "exosuit-alone"):
-        assert described(name) == described(name, "calibrated") != described(name, "printed")
+        assert described(name) == described(name, "surface") != described(name, "printed")
 
 
 def test_two_links_merge_the_first_two() -> None:

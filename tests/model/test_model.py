@@ -35,7 +35,7 @@ def tapers(model: Model, *designs: tuple[float, float, float]) -> Taper:
 
 @pytest.fixture(scope="module")
 def finger() -> Model:
-    return flexor.load("finger")
+    return flexor.load("finger", "calibrated")
 
 
 @pytest.fixture(scope="module")
@@ -146,9 +146,9 @@ def test_contact_forces_are_those_of_equation_8(path: Path) -> None:
             assert gap == pytest.approx(found.depth[row] / 2.0, abs=1e-14)
 
 
-@pytest.mark.parametrize("constants", ["calibrated", "calibrated-optimum"])
+@pytest.mark.parametrize("constants", ["surface", "calibrated", "calibrated-optimum"])
 @pytest.mark.parametrize(("name", "expected"), [("finger", 1.05), ("finger-2-links", 0.27)])
-def test_calibrated_constants_meet_the_papers_angles(
+def test_fitted_constants_meet_the_papers_angles(
     constants: str, name: str, expected: float
 ) -> None:
     """1.05 and 0.27 rad at 10 N (section III of the paper)."""
@@ -211,7 +211,9 @@ def test_the_base_follows_the_radius(finger: Model) -> None:
 
 
 def test_a_base_placed_by_its_axis_stays() -> None:
-    file = parse(flexor.load("finger").file.to_toml().replace('"underside"', '"axis"'))
+    file = parse(
+        flexor.load("finger", "calibrated").file.to_toml().replace('"underside"', '"axis"')
+    )
     model = Model(file)
     batch = model.evaluate(tapers(model, (0.1, 0.006, 0.009)), force=[0])
     assert batch[0].frames(0)["exosuit"][0, 2, 3] == pytest.approx(0.0216, rel=1e-14)
@@ -223,7 +225,7 @@ def test_a_batch_is_its_paths_whatever_the_threads(finger: Model) -> None:
     one, two = (finger.evaluate(geometry, threads=threads) for threads in (1, 2))
     np.testing.assert_array_equal(one.q, two.q)
     assert len(one) == 3
-    assert one.spheres == 42
+    assert one.sphere_count == 42
     assert one.joint_angles.shape == (3, 6, 3)
     for index, path in enumerate(one):
         alone = finger.equilibrium(design=tapers(finger, designs[index]))
@@ -254,12 +256,12 @@ def test_json_holds_one_entry_per_step(path: Path) -> None:
 
 def test_events_tell_force_and_angles() -> None:
     """Somewhere in the search bounds branches end; what is told of it must hang together."""
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     radii = np.linspace(0.004, 0.012, 9)
     designs = [(length, a, b) for length in (0.07, 0.1, 0.13) for a in radii for b in radii]
     batch = model.evaluate(tapers(model, *designs))
     events = [event for path in batch for event in path.events]
-    assert len(events) == len(batch.events["step"]) > 0
+    assert len(events) == batch.event_count.sum() > 0
     for path in batch:
         for event in path.events:
             assert event.kind in _engine.EVENTS
@@ -269,7 +271,7 @@ def test_events_tell_force_and_angles() -> None:
 
 
 def test_hash_is_of_the_mechanics() -> None:
-    text = flexor.load("finger").file.to_toml()
+    text = flexor.load("finger", "calibrated").file.to_toml()
     same = text.replace('"10 cm"', '"100 mm"').replace("Soft exosuit", "Exosuit")
     other = text.replace('"10 cm"', '"101 mm"')
     reference, renamed, longer = (Model(parse(source)).hash for source in (text, same, other))
@@ -319,7 +321,7 @@ joint = {{ kind = "{joint}" }}
 
 
 def test_several_inputs_are_told_apart() -> None:
-    text = flexor.load("exosuit-alone").file.to_toml()
+    text = flexor.load("exosuit-alone", "calibrated").file.to_toml()
     text += """
 [actuators.lower]
 kind = "chamber"

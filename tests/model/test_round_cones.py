@@ -57,7 +57,7 @@ input = true
 
 @pytest.fixture(scope="module")
 def finger() -> Model:
-    return load("finger", changes=SOLID)
+    return load("finger", "calibrated", changes=SOLID)
 
 
 def test_the_finger_is_one_chain_of_four(finger: Model) -> None:
@@ -75,7 +75,9 @@ def test_the_finger_is_one_chain_of_four(finger: Model) -> None:
 
 
 def test_a_rod_is_a_chain_of_its_sample_points() -> None:
-    described = lower(load("finger", changes={**SOLID, "skin.second": "exosuit"}).file)
+    described = lower(
+        load("finger", "calibrated", changes={**SOLID, "skin.second": "exosuit"}).file
+    )
     cones = described["contacts"][0]["cones"]
     assert [cone["ends"] for cone in cones] == [[k, k + 1] for k in range(1, 41)]
     assert [cone["joined"] for cone in cones] == [False] + 39 * [True]
@@ -137,7 +139,7 @@ def test_an_arrow_for_every_place(finger: Model) -> None:
 
 @pytest.mark.parametrize("per_length", [False, True])
 def test_gradients_are_those_of_differences(per_length: bool) -> None:
-    model = load("finger", changes=SOLID)
+    model = load("finger", "calibrated", changes=SOLID)
     if per_length:
         text = model.file.to_document()
         text.pop("constants")
@@ -152,7 +154,7 @@ def test_gradients_are_those_of_differences(per_length: bool) -> None:
     def last(p: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         batch = model.evaluate(chosen.geometry(p, model.X), tolerance=1e-12)
         outputs = np.concatenate((batch.joint_angles[:, -1], batch.tip_force[:, -1:]), axis=1)
-        return outputs, np.bincount(batch.events["design"], minlength=len(p))
+        return outputs, batch.event_count
 
     here = model.evaluate(chosen.geometry(p, model.X), gradient=True, tolerance=1e-12)
     assert here.regularity is not None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,7 @@ from flexor.errors import InputError
 )
 def test_one_sentence(option: dict[str, float], sentence: str) -> None:
     with pytest.raises(InputError) as caught:
-        flexor.load("finger").equilibrium([0, 1], **option)
+        flexor.load("finger", "calibrated").equilibrium([0, 1], **option)
     assert str(caught.value) == sentence
 
 
@@ -62,6 +64,13 @@ def test_the_engine_says_what_its_options_are() -> None:
     for option in _engine.SOLVER_OPTIONS.values():
         assert option["minimum"] <= option["default"] <= option["maximum"]
         assert option["doc"].endswith(".")
+
+
+def test_every_option_is_in_the_docs() -> None:
+    method = (FilePath(__file__).parents[2] / "docs" / "method.md").read_text(encoding="utf-8")
+    for name, option in _engine.SOLVER_OPTIONS.items():
+        (row,) = [line for line in method.splitlines() if line.startswith(f"| `{name}` |")]
+        assert float(row.split("|")[2].replace(",", "")) == option["default"]
 
 
 def test_the_engine_refuses_by_itself() -> None:
@@ -81,12 +90,12 @@ def test_shorter_substeps_lead_to_the_same_equilibrium() -> None:
 
 
 def test_too_few_iterations_are_told_not_raised() -> None:
-    path = flexor.load("finger").equilibrium([0, 5, 6], max_iterations=2.0)
+    path = flexor.load("finger", "calibrated").equilibrium([0, 5, 6], max_iterations=2.0)
     assert list(path.status) == ["converged", "iteration-limit", "not-reached"]
     assert not path.converged[-1]
 
 
 @pytest.mark.parametrize("tolerance", [1e-12, 0.2, 1.0])
 def test_every_tolerance_that_is_allowed_works_in_long_steps(tolerance: float) -> None:
-    path = flexor.load("finger").equilibrium([0, 20], tolerance=tolerance)
+    path = flexor.load("finger", "calibrated").equilibrium([0, 20], tolerance=tolerance)
     assert path.converged.all()

@@ -39,7 +39,7 @@ def test_a_path_that_fails_says_what_to_do(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_statuses_that_random_designs_seldom_show() -> None:
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     slot = model.engine.slots["exosuit.length"][0]
     indices = np.array([slot])
     values = np.array([[0.1], [np.nan], [-1.0], [1e300]])

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from flexor.errors import InputError
+from flexor.model import Paths
 from flexor.objectives import (
     Objective,
-    PathArrays,
     PathGradient,
     custom,
-    judge,
+    evaluate_objective,
     names,
     objective,
 )
@@ -22,14 +23,14 @@ from flexor.objectives import (
 N, STEPS, JOINTS = 4, 6, 3
 
 
-def paths() -> PathArrays:
+def paths() -> Paths:
     random = np.random.default_rng(11)
-    return PathArrays(
-        force=np.arange(6.0),
+    return Paths(
+        model=SimpleNamespace(first_spheres=42),  # type: ignore[arg-type]
+        loads=np.arange(6.0)[:, None],
         joint_angles=random.uniform(-0.2, 1.2, (N, STEPS, JOINTS)),
         tip_force=random.uniform(0.1, 0.5, (N, STEPS)),
         touching=random.integers(1, 20, (N, STEPS)),
-        spheres=42,
         converged=np.ones((N, STEPS), dtype=bool),
         stable=np.ones((N, STEPS), dtype=bool),
     )
@@ -62,7 +63,7 @@ def test_one_reading_rewards_contact_and_the_printed_one_avoids_it() -> None:
     assert np.all(printed.value(many) > printed.value(few))
 
 
-def moved(given: PathArrays, field: str, index: tuple[int, ...], step: float) -> PathArrays:
+def moved(given: Paths, field: str, index: tuple[int, ...], step: float) -> Paths:
     changed = getattr(given, field).copy()
     changed[(slice(None), *index)] += step
     return replace(given, **{field: changed})
@@ -92,7 +93,7 @@ def test_values_do_not_depend_on_the_batch() -> None:
     given = paths()
     for name in names():
         together = objective(name).value(given)
-        alone = [objective(name).value(given.take(np.arange(N) == i))[0] for i in range(N)]
+        alone = [objective(name).value(given[np.arange(N) == i])[0] for i in range(N)]
         assert together.tobytes() == np.array(alone).tobytes()
 
 
@@ -103,17 +104,20 @@ def test_designs_that_failed_have_a_reason_and_no_number(chosen: Objective) -> N
     given.joint_angles[0, 3:] = np.nan
     given.stable[1, 5] = False
     given.tip_force[2, 4] = np.inf
-    judged = judge(chosen, given, lambda design, step: f"iteration limit {design} {step}")
-    assert judged.reason == (
-        "did not converge at 3 N (iteration limit 0 3)",
+    status = np.full((N, STEPS), "converged", dtype=object)
+    status[0, 3] = "iteration limit"
+    evaluated = evaluate_objective(chosen, replace(given, status=status))
+    assert evaluated.reason.tolist() == [
+        "did not converge at 3 N (iteration limit)",
         "is unstable at 5 N",
         "is not a finite number at 4 N",
         "",
-    )
-    np.testing.assert_array_equal(judged.value[:3], np.inf)
-    assert judged.value[3] == chosen.value(given.take(np.arange(N) == 3))[0]
-    assert np.isnan(judged.shown[:3]).all()
-    assert np.isfinite(judged.shown[3])
+    ]
+    assert evaluate_objective(chosen, given).reason[0] == "did not converge at 3 N"
+    np.testing.assert_array_equal(evaluated.value[:3], np.inf)
+    assert evaluated.value[3] == chosen.value(given[np.arange(N) == 3])[0]
+    assert np.isnan(evaluated.shown[:3]).all()
+    assert np.isfinite(evaluated.shown[3])
 
 
 def test_a_users_own_objective_is_one_function_of_the_path() -> None:
@@ -128,35 +132,16 @@ def test_a_users_own_objective_is_one_function_of_the_path() -> None:
     given.converged[1, 2] = False
     asked = []
     watched = custom("watched", lambda path: asked.append(path) or 1.0)
-    assert judge(watched, given).value.tolist() == [1.0, np.inf, 1.0, 1.0]
+    assert evaluate_objective(watched, given).value.tolist() == [1.0, np.inf, 1.0, 1.0]
     assert len(asked) == 2 * 3  # value and quantity of the three good designs
 
 
 def test_a_users_nan_is_a_failure_and_a_users_array_is_refused() -> None:
-    judged = judge(custom("nothing", lambda path: float("nan")), paths())
-    assert judged.value.tolist() == [np.inf] * N
-    assert judged.reason == ('objective "nothing" gave nan',) * N
+    evaluated = evaluate_objective(custom("nothing", lambda path: float("nan")), paths())
+    assert evaluated.value.tolist() == [np.inf] * N
+    assert evaluated.reason.tolist() == ['objective "nothing" gave nan'] * N
     with pytest.raises(InputError, match='objective "many" must give one number'):
-        judge(custom("many", lambda path: path.joint_angles), paths())
-
-
-def test_own_paths_are_asked_of_the_source_they_came_from() -> None:
-    class Source:
-        force = np.arange(6.0)
-        joint_angles = paths().joint_angles
-        tip_force = paths().tip_force
-        touching = paths().touching
-        spheres = 42
-        converged = np.ones((N, STEPS), dtype=bool)
-        stable = np.ones((N, STEPS), dtype=bool)
-
-        def __getitem__(self, index: int) -> int:
-            return 10 * index
-
-    source = Source()
-    source.converged[0] = False
-    judged = judge(custom("index", float), source)
-    assert judged.value.tolist() == [np.inf, 10.0, 20.0, 30.0]
+        evaluate_objective(custom("many", lambda path: path.joint_angles), paths())
 
 
 def test_loads_can_be_changed() -> None:
@@ -184,8 +169,8 @@ def test_unknown_names_and_missing_gradients_are_refused() -> None:
     with pytest.raises(InputError, match="not the norm of a vector"):
         objective("tip-force").residual(paths())
     with pytest.raises(InputError, match="the model has no contact"):
-        objective("f_bc").value(replace(paths(), spheres=0))
+        objective("f_bc").value(replace(paths(), model=SimpleNamespace(first_spheres=0)))
     with pytest.raises(InputError, match="the model has no contact"):
-        objective("f_exo").value(replace(paths(), spheres=0))
+        objective("f_exo").value(replace(paths(), model=SimpleNamespace(first_spheres=0)))
     with pytest.raises(InputError, match="needs joints, but the model has none"):
         objective("f_b").value(replace(paths(), joint_angles=np.zeros((N, STEPS, 0))))

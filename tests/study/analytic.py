@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexor.design import DesignSpace, Geometry, GeometryJacobian
-from flexor.objectives import OnePath
+from flexor.model import Paths
 
 
 @dataclass(frozen=True)
@@ -22,41 +22,16 @@ class Space(DesignSpace):
     points: Any = None
 
 
-@dataclass
-class AnalyticBatch:
-    force: np.ndarray
-    joint_angles: np.ndarray
-    tip_force: np.ndarray
-    touching: np.ndarray
-    converged: np.ndarray
-    stable: np.ndarray
-    iterations: np.ndarray
-    events: dict[str, np.ndarray]
-    spheres: int = 42
-    # Of the bending with respect to the length, and to the radius of base and tip.
-    slopes: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
-    regularity: np.ndarray | None = None
+class AnalyticPaths(Paths):
+    """The gradient is that of the bending, by the length and the radius of base and tip."""
 
     def chained(self, jacobian: GeometryJacobian) -> np.ndarray:
-        assert self.slopes is not None
-        length, base, tip = (each[:, None] for each in self.slopes)
+        length, base, tip = (each[:, None] for each in self.gradient.T)
         slope = length * jacobian.length
         slope = slope + base * jacobian.radius[:, 0] + tip * jacobian.radius[:, -1]
         slope[~self.converged[:, -1]] = np.nan
         weights = np.array([1.0, 0.8, 0.6, 0.3]) * self.force[-1] / 5.0
         return np.asarray(weights[:, None] * slope[:, None, :])
-
-    def __getitem__(self, i: int) -> Any:
-        words = tuple("converged" if good else "iteration limit" for good in self.converged[i])
-        path = OnePath(
-            self.force,
-            self.joint_angles[i],
-            self.tip_force[i],
-            self.touching[i],
-            self.converged[i],
-            self.stable[i],
-        )
-        return SimpleNamespace(status=words, **vars(path))
 
 
 class AnalyticModel:
@@ -82,7 +57,7 @@ class AnalyticModel:
         threads: int = 0,
         gradient: bool = False,
         **options: float,
-    ) -> AnalyticBatch:
+    ) -> AnalyticPaths:
         self.before_batch(self)
         self.calls.append(len(geometry.length))
         time.sleep(self.pause)
@@ -106,17 +81,19 @@ class AnalyticModel:
             -bend * ((tip - 0.008) / 0.004**2 + wave / 0.003),
         )
         words = np.where(good[:, -1], "regular", "no-equilibrium").astype(object)
-        return AnalyticBatch(
-            slopes=slopes if gradient else None,
+        return AnalyticPaths(
+            model=self,  # type: ignore[arg-type]
+            gradient=np.stack(slopes, axis=1) if gradient else None,
             regularity=words if gradient else None,
-            force=np.asarray(force, dtype=float),
+            loads=np.asarray(force, dtype=float)[:, None],
             joint_angles=angles,
             tip_force=0.3 * bend[:, None] * u,
             touching=np.broadcast_to((20 * base[:, None] / 0.012).astype(np.uint32), good.shape),
+            status=np.where(good, "converged", "iteration limit").astype(object),
             converged=good,
             stable=good.copy(),
-            iterations=np.full(good.shape, 5, dtype=np.uint32),
-            events={"design": np.flatnonzero(base < 0.005).astype(np.uint32)},
+            event_count=(base < 0.005).astype(np.int64),
+            total_iterations=np.full(len(good), 5 * len(u)),
         )
 
     def equilibrium(self, force: Any, design: Geometry, **options: float) -> Any:

@@ -62,7 +62,7 @@ def wait_for(executor: Cluster, slots: int) -> None:
 
 @pytest.fixture(scope="module")
 def local() -> Study:
-    return optimize(flexor.load("finger"), "R01", **GRID)
+    return optimize(flexor.load("finger", "calibrated"), "R01", **GRID)
 
 
 def content(study: Study) -> list[bytes]:
@@ -70,7 +70,7 @@ def content(study: Study) -> list[bytes]:
     outcomes = study.record.outcomes()
     arrays = [study.record.designs(), outcomes.value, outcomes.shown, outcomes.joint_angles]
     arrays += [outcomes.tip_force, outcomes.touching, outcomes.converged, outcomes.stable]
-    arrays += [outcomes.events, outcomes.iterations]
+    arrays += [outcomes.event_count, outcomes.total_iterations]
     return [array.tobytes() for array in arrays] + [repr(outcomes.reason.tolist()).encode()]
 
 
@@ -87,7 +87,7 @@ class AtFirst:
 
 
 def test_a_study_is_the_same_to_the_bit(cluster: Cluster) -> None:
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     given: dict[str, Any] = {"start": "random", "seed": 2, "budget": 60}
     for settings in ({"method": "bfgs"}, {"method": "ps", "method_options": {"starts": 3}}):
         here = optimize(model, "L+R01", "f_b", **settings, **given)
@@ -102,7 +102,7 @@ def test_a_study_is_the_same_to_the_bit(cluster: Cluster) -> None:
 
 def test_whole_searches_are_the_same_and_their_errors_come_back(cluster: Cluster) -> None:
     given: dict[str, Any] = {"parameters": "L,R01", "methods": "ps,lm", "seeds": 2, "budget": 15}
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     here, there = compare(model, **given), compare(model, executor=cluster, **given)
     for one, two in zip(here.runs, there.runs, strict=True):
         assert (one.method, one.parameters, one.seed) == (two.method, two.parameters, two.seed)
@@ -167,7 +167,11 @@ def test_a_killed_worker_costs_nothing_but_time(
     wait_for(cluster, 2)
     killed = processes.workers[0]
     study = optimize(
-        flexor.load("finger"), "R01", executor=cluster, progress=AtFirst(killed.kill), **GRID
+        flexor.load("finger", "calibrated"),
+        "R01",
+        executor=cluster,
+        progress=AtFirst(killed.kill),
+        **GRID,
     )
     assert content(study) == content(local)
 
@@ -186,7 +190,8 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
     )
     address = cluster.address
     with pytest.raises(SystemExit) as ended:
-        main(["landscape", "finger", "--grid", "20", "--out", "l s", "--cluster", address])
+        job = ["landscape", "finger", "--constants", "calibrated", "--grid", "20", "--out", "l s"]
+        main([*job, "--cluster", address])
     assert ended.value.code == 3
     said = capsys.readouterr()
     assert said.out == ""
@@ -206,5 +211,5 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
 
 def test_one_worker_of_its_own() -> None:
     with Cluster("local:1") as cluster:
-        study = optimize(flexor.load("finger"), "L", budget=20, executor=cluster)
-    assert content(study) == content(optimize(flexor.load("finger"), "L", budget=20))
+        study = optimize(flexor.load("finger", "calibrated"), "L", budget=20, executor=cluster)
+    assert content(study) == content(optimize(flexor.load("finger", "calibrated"), "L", budget=20))

@@ -22,11 +22,22 @@ from flexor.design import custom as custom_set
 from flexor.design import parameter_set
 from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
+from flexor.model import chunks
 from flexor.objectives import custom, objective
 from flexor.optimizers import Progress, method
-from flexor.study import Cluster, Pool, Problem, Record, Recorded, Study, Threads, optimize, resume
+from flexor.study import (
+    Cluster,
+    Pool,
+    Problem,
+    Record,
+    RecordedEvaluator,
+    Study,
+    Threads,
+    optimize,
+    resume,
+)
 from flexor.study.comparison import compare
-from flexor.study.executors import PART, cluster, interface, task, threads
+from flexor.study.executors import cluster, interface, task
 from flexor.study.executors.address import Address
 from flexor.study.executors.task import PickledProblem, dumps
 
@@ -37,12 +48,12 @@ def problem_of(model: Any, parameters: str = "R01") -> Problem:
 
 @pytest.fixture(scope="module")
 def finger() -> Problem:
-    return problem_of(flexor.load("finger"))
+    return problem_of(flexor.load("finger", "calibrated"))
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 8, 20])
 def test_parts_are_the_whole(analytic: ModuleType, monkeypatch: Any, count: int) -> None:
-    monkeypatch.setattr(threads, "PART", 7)
+    monkeypatch.setattr(chunks, "SIZE", 7)
     model = analytic.AnalyticModel()
     problem = problem_of(model)
     designs = np.random.default_rng(1).uniform(0.0046, 0.012, size=(count, 2))
@@ -74,18 +85,18 @@ def test_a_grid_is_streamed_and_stops_at_its_budget(analytic: ModuleType) -> Non
     record = Record(None, (2, 6, 3))
     told: list[Progress] = []
     chosen = problem.parameters
-    known = Recorded(problem, record, Threads(1))
+    known = RecordedEvaluator(problem, record, Threads(1))
     known(np.array([[0.004, 0.004], [0.012, 0.012]]))  # the first and the last of the grid
-    function = Recorded(problem, record, Threads(1))
+    function = RecordedEvaluator(problem, record, Threads(1))
     result = method("grid", points=25).minimize(
         function, chosen.lower, chosen.upper, progress=told.append
     )
     assert result.evaluations == 625
     assert (function.evaluated, function.replayed) == (623, 2)
-    assert [at.evaluations for at in told[:2]] == [PART + 1, 2 * PART + 1]
+    assert [at.evaluations for at in told[:2]] == [chunks.SIZE + 1, 2 * chunks.SIZE + 1]
     assert [at.remaining for at in told[-2:]] == [0, 0]
     # The one known last comes with the others' last, and every value is where it belongs.
-    again = Recorded(problem, record, Threads(1))(record.designs())
+    again = RecordedEvaluator(problem, record, Threads(1))(record.designs())
     np.testing.assert_array_equal(again, record.outcomes().value)
     short = optimize(problem.model, "R01", method="grid", budget=300)
     assert short.evaluations == 300
@@ -147,7 +158,12 @@ def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any)
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
         with pytest.raises(InputError) as refusal:
-            optimize(flexor.load("finger"), "L", executor=address, folder=tmp_path / "study")
+            optimize(
+                flexor.load("finger", "calibrated"),
+                "L",
+                executor=address,
+                folder=tmp_path / "study",
+            )
     assert str(refusal.value) == (
         f'the cluster "{address}" cannot be reached: no Dask scheduler answers there within 0.2 s.'
     )

@@ -16,7 +16,7 @@ import flexor
 from flexor import optimizers
 from flexor.errors import InputError
 from flexor.objectives import custom
-from flexor.study import Problem, Record, Recorded, Threads, function, optimize, resume
+from flexor.study import Problem, Record, RecordedEvaluator, Threads, function, optimize, resume
 
 METHODS = ("levenberg-marquardt", "multistart-bfgs", "pattern-search+polish")
 
@@ -42,10 +42,10 @@ def test_a_failed_design_has_a_finite_value_and_says_why(analytic: ModuleType) -
 
 
 def test_a_gradient_after_a_snap_says_so() -> None:
-    made = flexor.objective_function(flexor.load("finger"), "R01")
+    made = flexor.objective_function(flexor.load("finger", "calibrated"), "R01")
     slopes = made.evaluate([[0.0116, 0.008], [0.005, 0.006]])
     batch = made.problem.model.evaluate(made.problem.geometry(np.array([[0.005, 0.006]])))
-    assert len(batch.events["design"]) > 0
+    assert batch.event_count[0] > 0
     assert slopes.regularity.tolist() == ["regular", "snapped"]
     assert slopes.meaningful.tolist() == [True, False]
 
@@ -75,7 +75,7 @@ def test_exact_gradients_save_designs_and_are_recorded(analytic: ModuleType, nam
     assert slopes is not None
     assert slopes[0].shape == (4, k)
     problem = exact.problem
-    recorded = Recorded(problem, Record(None, (k, 6, 3)), Threads(), gradients=False)
+    recorded = RecordedEvaluator(problem, Record(None, (k, 6, 3)), Threads(), gradients=False)
     chosen = problem.parameters
     differences = optimizers.method(name).minimize(
         recorded, chosen.lower, chosen.upper, chosen.start
@@ -88,8 +88,10 @@ def test_exact_gradients_save_designs_and_are_recorded(analytic: ModuleType, nam
 @pytest.mark.parametrize("name", METHODS)
 def test_a_study_of_the_finger_resumes_to_the_same_record(tmp_path: Path, name: str) -> None:
     given: dict[str, Any] = {"method": name, "seed": 1, "start": "random"}
-    whole = optimize(flexor.load("finger"), "R01", "f_b", budget=40, **given)
-    short = optimize(flexor.load("finger"), "R01", "f_b", budget=17, folder=tmp_path / "s", **given)
+    whole = optimize(flexor.load("finger", "calibrated"), "R01", "f_b", budget=40, **given)
+    short = optimize(
+        flexor.load("finger", "calibrated"), "R01", "f_b", budget=17, folder=tmp_path / "s", **given
+    )
     short.close()
     longer = resume(tmp_path / "s", budget=40)
     assert longer.record.designs().tobytes() == whole.record.designs().tobytes()
@@ -106,7 +108,7 @@ def test_designs_recorded_without_derivatives_are_differentiated_when_asked(
     model = analytic.AnalyticModel()
     plain = optimize(model, "L", "f_b", budget=10)
     designs = plain.record.designs()[:3]
-    recorded = Recorded(plain.problem, plain.record, Threads(), gradients=True)
+    recorded = RecordedEvaluator(plain.problem, plain.record, Threads(), gradients=True)
     gradient = recorded.gradient(designs)
     outcomes = plain.problem.evaluate(designs, gradient=True)
     np.testing.assert_array_equal(gradient, plain.problem.gradients(outcomes))
@@ -115,7 +117,7 @@ def test_designs_recorded_without_derivatives_are_differentiated_when_asked(
 
 
 def test_sensitivity_is_the_slope_and_what_becomes_of_a_design_that_is_off() -> None:
-    model = flexor.load("finger")
+    model = flexor.load("finger", "calibrated")
     study = optimize(model, "L+R01", "f_b", budget=1)
     found, step = study.best.sensitivity, 1e-7
     assert found.steps == ("1 mm", "1 mm", "1 mm")

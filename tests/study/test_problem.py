@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from flexor.design import parameter_set
+from flexor.model import chunks
 from flexor.objectives import objective
-from flexor.study import Problem, problem
+from flexor.study import Problem
 
 
 def test_parts_leave_no_trace(analytic, monkeypatch) -> None:
@@ -18,7 +19,7 @@ def test_parts_leave_no_trace(analytic, monkeypatch) -> None:
     asked = Problem(model, chosen, objective("bending"))
     whole = asked.evaluate(designs)
     assert model.calls == [47]
-    monkeypatch.setattr(problem, "PART", 20)
+    monkeypatch.setattr(chunks, "SIZE", 20)
     parts = asked.evaluate(designs)
     assert model.calls[1:] == [19, 18, 10]
     np.testing.assert_array_equal(parts.value, whole.value)

@@ -58,7 +58,14 @@ def test_any_study_comes_back_from_its_folder(analytic: ModuleType, data: st.Dat
         assert read.evaluations == made.evaluations <= given["budget"]
         assert read.record.designs().tobytes() == designs.tobytes()
         again = read.record.outcomes()
-        for field in ("value", "joint_angles", "tip_force", "touching", "events", "iterations"):
+        for field in (
+            "value",
+            "joint_angles",
+            "tip_force",
+            "touching",
+            "event_count",
+            "total_iterations",
+        ):
             assert getattr(again, field).tobytes() == getattr(outcomes, field).tobytes()
         one, other = made.problem, read.problem
         assert one.force.tobytes() == other.force.tobytes()

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from flexor.errors import InputError
-from flexor.study import Outcomes, Record
+from flexor.model import Paths
+from flexor.study import Record
 
 STEPS, JOINTS, K = 6, 3, 4
 
 
-def outcomes(n: int, seed: int) -> Outcomes:
+def outcomes(n: int, seed: int) -> Paths:
     random = np.random.default_rng(seed)
     value = random.normal(size=n)
     value[0] = np.inf
@@ -24,17 +25,17 @@ def outcomes(n: int, seed: int) -> Outcomes:
     reason = np.array(["did not converge at 2 N"] + [""] * (n - 1), dtype=object)
     angles = random.normal(size=(n, STEPS, JOINTS))
     angles[0, 2:] = np.nan
-    return Outcomes(
-        value,
-        shown,
-        reason,
-        angles,
-        random.normal(size=(n, STEPS)),
-        random.integers(0, 42, (n, STEPS)).astype(np.int32),
-        random.uniform(size=(n, STEPS)) < 0.9,
-        random.uniform(size=(n, STEPS)) < 0.9,
-        random.integers(0, 3, n),
-        random.integers(10, 60, n),
+    return Paths(
+        value=value,
+        shown=shown,
+        reason=reason,
+        joint_angles=angles,
+        tip_force=random.normal(size=(n, STEPS)),
+        touching=random.integers(0, 42, (n, STEPS)).astype(np.int32),
+        converged=random.uniform(size=(n, STEPS)) < 0.9,
+        stable=random.uniform(size=(n, STEPS)) < 0.9,
+        event_count=random.integers(0, 3, n),
+        total_iterations=random.integers(10, 60, n),
     )
 
 
@@ -54,7 +55,9 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert len(record) == 21
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
-    for field in fields(Outcomes):
+    recorded = [field for field in fields(Paths) if field.metadata["recorded"]]
+    assert len(recorded) == 12
+    for field in recorded:
         if getattr(back, field.name) is None:
             assert field.name in ("derivatives", "regularity")
             continue

@@ -151,7 +151,7 @@ def test_other_mechanics_and_versions_are_named(analytic: ModuleType, tmp_path: 
     class Softer(analytic.AnalyticModel):  # type: ignore[misc, name-defined]
         def evaluate(self, *given: Any, **options: Any) -> Any:
             batch = super().evaluate(*given, **options)
-            batch.joint_angles *= 1.01
+            batch.joint_angles[...] *= 1.01
             return batch
 
     found = rerun(tmp_path / "s", model=Softer(hash="9999"))

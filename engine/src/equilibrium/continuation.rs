@@ -48,6 +48,7 @@ struct LoadStep {
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
     /// For `model`, with the model's own parameters.
     pub fn new(model: &'m Model<G, D, P>, options: ContinuationOptions) -> Self {
+        debug_assert_eq!(options.validate(), Ok(()));
         let (n, inputs) = (model.dof(), model.inputs().len());
         let zeros = || vec![0.0; n];
         Self {

@@ -127,7 +127,7 @@ def report(path: Path) -> None:
 
 def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
-        return path.status[step].replace("_", " ")
+        return str(path.status[step]).replace("_", " ")
     return "stable" if path.stable[step] else "unstable"
 
 

@@ -1,26 +1,25 @@
 """Models: TOML files with units, checked and lowered to the engine.
 
 `load` gives a `Model`; `Model.equilibrium` follows its equilibria as a `Path`, `Model.evaluate`
-those of many designs as a `Batch`. What a file may say is in `flexor.model.schema`.
+those of many designs as `Paths`. What a file may say is in `flexor.model.schema`.
 """
 
 from __future__ import annotations
 
-from flexor.model.batch import Batch
+from flexor.model.events import Event
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loading import load
 from flexor.model.loads import forces
 from flexor.model.model import Model
-from flexor.model.path import Event, Path
 from flexor.model.presets import presets
 from flexor.model.reading import parse, read
+from flexor.model.results import Path, Paths, State
 from flexor.model.schema import ModelFile
 from flexor.model.state import ContactForces
 from flexor.model.status import MEANINGS, explained
 
 __all__ = [
     "MEANINGS",
-    "Batch",
     "ContactForces",
     "DesignSpace",
     "Event",
@@ -29,6 +28,8 @@ __all__ = [
     "Model",
     "ModelFile",
     "Path",
+    "Paths",
+    "State",
     "explained",
     "forces",
     "load",

@@ -1,51 +1,40 @@
-"""Follow the equilibria of many designs, a part of them at a time."""
+"""Follow the equilibria of many designs, a chunk of them at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor._engine import REGULARITY
+from flexor._engine import REGULARITY, STATUS
 from flexor.errors import InputError
-from flexor.model.batch import Batch
-from flexor.model.geometry import Rows
+from flexor.model.chunks import chunks
+from flexor.model.events import event_table
+from flexor.model.geometry import GeometryBatch
+from flexor.model.results import Paths
 from flexor.model.solver import solver_options
-
-if TYPE_CHECKING:
-    from flexor._engine import Events
-    from flexor.model.model import Model
+from flexor.model.structure import Structure
 
 Array = NDArray[np.float64]
-
-# What the engine needs of each design (all its parameters that vary) is made for so many at a time:
-# enough to keep every core busy, few enough that 100,000 designs fit into a laptop.
-PART = 1024
-_Array = Literal[
-    "q",
-    "status",
-    "stable",
-    "iterations",
-    "residual",
-    "energy",
-    "pairs",
-    "touching",
-    "tip_force",
+_EngineArray = Literal[
+    "q", "stable", "iterations", "residual", "energy", "pairs", "touching", "tip_force"
 ]
+_ARRAYS: tuple[_EngineArray, ...] = get_args(_EngineArray)
+_STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _REGULARITY: NDArray[np.object_] = np.array(REGULARITY, dtype=object)
-_ARRAYS: tuple[_Array, ...] = get_args(_Array)
+_CONVERGED = STATUS.index("converged")
 
 
 def follow(
-    model: Model,
-    geometry: Rows | None,
+    model: Structure,
+    geometry: GeometryBatch | None,
     loads: Array,
     threads: int,
     options: Mapping[str, float],
     gradient: bool = False,
-) -> Batch:
+) -> Paths:
     """Follow designs from rest through the same loads.
 
     Parameters
@@ -53,7 +42,7 @@ def follow(
     model
         The model.
     geometry
-        Geometry of n designs; None for the model as it is, a batch of one.
+        Geometry of n designs; None for the model as it is, one path.
     loads : (steps, inputs) array
         Loads [N]. A path starts without load even if its first load is not zero.
     threads
@@ -68,62 +57,35 @@ def follow(
     InputError
         If an option is not known or cannot be used.
     """
-    settings = solver_options(options)
+    settings: dict[str, Any] = {**solver_options(options)}
     # The engine starts at the first load, from the reference state; paths start without load.
     lead = int(bool(loads[0].any()))
     steps = np.concatenate([np.zeros((lead, loads.shape[1])), loads])
+    indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
-    found: dict[str, NDArray[Any]] = {}
-    events = []
-    slopes: list[Array] = []
-    codes: list[NDArray[np.uint8]] = []
-    for first in range(0, max(count, 1), PART):
-        if geometry is None:
-            indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
-        else:
-            indices, values = model.geometry_slots(geometry[first : first + PART])
+    whole: dict[str, Any] = {}
+    for chunk in chunks(count):
+        if geometry is not None:
+            indices, values = model.geometry_slots(geometry[chunk])
+        if gradient:
+            settings["gradient"] = indices.astype(np.int64)
         try:
-            wanted: Any = {"gradient": indices.astype(np.int64)} if gradient else {}
-            part = model.engine.path(indices, values, steps, threads, **wanted, **settings)
+            found = model.engine.path(indices, values, steps, threads, **settings)
         except (TypeError, ValueError) as error:
             raise InputError(f"{str(error).rstrip('.')}.") from None
-        events.append(_events(part["events"], first, lead, model.joint_columns))
-        for name in _ARRAYS:
-            array = part[name][:, lead:]
-            whole = found.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
-            whole[first : first + PART] = array
+        arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _ARRAYS}
+        codes, events = found["status"][:, lead:], found["events"]
+        arrays["status"], arrays["converged"] = _STATUS[codes], codes == _CONVERGED
+        arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
+        arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
+        arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
         if gradient:
-            slopes.append(part["gradient"])
-            codes.append(part["regularity"])
-    return Batch(
-        model=model,
-        loads=loads,
-        geometry=geometry,
-        events=_joined(events),
-        gradient=np.concatenate(slopes) if gradient else None,
-        regularity=_REGULARITY[np.concatenate(codes)] if gradient else None,
-        **found,
-    )
-
-
-def _events(found: Events, first: int, lead: int, joints: NDArray[np.intp]) -> Events:
-    """Count designs through all parts, and keep of the states the joints."""
-    return {
-        "design": found["design"] + first,
-        "step": np.maximum(found["step"], lead) - lead,
-        "load": found["load"],
-        "kind": found["kind"],
-        "before": found["before"][:, joints],
-        "after": found["after"][:, joints],
-    }
-
-
-def _joined(parts: list[Events]) -> Events:
-    return {
-        "design": np.concatenate([part["design"] for part in parts]),
-        "step": np.concatenate([part["step"] for part in parts]),
-        "load": np.concatenate([part["load"] for part in parts]),
-        "kind": np.concatenate([part["kind"] for part in parts]),
-        "before": np.concatenate([part["before"] for part in parts]),
-        "after": np.concatenate([part["after"] for part in parts]),
-    }
+            arrays["gradient"] = found["gradient"]
+            arrays["regularity"] = _REGULARITY[found["regularity"]]
+        for name, array in arrays.items():
+            target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
+            target[chunk] = array
+    if geometry is not None:
+        whole |= {name: getattr(geometry, name) for name in ("length", "radius", "slope")}
+    angles = whole["q"][:, :, model.joint_columns]
+    return Paths(model=model, loads=loads, joint_angles=angles, **whole)

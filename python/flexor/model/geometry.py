@@ -120,8 +120,8 @@ def _pair(bounds: tuple[float, float]) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
-    """Geometry of n designs as checked arrays, of which some can be taken.
+class GeometryBatch:
+    """Geometry of n designs as checked arrays, which can be sliced.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class Rows:
     slope: Array
 
     @classmethod
-    def of(cls, file: ModelFile, name: str, geometry: Geometry) -> Rows:
+    def of(cls, file: ModelFile, name: str, geometry: Geometry) -> GeometryBatch:
         """Read a geometry of a rod.
 
         Parameters
@@ -167,8 +167,8 @@ class Rows:
     def __len__(self) -> int:
         return len(self.length)
 
-    def __getitem__(self, which: slice) -> Rows:
-        return Rows(self.length[which], self.radius[which], self.slope[which])
+    def __getitem__(self, which: slice) -> GeometryBatch:
+        return GeometryBatch(self.length[which], self.radius[which], self.slope[which])
 
 
 def slot_values(
@@ -202,12 +202,12 @@ def slot_values(
         If the geometry is not given at the rod's sample points.
     """
     rod = file.rod(name)
-    rows = Rows.of(file, name, geometry)
-    columns = [rows.length[:, None], rows.radius, rows.slope]
+    batch = GeometryBatch.of(file, name, geometry)
+    columns = [batch.length[:, None], batch.radius, batch.slope]
     ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
     if follows_surface(rod):
         place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
-        columns.append(place + rows.radius[:, :1] * dorsal(rod))
+        columns.append(place + batch.radius[:, :1] * dorsal(rod))
         ranges.append(slots[f"{name}.translation"])
     indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
     return indices, np.concatenate(columns, axis=1)

@@ -12,20 +12,19 @@ from numpy.typing import NDArray
 
 from flexor import _engine
 from flexor.errors import InputError
-from flexor.model.batch import Batch
 from flexor.model.follow import follow
 from flexor.model.geometry import (
     DesignSpace,
     Geometry,
+    GeometryBatch,
     GeometryJacobian,
-    Rows,
     slot_jacobian,
     slot_values,
 )
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
-from flexor.model.path import Path
 from flexor.model.reading import parse
+from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile, Rod
 
 Array = NDArray[np.float64]
@@ -85,7 +84,7 @@ class Model:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of what the engine is told of it, the same for the same mechanics."""
+        """SHA-256 of its description for the engine, the same for the same mechanics."""
         return hashlib.sha256(self._description.encode()).hexdigest()
 
     @cached_property
@@ -154,7 +153,7 @@ class Model:
 
     @cached_property
     def evaluation_forces(self) -> Array:
-        """Forces through which a design is judged, from zero in the file's steps [N]."""
+        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
         last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
         steps = max(1, round(last / step))
         return np.linspace(0.0, last, steps + 1)
@@ -215,10 +214,10 @@ class Model:
         *,
         gradient: bool = False,
         **options: float,
-    ) -> Batch:
+    ) -> Paths:
         """Follow the equilibria of many designs, in parallel.
 
-        Memory is what the `Batch` holds: 8 bytes for each design, step and degree of freedom, and
+        Memory is what the `Paths` hold: 8 bytes for each design, step and degree of freedom, and
         a little more.
 
         Parameters
@@ -231,8 +230,8 @@ class Model:
             How many; 0 for one per core. Results do not depend on it.
         gradient
             Whether to differentiate the joints' coordinates and the tip force at the last step,
-            exactly, with respect to the geometry: `Batch.gradient` and `Batch.regularity`, and
-            `Batch.chained` with respect to the parameters of a set.
+            exactly, with respect to the geometry: `Paths.gradient` and `Paths.regularity`, and
+            `Paths.chained` with respect to the parameters of a set.
         **options
             Settings of the engine's solver.
 
@@ -241,8 +240,8 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        rows = Rows.of(self.file, self.design.rod, geometry)
-        return follow(self, rows, self._loads(force), threads, options, gradient)
+        batch = GeometryBatch.of(self.file, self.design.rod, geometry)
+        return follow(self, batch, self._loads(force), threads, options, gradient)
 
     def equilibrium(
         self, force: Force | None = None, design: Geometry | None = None, **options: float
@@ -265,10 +264,10 @@ class Model:
         InputError
             If forces, geometry or options cannot be used.
         """
-        rows = None if design is None else Rows.of(self.file, self.design.rod, design)
-        if rows is not None and len(rows) != 1:
-            raise InputError(f"design has {len(rows)} designs: give one, or use Model.evaluate.")
-        return follow(self, rows, self._loads(force), 1, options)[0]
+        batch = None if design is None else GeometryBatch.of(self.file, self.design.rod, design)
+        if batch is not None and len(batch) != 1:
+            raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
+        return follow(self, batch, self._loads(force), 1, options)[0]
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:

@@ -1,4 +1,4 @@
-"""What every objective is: a number to minimise for each path of a batch."""
+"""Interface of objectives: a number to minimise for each of n paths."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
-from flexor.objectives.paths import FloatArray, PathGradient, Paths
+from flexor.model.results import Paths
+from flexor.objectives.gradient import FloatArray, PathGradient
 
 
 @dataclass(frozen=True)
 class Objective(ABC):
-    """An objective, judged at the last of its loads.
+    """An objective, evaluated at the last of its loads.
 
     Attributes
     ----------
     name : str
         As written on the command line.
     quantity, unit : str
-        What is shown to people, for example ``"bending"`` in ``"rad"``; `shown` computes it.
+        Displayed quantity, for example ``"bending"`` in ``"rad"``; `shown` computes it.
     force : tuple of float or None
         Actuation forces [N] of the path that is to be followed; None for those of the model's
         ``[evaluation]``, which are the paper's unless the file says otherwise: 0 to 5 N by 1 N.
@@ -34,7 +35,7 @@ class Objective(ABC):
 
     @abstractmethod
     def value(self, paths: Paths) -> FloatArray:
-        """Value to minimise, (n,); meaningless where `flexor.objectives.judge` finds a failure."""
+        """Value to minimise, (n,); meaningless where `evaluate_objective` finds a failure."""
 
     @abstractmethod
     def shown(self, paths: Paths) -> FloatArray:
@@ -83,7 +84,7 @@ class Objective(ABC):
         raise InputError(f'objective "{self.name}" has no gradient of a residual vector.')
 
     def at(self, force: ArrayLike) -> Objective:
-        """Return the same objective judged at the end of other loads [N]."""
+        """Return the same objective evaluated at the end of other loads [N]."""
         return replace(self, force=tuple(float(u) for u in np.atleast_1d(np.asarray(force))))
 
 

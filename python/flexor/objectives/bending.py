@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.objectives.base import Objective, norm
-from flexor.objectives.paths import FloatArray, PathGradient, Paths
+from flexor.objectives.gradient import FloatArray, PathGradient
 
 
 @dataclass(frozen=True)

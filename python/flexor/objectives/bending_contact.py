@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.objectives.base import Objective, norm
 from flexor.objectives.bending import norm_gradient, total_bending, unbent, unbent_gradient
-from flexor.objectives.paths import FloatArray, PathGradient, Paths
+from flexor.objectives.gradient import FloatArray, PathGradient
 
 
 @dataclass(frozen=True)
@@ -60,11 +61,11 @@ class BendingContact(Objective):
         return unbent_gradient(paths, rows=paths.joint_angles.shape[2] + 1)
 
     def _contact(self, paths: Paths) -> FloatArray:
-        if paths.spheres < 1:
+        if paths.sphere_count < 1:
             raise InputError(
                 f'objective "{self.name}" counts touching spheres, but the model has no contact.'
             )
-        return np.pi * (1.0 - paths.touching[:, -1] / paths.spheres)
+        return np.pi * (1.0 - paths.touching[:, -1] / paths.sphere_count)
 
 
 @dataclass(frozen=True)

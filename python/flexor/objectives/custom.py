@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.objectives.base import Objective
-from flexor.objectives.paths import FloatArray, PathArrays, Paths
+from flexor.objectives.gradient import FloatArray
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,8 @@ class Custom(Objective):
         return self._each(self.sense or self.function, paths)
 
     def _each(self, function: Callable[[Any], float], paths: Paths) -> FloatArray:
-        arrays = PathArrays.of(paths)
         try:
-            return np.array([float(function(arrays[i])) for i in range(len(arrays))])
+            return np.array([float(function(path)) for path in paths])
         except (TypeError, ValueError) as error:
             if isinstance(error, InputError):
                 raise
@@ -57,13 +57,12 @@ def custom(
     name : str
         Name of the objective.
     function : callable
-        From the path of one design (arrays over load steps: ``force``, ``joint_angles``,
-        ``tip_force``, ``touching``, ``converged``, ``stable``) to a number to minimise. It is not
-        asked about designs that failed; a NaN makes the design one of them.
+        From the `flexor.Path` of one design to a number to minimise. It is not called for designs
+        that failed; a design for which it returns NaN counts as failed.
     force : (steps,) array, optional
         Actuation forces [N] of the path; by default those of the model's ``[evaluation]``.
     quantity, unit : str
-        What is shown to people.
+        Name and unit of the displayed quantity.
     shown : callable, optional
         Computes that quantity from the path; the value itself by default.
 

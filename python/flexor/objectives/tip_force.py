@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.objectives.base import Objective
-from flexor.objectives.paths import FloatArray, PathGradient, Paths
+from flexor.objectives.gradient import FloatArray, PathGradient
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class TipForce(Objective):
         InputError
             If the model has no contact.
         """
-        if paths.spheres < 1:
+        if paths.sphere_count < 1:
             raise InputError(
                 f'objective "{self.name}" is a contact force, but the model has no contact.'
             )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
+from flexor.optimizers.cached_evaluator import CachedEvaluator
 from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.counted import BudgetSpent, Counted
 from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
@@ -36,8 +37,9 @@ __all__ = [
     "BatchFunction",
     "Budget",
     "BudgetSpent",
+    "BudgetedEvaluator",
+    "CachedEvaluator",
     "CmaEs",
-    "Counted",
     "DifferentiableFunction",
     "DifferentiableVectorFunction",
     "DifferentialEvolution",

@@ -17,7 +17,7 @@ LARGEST = 200_000
 
 @dataclass(frozen=True)
 class Direct(Method):
-    """Dividing rectangles (Jones 1993), locally biased unless told otherwise (Gablonsky 2001).
+    """Dividing rectangles (Jones 1993), locally biased by default (Gablonsky 2001).
 
     Deterministic: the seed has no part in it and the start is only evaluated, so that the method
     knows no less than the others. Designs are asked for one by one.
@@ -68,7 +68,7 @@ class Direct(Method):
         def value(point: FloatArray) -> float:
             return float(run.values(point[None, :])[0])
 
-        def told(_: Any) -> None:
+        def report(_: Any) -> None:
             run.step("dividing")
 
         k = run.size
@@ -81,7 +81,7 @@ class Direct(Method):
             len_tol=self.side,
             maxfun=self.evaluations,
             maxiter=self.evaluations,
-            callback=told,
+            callback=report,
         )
         if "side length" in str(found.message):
             return f"the best rectangle's sides are below {self.side:g}"

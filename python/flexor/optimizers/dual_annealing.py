@@ -14,7 +14,7 @@ from flexor.optimizers.unit_box import finite
 
 # Of the differences in the local searches, as a fraction of the ranges.
 DIFFERENCE = 1e-6
-# Progress is told each time so many designs have been asked for.
+# Number of requested designs between two progress reports.
 TOLD = 50
 
 

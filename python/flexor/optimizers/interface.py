@@ -206,7 +206,7 @@ class Search(Protocol):
         start : (k,) or (s, k) array, optional
             One start or several; drawn from the seed by default.
         seed : int
-            Of everything drawn at random.
+            Random seed.
         budget : Budget, optional
             When to stop at the latest.
         progress : callable, optional

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 from numpy.typing import ArrayLike
 
-from flexor.optimizers.counted import BudgetSpent, Counted
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -30,14 +30,14 @@ class Run(UnitBox):
     Attributes
     ----------
     seed : int
-        Of everything drawn at random.
+        Random seed.
     iteration : int
         Iterations done.
     """
 
     def __init__(
         self,
-        function: Counted,
+        function: BudgetedEvaluator,
         lower: FloatArray,
         upper: FloatArray,
         start: ArrayLike | None,
@@ -51,7 +51,7 @@ class Run(UnitBox):
         self._idle_since = (0, 0)
 
     def step(self, detail: str, remaining: int | None = None) -> None:
-        """End an iteration: tell where the search stands.
+        """End an iteration and report the progress of the search.
 
         Parameters
         ----------
@@ -65,15 +65,15 @@ class Run(UnitBox):
         Idle
             If nothing new was asked for in the last ``IDLE`` iterations.
         """
-        self.tell(detail, remaining)
+        self.report(detail, remaining)
         self.iteration += 1
         if self.function.evaluations > self._idle_since[1]:
             self._idle_since = (self.iteration, self.function.evaluations)
         elif self.iteration - self._idle_since[0] >= IDLE:
             raise Idle(f"nothing new to try in {IDLE} iterations")
 
-    def tell(self, detail: str, remaining: int | None = None) -> None:
-        """Tell where the search stands, within an iteration."""
+    def report(self, detail: str, remaining: int | None = None) -> None:
+        """Report the progress of the search, within an iteration."""
         if self._progress is not None and self.function.evaluations:
             self._progress(self.function.progress(self.iteration, detail, remaining))
 
@@ -104,11 +104,11 @@ class Method(ABC):
         progress: ProgressCallback | None = None,
     ) -> SearchResult:
         """Minimise; see `flexor.optimizers.Search`."""
-        counted = Counted(function, budget)
-        run = Run(counted, lower, upper, start, seed, progress)
+        evaluator = BudgetedEvaluator(function, budget)
+        run = Run(evaluator, lower, upper, start, seed, progress)
         try:
             reason = self.run(run)
         except (BudgetSpent, Idle) as spent:
             reason = str(spent)
-        run.tell(reason, 0)
-        return counted.result(run.iteration, reason)
+        run.report(reason, 0)
+        return evaluator.result(run.iteration, reason)

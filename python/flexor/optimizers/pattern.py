@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
-from flexor.optimizers.counted import BudgetSpent, Counted
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -116,19 +116,19 @@ class PatternSearch:
         progress: ProgressCallback | None = None,
     ) -> SearchResult:
         """Minimise; see `flexor.optimizers.Search`."""
-        counted = Counted(function, budget)
+        evaluator = BudgetedEvaluator(function, budget)
         iteration, reason = 0, f"the mesh is below {self.tolerance:g}"
         try:
-            for iteration, polls in enumerate(self.iterate(counted, lower, upper, start, seed)):
+            for iteration, polls in enumerate(self.iterate(evaluator, lower, upper, start, seed)):
                 if progress is not None:
                     widest = max(poll.mesh for poll in polls)
                     left = sum(self._remaining(poll) for poll in polls)
-                    progress(counted.progress(iteration, f"mesh {widest:.3g}", left))
+                    progress(evaluator.progress(iteration, f"mesh {widest:.3g}", left))
         except BudgetSpent as spent:
             reason = str(spent)
             if progress is not None:
-                progress(counted.progress(iteration + 1, reason, 0))
-        return counted.result(iteration, reason)
+                progress(evaluator.progress(iteration + 1, reason, 0))
+        return evaluator.result(iteration, reason)
 
     def iterate(
         self,

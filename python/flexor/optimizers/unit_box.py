@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexor.optimizers.counted import Counted
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.starts import starting_designs
 
@@ -15,7 +15,7 @@ class UnitBox:
 
     Parameters
     ----------
-    function : Counted
+    function : BudgetedEvaluator
         What is minimised, of designs in their own units.
     lower, upper : (k,) arrays
         Bounds.
@@ -25,7 +25,7 @@ class UnitBox:
 
     def __init__(
         self,
-        function: Counted,
+        function: BudgetedEvaluator,
         lower: FloatArray,
         upper: FloatArray,
         start: ArrayLike | None,

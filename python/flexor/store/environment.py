@@ -10,7 +10,7 @@ from pathlib import Path
 
 _PACKAGES = ("numpy", "scipy", "pymoo", "cma")
 # Work is resumed, and workers are used, only with the same of these.
-DECISIVE = ("engine",)
+DECISIVE = ("engine_path", "engine")
 
 
 @cache
@@ -20,15 +20,17 @@ def environment() -> dict[str, str]:
     Returns
     -------
     dict of str
-        ``engine``, the first digits of the SHA-256 of the compiled engine, which distinguishes
-        builds of one version; ``python``, ``system`` (with the kind of processor), and the
-        packages that compute.
+        ``engine_path``, which build of the engine (see `flexor._dispatch`); ``engine``, the first
+        digits of the SHA-256 of that build, which distinguishes builds of one version; ``python``,
+        ``system`` (with the kind of processor), and the packages that compute.
     """
     from flexor import _engine
+    from flexor._dispatch import engine_path
 
     library = Path(str(_engine.__file__)).read_bytes()
     return {
         "engine": hashlib.sha256(library).hexdigest()[:16],
+        "engine_path": engine_path(),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
         **{name: installed(name) for name in _PACKAGES},

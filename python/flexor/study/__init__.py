@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, Cluster, Executor, Pool, Threads, chosen_executor
-from flexor.study.function import ObjectiveFunction, Slopes, objective_function
+from flexor.study.function import ObjectiveFunction, ObjectiveGradients, objective_function
 from flexor.study.optimization import optimize, resume
-from flexor.study.outcomes import Outcomes
 from flexor.study.problem import Problem
 from flexor.study.progress import StudyCallback, StudyProgress
 from flexor.study.record import Record
-from flexor.study.recorded import Recorded
+from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.rerun import Changed, Difference, Rerun, rerun
 from flexor.study.run import run
 from flexor.study.sensitivity import Sensitivity
@@ -26,15 +25,14 @@ __all__ = [
     "Difference",
     "Executor",
     "ObjectiveFunction",
-    "Outcomes",
+    "ObjectiveGradients",
     "Pool",
     "Problem",
     "Record",
-    "Recorded",
+    "RecordedEvaluator",
     "Rerun",
     "Sensitivity",
     "Settings",
-    "Slopes",
     "Study",
     "StudyCallback",
     "StudyProgress",

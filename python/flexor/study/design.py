@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:
-    from flexor.model import Path
+    from flexor.model import Path, Paths
 
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A design and what became of it.
+    """A design and its results.
 
     Attributes
     ----------
@@ -54,19 +53,19 @@ class Design:
     iterations: int
 
     @classmethod
-    def of(cls, problem: Problem, vector: FloatArray, outcomes: Outcomes, row: int = 0) -> Design:
-        """Take one design out of outcomes."""
+    def of(cls, problem: Problem, vector: FloatArray, paths: Paths, row: int = 0) -> Design:
+        """Take one design out of recorded paths."""
         return cls(
             problem=problem,
             vector=vector,
-            value=float(outcomes.value[row]),
-            shown=float(outcomes.shown[row]),
-            reason=str(outcomes.reason[row]),
-            joint_angles=outcomes.joint_angles[row],
-            tip_force=outcomes.tip_force[row],
-            touching=outcomes.touching[row].astype(np.float64),
-            events=int(outcomes.events[row]),
-            iterations=int(outcomes.iterations[row]),
+            value=float(paths.value[row]),
+            shown=float(paths.shown[row]),
+            reason=str(paths.reason[row]),
+            joint_angles=paths.joint_angles[row],
+            tip_force=paths.tip_force[row],
+            touching=paths.touching[row].astype(np.float64),
+            events=int(paths.event_count[row]),
+            iterations=int(paths.total_iterations[row]),
         )
 
     @property
@@ -81,12 +80,12 @@ class Design:
 
     @cached_property
     def path(self) -> Path:
-        """The whole path of equilibria, followed anew."""
+        """The complete path of equilibria, computed anew."""
         return self.problem.path(self.vector)
 
     @cached_property
     def sensitivity(self) -> Sensitivity:
-        """How it answers to small changes of its parameters: exact derivatives, evaluated anew."""
+        """Exact derivatives with respect to its parameters, evaluated anew."""
         return Sensitivity.of(self.problem, self.vector)
 
     def __repr__(self) -> str:

@@ -14,16 +14,15 @@ from flexor.errors import InputError
 from flexor.model.loading import needed_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
     from flexor.model import Model
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
-    """Values of n designs with their gradients, and what these are worth.
+class ObjectiveGradients:
+    """Objective values of n designs with their gradients, and how far these hold.
 
     Attributes
     ----------
@@ -32,7 +31,7 @@ class Slopes:
     gradient : (n, k) array
         Its derivative with respect to the parameters, per SI unit; NaN where the design failed.
     regularity : (n,) array of str
-        ``"regular"``, or why the gradient is less than that; see `flexor.model.Batch`.
+        ``"regular"``, or why the gradient is less than that; see `flexor.model.Paths`.
     reason : (n,) array of str
         Empty, or why the design failed.
     """
@@ -82,8 +81,8 @@ class ObjectiveFunction:
             return self.failed, np.zeros(found.gradient.shape[1])
         return float(found.value[0]), found.gradient[0]
 
-    def evaluate(self, designs: ArrayLike, threads: int = 0) -> Slopes:
-        """Values, gradients and what they are worth, of designs (n, k), SI.
+    def evaluate(self, designs: ArrayLike, threads: int = 0) -> ObjectiveGradients:
+        """Evaluate designs (n, k), SI: values, gradients and their regularity.
 
         Parameters
         ----------
@@ -98,11 +97,9 @@ class ObjectiveFunction:
             If the array has not k columns.
         """
         vectors = np.atleast_2d(np.asarray(designs, dtype=np.float64))
-        outcomes = self.problem.evaluate(vectors, threads, gradient=True)
-        assert outcomes.regularity is not None
-        return Slopes(
-            outcomes.value, self.problem.gradients(outcomes), outcomes.regularity, outcomes.reason
-        )
+        paths = self.problem.evaluate(vectors, threads, gradient=True)
+        gradient = self.problem.gradients(paths)
+        return ObjectiveGradients(paths.value, gradient, paths.regularity, paths.reason)
 
     @property
     def start(self) -> FloatArray:
@@ -136,7 +133,7 @@ def objective_function(
     objective : str or Objective
         What is minimised; f_bc is differentiated with its count of contacts held.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; by default the objective's or the model's.
     failed : float
         Value given for designs that fail.
     engine_options : dict, optional
@@ -146,8 +143,8 @@ def objective_function(
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
-        and says what their gradients are worth. Designs outside `ObjectiveFunction.bounds` are
-        evaluated like any other: line searches may try some.
+        and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds`
+        are evaluated like any other: line searches may try some.
 
     Raises
     ------

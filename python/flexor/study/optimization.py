@@ -18,8 +18,7 @@ from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
 from flexor.store import Workspace
 from flexor.study.executors import AnyExecutor, chosen_executor
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.progress import StudyCallback
 from flexor.study.reopen import reopened, reopened_record
 from flexor.study.run import run
@@ -66,7 +65,7 @@ def optimize(
     bounds : dict, optional
         Other bounds by label, SI.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last; the objective's or the model's own by default.
+        Actuation forces [N], of which the last counts; by default the objective's or the model's.
     seed : int
         Random seed.
     budget : int or Budget, optional

@@ -1,23 +1,23 @@
-"""What a study evaluates: designs of a parameter set on a model, judged by an objective."""
+"""What a study evaluates: designs of a parameter set on a model, by an objective."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.design import Geometry, ParameterSet
-from flexor.objectives import Objective, PathArrays, judge
-from flexor.study.outcomes import FloatArray, Outcomes
+from flexor.model.chunks import chunks
+from flexor.model.results import Path, Paths
+from flexor.objectives import Objective, evaluate_objective
 
 if TYPE_CHECKING:
-    from flexor.model import Batch, Model, Path
+    from flexor.model import Model
 
-# Designs are evaluated and recorded in parts of this size: states and geometry are kept for no more
-# of them, an interruption costs little, and each part still keeps every core busy.
-PART = 1024
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,50 +65,33 @@ class Problem:
         """Whether the objective has a gradient."""
         return self.objective.differentiable
 
-    def evaluate(self, designs: FloatArray, threads: int = 0, gradient: bool = False) -> Outcomes:
-        """Follow and judge the paths of n designs.
+    def evaluate(self, designs: FloatArray, threads: int = 0, gradient: bool = False) -> Paths:
+        """Follow the paths of n designs and evaluate the objective.
 
         Parameters
         ----------
         designs : (n, k) array
             Designs, SI.
         threads : int
-            Threads of the engine, 0 for one per core. The outcomes do not depend on it.
+            Threads of the engine, 0 for one per core. The results do not depend on it.
         gradient : bool
             Whether to differentiate as well, exactly.
 
         Returns
         -------
-        Outcomes
-            In the order of the designs. A design whose surface is not positive, or whose path
-            did not converge, is marked failed with the reason.
+        Paths
+            Those arrays that a study records, in the order of the designs. A design whose surface
+            is not positive, or whose path did not converge, is marked failed with the reason.
         """
-        outcomes = Outcomes.failed(
-            len(designs),
-            self.force.size,
-            len(self.model.joints),
-            "has a length or radius that is not positive",
-            self.parameters.size if gradient else None,
-        )
-        for first in range(0, len(designs), PART):
-            vectors = designs[first : first + PART]
-            geometry = self.geometry(vectors)
-            sound = np.isfinite(geometry.length) & (geometry.length > 0.0)
-            sound &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
-            sound &= np.all(np.isfinite(geometry.slope), axis=1)
-            rows = np.flatnonzero(sound)
-            if rows.size:
-                part = Geometry(geometry.length[rows], geometry.radius[rows], geometry.slope[rows])
-                to_be_differentiated = vectors[rows] if gradient else None
-                outcomes.fill(first + rows, self._follow(part, threads, to_be_differentiated))
-        return outcomes
+        parts = [self._evaluate(designs[c], threads, gradient) for c in chunks(len(designs))]
+        return Paths.concatenate(parts)
 
-    def residuals(self, outcomes: Outcomes) -> FloatArray:
+    def residuals(self, paths: Paths) -> FloatArray:
         """Vectors whose norms are the objective's values, for least squares.
 
         Parameters
         ----------
-        outcomes : Outcomes
+        paths : Paths
             Of n designs.
 
         Returns
@@ -121,15 +104,15 @@ class Problem:
         InputError
             If the objective is not the norm of a vector.
         """
-        vectors = self.objective.residual(self._paths(outcomes))
-        return np.where(np.isfinite(outcomes.value)[:, None], vectors, np.nan)
+        vectors = self.objective.residual(self._complete(paths))
+        return np.where(np.isfinite(paths.value)[:, None], vectors, np.nan)
 
-    def gradients(self, outcomes: Outcomes) -> FloatArray:
+    def gradients(self, paths: Paths) -> FloatArray:
         """Gradients of the objective's values with respect to the parameters.
 
         Parameters
         ----------
-        outcomes : Outcomes
+        paths : Paths
             Of n designs, with their derivatives.
 
         Returns
@@ -142,16 +125,15 @@ class Problem:
         InputError
             If the objective has no gradient.
         """
-        assert outcomes.derivatives is not None
-        found = self.objective.gradient(self._paths(outcomes)).chained(outcomes.derivatives)
-        return np.where(np.isfinite(outcomes.value)[:, None], found, np.nan)
+        found = self.objective.gradient(self._complete(paths)).chained(paths.derivatives)
+        return np.where(np.isfinite(paths.value)[:, None], found, np.nan)
 
-    def jacobians(self, outcomes: Outcomes) -> FloatArray:
+    def jacobians(self, paths: Paths) -> FloatArray:
         """Jacobians of `residuals` with respect to the parameters.
 
         Parameters
         ----------
-        outcomes : Outcomes
+        paths : Paths
             Of n designs, with their derivatives.
 
         Returns
@@ -164,10 +146,9 @@ class Problem:
         InputError
             If the objective is not the norm of a vector with a gradient.
         """
-        assert outcomes.derivatives is not None
-        found = self.objective.residual_gradient(self._paths(outcomes))
-        chained = found.chained(outcomes.derivatives)
-        return np.where(np.isfinite(outcomes.value)[:, None, None], chained, np.nan)
+        found = self.objective.residual_gradient(self._complete(paths))
+        chained = found.chained(paths.derivatives)
+        return np.where(np.isfinite(paths.value)[:, None, None], chained, np.nan)
 
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
@@ -175,40 +156,29 @@ class Problem:
             self.force, design=self.geometry(design[None, :]), **self.options
         )
 
-    def _paths(self, outcomes: Outcomes) -> PathArrays:
-        return PathArrays(
-            force=self.force,
-            joint_angles=outcomes.joint_angles,
-            tip_force=outcomes.tip_force,
-            touching=outcomes.touching,
-            spheres=self.model.first_spheres,
-            converged=outcomes.converged,
-            stable=outcomes.stable,
-        )
+    def _complete(self, paths: Paths) -> Paths:
+        """Give recorded paths the model and loads that objectives ask for."""
+        return replace(paths, model=self.model, loads=self.force[:, None])
 
-    def _follow(self, geometry: Geometry, threads: int, designs: FloatArray | None) -> Outcomes:
-        """Follow and judge; differentiate with respect to the designs (n, k), if they are given."""
-        differentiate = designs is not None
-        batch: Batch = self.model.evaluate(
-            geometry, self.force, threads, gradient=differentiate, **self.options
+    def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
+        geometry = self.geometry(designs)
+        valid = np.isfinite(geometry.length) & (geometry.length > 0.0)
+        valid &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
+        valid &= np.all(np.isfinite(geometry.slope), axis=1)
+        every = Paths.failed(
+            len(designs),
+            self.force.size,
+            len(self.model.joints),
+            "has a length or radius that is not positive",
+            self.parameters.size if gradient else None,
         )
-        derivatives = None
-        if designs is not None:
-            points = self.model.design.points
-            derivatives = batch.chained(self.parameters.jacobian(designs, points))
-        paths = PathArrays.of(batch)
-        judged = judge(self.objective, paths, lambda design, step: batch[design].status[step])
-        return Outcomes(
-            value=judged.value,
-            shown=judged.shown,
-            reason=np.array(judged.reason, dtype=object),
-            joint_angles=paths.joint_angles,
-            tip_force=paths.tip_force,
-            touching=paths.touching.astype(np.int32),
-            converged=paths.converged,
-            stable=paths.stable,
-            events=np.bincount(batch.events["design"], minlength=len(paths)).astype(np.int64),
-            iterations=np.asarray(batch.iterations).sum(axis=1).astype(np.int64),
-            derivatives=derivatives,
-            regularity=batch.regularity if differentiate else None,
-        )
+        if not valid.any():
+            return every
+        chosen = Geometry(geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
+        paths = self.model.evaluate(chosen, self.force, threads, gradient=gradient, **self.options)
+        found = evaluate_objective(self.objective, paths)
+        if gradient:
+            jacobian = self.parameters.jacobian(designs[valid], self.model.design.points)
+            found = replace(found, derivatives=paths.chained(jacobian))
+        found.scatter(every, np.flatnonzero(valid))
+        return every

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model.results import Paths
 from flexor.store import Database
-from flexor.study.outcomes import FloatArray, Outcomes
+from flexor.study.problem import FloatArray
 
 # Arrays that are recorded of each design: name, type in the file and here, shape.
 _ARRAYS: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
@@ -109,7 +110,7 @@ class Record:
         """Return what was noted, or None."""
         return self.database.noted(key)
 
-    def append(self, designs: FloatArray, outcomes: Outcomes) -> None:
+    def append(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
 
         With their derivatives, if the outcomes have them.
@@ -131,15 +132,15 @@ class Record:
             _numbers(outcomes.value, failed),
             _numbers(outcomes.shown, failed),
             outcomes.reason.tolist(),
-            outcomes.events.tolist(),
-            outcomes.iterations.tolist(),
+            outcomes.event_count.tolist(),
+            outcomes.total_iterations.tolist(),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
             *zip(*slopes, strict=True),
             strict=True,
         )
         self.database.write((_INSERT, list(rows) if count else []))
 
-    def append_derivatives(self, designs: FloatArray, outcomes: Outcomes) -> None:
+    def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already.
 
         Raises
@@ -171,7 +172,7 @@ class Record:
         """Every design in the order of evaluation, (n, k)."""
         return self._decoded([row[0] for row in self._rows("design")], "<f8", self.sizes[:1])
 
-    def outcomes(self, design: FloatArray | None = None) -> Outcomes:
+    def outcomes(self, design: FloatArray | None = None) -> Paths:
         """Outcomes of one design (k,), or of all in the order of evaluation.
 
         An unknown design gives outcomes of length zero.
@@ -180,18 +181,19 @@ class Record:
         columns = dict(zip(_COLUMNS, zip(*rows, strict=True), strict=True)) if rows else {}
         found = {name: list(columns.get(name, ())) for name in _COLUMNS}
         try:
-            return Outcomes(
+            arrays: dict[str, Any] = {
+                name: self._decoded(
+                    found[name], kind, tuple(self._shape[axis] for axis in axes)
+                ).astype(here)
+                for name, kind, here, axes in _ARRAYS
+            }
+            return Paths(
                 value=np.array([np.inf if v is None else v for v in found["value"]], dtype="f8"),
                 shown=np.array([np.nan if v is None else v for v in found["shown"]], dtype="f8"),
                 reason=np.array(found["reason"], dtype=object),
-                events=np.array(found["events"], dtype=np.int64),
-                iterations=np.array(found["iterations"], dtype=np.int64),
-                **{
-                    name: self._decoded(
-                        found[name], kind, tuple(self._shape[axis] for axis in axes)
-                    ).astype(here)
-                    for name, kind, here, axes in _ARRAYS
-                },
+                event_count=np.array(found["events"], dtype=np.int64),
+                total_iterations=np.array(found["iterations"], dtype=np.int64),
+                **arrays,
             )
         except (TypeError, ValueError, OverflowError) as error:
             raise self.database.damaged(str(error)) from error
@@ -234,7 +236,7 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
 
 
-def _derivatives(outcomes: Outcomes) -> list[tuple[bytes, str]]:
+def _derivatives(outcomes: Paths) -> list[tuple[bytes, str]]:
     """Return the derivatives of each design, and what they are worth."""
     assert outcomes.derivatives is not None
     assert outcomes.regularity is not None

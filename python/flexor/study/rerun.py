@@ -25,10 +25,13 @@ from flexor.study.study import Study
 if TYPE_CHECKING:
     from flexor.model import Model
 
-_COLUMNS = (
-    *("value", "shown", "reason", "joint_angles", "tip_force", "touching"),
-    *("converged", "stable", "events", "iterations"),
-)
+# Arrays of the record that are compared, by the names that people read.
+_COLUMNS = {
+    **{name: name for name in ("value", "shown", "reason", "joint_angles", "tip_force")},
+    **{name: name for name in ("touching", "converged", "stable")},
+    "events": "event_count",
+    "iterations": "total_iterations",
+}
 
 
 @dataclass(frozen=True)
@@ -173,8 +176,8 @@ def _first_difference(then: Study, now: Study, whole: bool) -> Difference | None
     designs = old.designs(), new.designs()
     outcomes = old.outcomes(), new.outcomes()
     columns = {"design": designs}
-    for name in _COLUMNS:
-        columns[name] = getattr(outcomes[0], name), getattr(outcomes[1], name)
+    for name, array in _COLUMNS.items():
+        columns[name] = getattr(outcomes[0], array), getattr(outcomes[1], array)
     rows = {name: row for name, pair in columns.items() if (row := _first_row(*pair)) is not None}
     if rows:
         name = min(rows, key=lambda each: rows[each])  # the design itself before its outcomes

@@ -9,9 +9,9 @@ import numpy as np
 from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.study.design import Design
 from flexor.study.executors import Executor, Threads
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 from flexor.study.progress import StudyCallback, StudyProgress
-from flexor.study.recorded import Recorded
+from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.study import Study
 
 
@@ -49,11 +49,11 @@ def run(
         What the search found.
     """
     gradients = uses_gradients(search)
-    recorded = Recorded(study.problem, study.record, executor or Threads(), gradients)
+    recorded = RecordedEvaluator(study.problem, study.record, executor or Threads(), gradients)
     began = time.monotonic()
     best: Design | None = None
 
-    def tell(at: Progress) -> None:
+    def report(at: Progress) -> None:
         nonlocal best
         assert progress is not None
         if np.isfinite(at.value) and (best is None or best.value != at.value):
@@ -82,5 +82,5 @@ def run(
         start=start,
         seed=seed,
         budget=budget,
-        progress=tell if progress is not None else None,
+        progress=report if progress is not None else None,
     )

@@ -1,4 +1,4 @@
-"""How a design answers to small changes of its parameters, and to errors of fabrication."""
+"""Sensitivity of a design to small changes of its parameters and to manufacturing errors."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
-# Change of one parameter in a workshop's measure, by its display unit: the text, and SI.
+# Change of one parameter in a workshop unit, by its display unit: the text, and SI.
 STEPS = {
     "m": ("1 mm", 1e-3),
     "cm": ("1 mm", 1e-3),
@@ -22,14 +21,14 @@ STEPS = {
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Exact derivatives at a design, and what becomes of it if a parameter is off.
+    """Exact derivatives at a design, and its performance if a parameter is off.
 
     Attributes
     ----------
     labels : tuple of k str
         The parameters.
     steps : tuple of k str
-        Changes of the parameters that people think in, for example ``"1 mm"``.
+        Changes of the parameters in workshop units, for example ``"1 mm"``.
     step : (k,) array
         The same in SI.
     joint_angles : (j, k) array
@@ -39,8 +38,8 @@ class Sensitivity:
     value : (k,) array or None
         Of the objective; None if it has no gradient.
     regularity : str
-        What the derivatives are worth; see `flexor.model.Batch`. The designs of `off` were
-        evaluated and hold in any case.
+        Whether the derivatives hold; see `flexor.model.Paths`. The designs of `off` were evaluated
+        and hold in any case.
     off : (k, 2) array
         The sum of the joint angles [rad] if one parameter is smaller, and if it is greater, by its
         step; NaN where that design fails.
@@ -73,9 +72,7 @@ class Sensitivity:
         texts, sizes = zip(*(STEPS[unit] for unit in chosen.units), strict=True)
         step = np.array(sizes)
         here = problem.evaluate(design[None, :], gradient=True)
-        assert here.derivatives is not None
-        assert here.regularity is not None
-        # As made, not as searched: an error of fabrication knows no bounds.
+        # Manufacturing errors are not limited by the bounds of the search.
         around = design + np.concatenate((-np.diag(step), np.diag(step)))
         off = problem.evaluate(around)
         angles = off.joint_angles[:, -1].sum(axis=1)

@@ -11,8 +11,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_v
 
 from flexor.optimizers import Budget, Search
 from flexor.store import Header, Kind, read_settings
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import TABLES
 
 MODEL = "model.toml"

@@ -180,8 +180,8 @@ class Study:
         columns["bending"] = outcomes.joint_angles[:, -1].sum(axis=1)
         columns["tip_force"] = outcomes.tip_force[:, -1]
         columns["touching"] = outcomes.touching[:, -1]
-        columns["events"] = outcomes.events
-        columns["iterations"] = outcomes.iterations
+        columns["events"] = outcomes.event_count
+        columns["iterations"] = outcomes.total_iterations
         columns["reason"] = outcomes.reason
         return columns
 

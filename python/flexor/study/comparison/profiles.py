@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.study.comparison.result import WITHIN, MethodComparison
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexor.errors import unknown
 from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 
 # "Within 1 % of the best known": of its gain; see `MethodComparison.target`.
 WITHIN = 0.01

@@ -68,7 +68,7 @@ def compare(
     budget : int
         Distinct designs that each search may evaluate.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last.
+        Actuation forces [N], of which the last counts.
     known : dict, optional
         Best values known from elsewhere, by set.
     folder : path, optional

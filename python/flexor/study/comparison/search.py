@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from flexor.optimizers import Budget, Search, SearchResult, uses_gradients
 from flexor.study.executors import Threads
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
-from flexor.study.recorded import Recorded
+from flexor.study.recorded_evaluator import RecordedEvaluator
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class SearchTask:
         """Whether the method asks for gradients."""
         return uses_gradients(self.search)
 
-    def run(self, problem: Problem, function: Recorded) -> SearchResult:
+    def run(self, problem: Problem, function: RecordedEvaluator) -> SearchResult:
         """Search a problem through its recorded function."""
         return self.search.minimize(
             function,
@@ -68,7 +67,7 @@ def search_in_memory(problem: Problem, task: SearchTask) -> tuple[SearchResult, 
     """
     began, record = time.monotonic(), Record(None, problem.sizes)
     try:
-        result = task.run(problem, Recorded(problem, record, Threads(1), task.gradients))
+        result = task.run(problem, RecordedEvaluator(problem, record, Threads(1), task.gradients))
     finally:
         record.close()
     return result, time.monotonic() - began

@@ -17,10 +17,9 @@ from flexor.study.comparison.record import finished, running_record, save
 from flexor.study.comparison.result import MethodComparison, SearchRun
 from flexor.study.comparison.search import SearchTask, search_in_memory
 from flexor.study.executors import Executor
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
-from flexor.study.recorded import Recorded
+from flexor.study.recorded_evaluator import RecordedEvaluator
 
 # Random designs tried for a start that does not fail.
 _TRIES = 64
@@ -100,7 +99,7 @@ class _Stopped(BaseException):
     """Raised within searches when the comparison is to stop."""
 
 
-class _Watched(Recorded):
+class _Watched(RecordedEvaluator):
     """The recorded function of one search, which counts for all and can be stopped."""
 
     def __init__(
@@ -109,12 +108,14 @@ class _Watched(Recorded):
         super().__init__(problem, record, executor, gradients)
         self._tally = tally
 
-    def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
+    def stream(
+        self, designs: FloatArray, part: int | None = None
+    ) -> Generator[FloatArray, None, None]:
         """Yield values of designs (n, k), part after part."""
         if self._tally.stop.is_set():
             raise _Stopped
         before = self.evaluated
-        for values in super().stream(designs):
+        for values in super().stream(designs, part):
             self._tally.add(self.evaluated - before)
             before = self.evaluated
             if self._tally.stop.is_set():

@@ -8,8 +8,8 @@ from collections.abc import Callable, Generator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.model.results import Paths
+from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
     if sys.version_info >= (3, 11):
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
         from typing_extensions import Self
 
 Result = TypeVar("Result")
-# Designs of one part at most: enough to keep every core busy and to outweigh what sending them
-# costs, few enough for a progress that moves, and an interruption loses no more.
-PART = 256
 
 
 class Executor(ABC):
@@ -32,7 +29,7 @@ class Executor(ABC):
     @abstractmethod
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
+    ) -> Generator[Paths, None, None]:
         """Evaluate designs (n, k), part after part.
 
         Parameters
@@ -46,9 +43,9 @@ class Executor(ABC):
 
         Yields
         ------
-        Outcomes
-            Of the first designs, the next, and so on, at most ``PART`` of them each. Later parts
-            may be evaluated before they are asked for.
+        Paths
+            Of the first designs, the next, and so on, at most `flexor.model.chunks.SIZE` of them
+            each. Later parts may be evaluated before they are asked for.
         """
 
     @property
@@ -56,11 +53,11 @@ class Executor(ABC):
         """How many parts it can evaluate at the same time."""
         return 1
 
-    def evaluate(self, problem: Problem, designs: FloatArray, gradient: bool = False) -> Outcomes:
+    def evaluate(self, problem: Problem, designs: FloatArray, gradient: bool = False) -> Paths:
         """Evaluate designs (n, k); outcomes in their order."""
         parts = list(self.parts(problem, designs, gradient))
         # Without designs there are no parts, but there is still an answer.
-        return Outcomes.joined(parts) if parts else problem.evaluate(designs, 1, gradient)
+        return Paths.concatenate(parts) if parts else problem.evaluate(designs, 1, gradient)
 
     @property
     def remote(self) -> bool:

@@ -14,11 +14,12 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from flexor.errors import ClusterError, InputError
+from flexor.model import chunks
+from flexor.model.results import Paths
 from flexor.study.executors import task
-from flexor.study.executors.interface import PART, Executor
+from flexor.study.executors.interface import Executor
 from flexor.study.executors.task import PickledProblem, Reply, one_line
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 Result = TypeVar("Result")
 # A task should take no less than this [s], or passing it on takes as long as doing it.
@@ -63,7 +64,7 @@ class Pool(Executor):
 
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
+    ) -> Generator[Paths, None, None]:
         """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending.
 
         Raises
@@ -80,7 +81,7 @@ class Pool(Executor):
                 while left and len(running) < AHEAD * self.slots:
                     running.append(self._submit(problem, task.evaluate, left.popleft(), gradient))
                 reply = self._reply(running.popleft())
-                outcomes: Outcomes = reply.result
+                outcomes: Paths = reply.result
                 self._learn(problem, len(outcomes), reply.seconds)
                 yield outcomes
         finally:
@@ -158,7 +159,7 @@ class Pool(Executor):
     def _split(self, problem: Problem, designs: FloatArray) -> list[FloatArray]:
         """Split designs for all workers, in parts neither too small nor too large."""
         count, slots = len(designs), self.slots
-        parts = -(-count // PART)
+        parts = -(-count // chunks.SIZE)
         if parts < slots:
             known, seconds = self._spent.get(problem, (0, 0.0))
             worth = count if not known else int(count * seconds / known / SHORTEST)

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from flexor.errors import InputError
+from flexor.model.results import Paths
 from flexor.store.environment import decisive
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 
 # A process may serve many studies before it ends.
 _KEPT = 64
@@ -109,7 +109,7 @@ def call(problem: Problem, function: Callable[..., Any], arguments: tuple[Any, .
         return Reply(error=_portable(error))
 
 
-def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Outcomes:
+def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Paths:
     """Evaluate designs (n, k) on one thread: a worker has one for each task."""
     return problem.evaluate(designs, 1, gradient)
 

@@ -6,9 +6,10 @@ import os
 from collections.abc import Generator
 from dataclasses import dataclass
 
-from flexor.study.executors.interface import PART, Executor
-from flexor.study.outcomes import FloatArray, Outcomes
-from flexor.study.problem import Problem
+from flexor.model.chunks import chunks
+from flexor.model.results import Paths
+from flexor.study.executors.interface import Executor
+from flexor.study.problem import FloatArray, Problem
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Threads(Executor):
 
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
-    ) -> Generator[Outcomes, None, None]:
+    ) -> Generator[Paths, None, None]:
         """Evaluate designs (n, k), one part after the other, each on all threads."""
-        for first in range(0, len(designs), PART):
-            yield problem.evaluate(designs[first : first + PART], self.threads, gradient)
+        for chunk in chunks(len(designs)):
+            yield problem.evaluate(designs[chunk], self.threads, gradient)

@@ -57,7 +57,7 @@ def landscape(
     bounds : dict, optional
         Other bounds by label, SI.
     force : (steps,) array, optional
-        Actuation forces [N], judged at the last.
+        Actuation forces [N], of which the last counts.
     folder : path, optional
         Where to keep the study; in memory by default.
     resume : bool

@@ -15,8 +15,7 @@ from flexor.errors import InputError
 from flexor.optimizers import grid_axes, grid_designs
 from flexor.store import replaced, write_text
 from flexor.study.design import Design
-from flexor.study.outcomes import FloatArray
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import Settings
 from flexor.study.study import Study
 
@@ -103,7 +102,7 @@ class Landscape:
             joint_angles=outcomes.joint_angles[:, -1].reshape(*shape, -1),
             tip_force=outcomes.tip_force[:, -1].reshape(shape),
             touching=outcomes.touching[:, -1].reshape(shape),
-            events=outcomes.events.reshape(shape),
+            events=outcomes.event_count.reshape(shape),
             reason=outcomes.reason.reshape(shape),
         )
 
@@ -149,7 +148,7 @@ class Landscape:
 
     @property
     def minimum(self) -> Design:
-        """Best design of the grid, the true global minimum as far as the grid can tell.
+        """Best design of the grid, the global minimum to the resolution of the grid.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""The way a search went: every improvement, from its start to its end."""
+"""Convergence history of a search: every improvement, from its start to its end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.optimizers import SearchResult
-from flexor.study.outcomes import FloatArray
+from flexor.study.problem import FloatArray
 from flexor.study.study import Study
 
 
@@ -37,7 +37,7 @@ class SearchPath:
 
     @classmethod
     def of(cls, result: SearchResult, method: str, label: str = "") -> SearchPath:
-        """Take the way of a search out of its result."""
+        """Read the history of a search from its result."""
         return cls(
             label=label,
             method=method,
@@ -48,7 +48,7 @@ class SearchPath:
 
     @classmethod
     def from_study(cls, study: Study, label: str = "") -> SearchPath:
-        """Read the way of a study's search in its record."""
+        """Read the history of a study's search from its record."""
         values = study.record.outcomes().value
         best = np.minimum.accumulate(values) if values.size else values
         better = np.isfinite(values) & (values < np.append(np.inf, best[:-1]))

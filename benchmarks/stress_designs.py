@@ -1,0 +1,270 @@
+"""One million designs far outside the search bounds: each must end, in bounded time, with a status.
+
+Lengths and radii are drawn up to ten times beyond the search bounds on either side, contact and
+joint stiffnesses and Young's modulus over six decades, the lever over two, the load up to 100 N
+either way in up to five steps; one design in fifty has a number that makes no sense, such as NaN,
+zero or 1e300; one in ten is differentiated as well. A design counts by the first step that did not
+converge. The exit code is 1 if a number of a step that converged is not finite, a step exceeds its
+iterations or a design 10 ms of processor time for each iteration of a step, a design with a number
+that is not finite is followed, or anything is raised.
+
+The work is done in parts that depend on nothing but the seed and their number; what was counted is
+kept in `--state` after each, and the same command goes on from there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from _machine import machine
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+import flexor
+from flexor import _engine
+from flexor._engine import REGULARITY, STATUS
+from flexor.model import Model
+
+Array = NDArray[np.float64]
+PART = 500
+# Most designs are of the model that people optimise; the other is spatial.
+MODELS = {"finger": 0.8, "finger-2-links": 0.1, "tendon-arm": 0.1}
+BROKEN = (0.0, -1.0, np.nan, np.inf, -np.inf, 5e-324, 1e-300, 1e300)
+LONGEST = 0.01  # processor time of a design for each iteration allowed in a load step [s]
+NONE = np.empty(0, dtype=np.int64), np.empty((1, 0))
+
+
+@dataclass
+class Count:
+    """What has been counted so far."""
+
+    seed: int
+    limit: int
+    engine: str
+    parts: int = 0
+    ends: dict[str, dict[str, int]] = field(default_factory=dict)
+    seconds: float = 0.0
+    slowest: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    most_iterations: int = 0
+    events: int = 0
+    complaints: list[str] = field(default_factory=list)
+
+
+def main() -> int:
+    """Evaluate what is left, and print the table."""
+    reading = argparse.ArgumentParser(description=__doc__)
+    reading.add_argument("--designs", type=int, default=1_000_000)
+    reading.add_argument("--seed", type=int, default=1)
+    reading.add_argument("--limit", type=int, default=100, help="iterations of one load step")
+    reading.add_argument("--state", type=Path, default=Path("stress-designs.json"))
+    asked = reading.parse_args()
+    count = resumed(asked.state, Count(asked.seed, asked.limit, engine()))
+    models = [flexor.load(name) for name in MODELS]
+    parts = -(-asked.designs // PART)
+    console = Console(stderr=True)
+    columns = (TextColumn("designs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
+        bar = progress.add_task("", total=parts * PART, completed=count.parts * PART)
+        while count.parts < parts:
+            evaluate(count, models)
+            keep(asked.state, count)
+            progress.update(bar, completed=count.parts * PART)
+    tell(count)
+    return 1 if count.complaints else 0
+
+
+def engine() -> str:
+    """Return the version and the first digits of the hash of the compiled engine."""
+    found = hashlib.sha256(Path(_engine.__file__).read_bytes()).hexdigest()
+    return f"{flexor.__version__}, {found[:12]}"
+
+
+def resumed(path: Path, fresh: Count) -> Count:
+    """Read what was counted earlier, or begin."""
+    if not path.exists():
+        return fresh
+    count = Count(**json.loads(path.read_text()))
+    for key in ("seed", "limit", "engine"):
+        if getattr(count, key) != getattr(fresh, key):
+            was = getattr(count, key)
+            sys.exit(f'error: "{path}" is of {key} {was}: give another --state to begin anew.')
+    return count
+
+
+def keep(path: Path, count: Count) -> None:
+    """Write what was counted, whole or not at all."""
+    draft = path.with_name(f"{path.name}.new")
+    draft.write_text(json.dumps(asdict(count), indent=1))
+    draft.replace(path)
+
+
+def evaluate(count: Count, models: list[Model]) -> None:
+    """Evaluate one part and count it."""
+    random = np.random.default_rng([count.seed, count.parts])
+    which = random.choice(len(models), size=PART, p=list(MODELS.values()))
+    for row, index in enumerate(which.tolist()):
+        model = models[index]
+        parameters, loads = drawn(model, random)
+        sound = not broken(parameters, random) if random.uniform() < 0.02 else True
+        slopes = np.arange(len(parameters)) if random.uniform() < 0.1 else None
+        name = f"{model.name}, design {row} of part {count.parts}"
+        began = time.thread_time()
+        try:
+            found = model.engine.path(
+                *NONE, loads, 1, base=parameters, gradient=slopes, max_iterations=count.limit
+            )
+        except BaseException as error:
+            if isinstance(error, KeyboardInterrupt):
+                raise
+            count.complaints.append(f"{name}: {type(error).__name__}: {error}")
+            continue
+        seconds = time.thread_time() - began
+        if seconds > LONGEST * count.limit:
+            count.complaints.append(f"{name}: {seconds:.1f} s")
+        count.seconds += seconds
+        if seconds > count.slowest[0]:
+            count.slowest = [seconds, float(count.parts), float(row)]
+        count.events += len(found["events"]["design"])
+        count.most_iterations = max(count.most_iterations, int(found["iterations"].max()))
+        for what in wrong(found, sound, count.limit):
+            count.complaints.append(f"{name}: {what}")
+        ends = count.ends.setdefault(model.name, {})
+        end = first_failure(found["status"][0].tolist(), len(found["events"]["design"]))
+        ends[end] = ends.get(end, 0) + 1
+    count.parts += 1
+
+
+def drawn(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
+    """Draw parameters (P,) and loads (steps, 1) far outside of anything sensible."""
+    parameters, space = model.parameters.copy(), model.design
+    slots = model.engine.slots
+
+    def logarithmic(low: float, high: float) -> float:
+        return float(low * (high / low) ** random.uniform())
+
+    radius = [logarithmic(0.1 * space.radius_bounds[0], 10 * space.radius_bounds[1]) for _ in "bt"]
+    wave = random.uniform(-0.5, 0.5) * min(radius)  # a surface that is not straight either
+    turns = np.pi * random.integers(1, 6)
+    X = space.points
+    surface = radius[0] + (radius[1] - radius[0]) * X + wave * np.sin(turns * X)
+    slope = radius[1] - radius[0] + wave * turns * np.cos(turns * X)
+    values: dict[str, Array | float] = {
+        f"{space.rod}.length": logarithmic(
+            0.1 * space.length_bounds[0], 10 * space.length_bounds[1]
+        ),
+        f"{space.rod}.radius": surface,
+        f"{space.rod}.slope": slope,
+        f"{space.rod}.young_modulus": logarithmic(1e3, 1e9),
+        f"{space.rod}.shear_modulus": logarithmic(1e3, 1e9),
+    }
+    for name, (start, stop) in slots.items():
+        if name.endswith(".joint_stiffness") and stop > start:
+            values[name] = np.array([logarithmic(1e-5, 10.0) for _ in range(start, stop)])
+        elif name.endswith(".stiffness"):
+            values[name] = logarithmic(0.1, 1e5)
+        elif name.endswith(".lever"):
+            values[name] = parameters[start:stop] * logarithmic(0.1, 10.0)
+    if random.uniform() < 0.5:  # on the finger, as a search has it; or anywhere about it
+        height = 0.0216 + radius[0] if "finger" in model.name else 0.0
+    else:
+        height = random.uniform(-0.1, 0.1)
+    start, _ = slots[f"{space.rod}.translation"]
+    parameters[start + 2] = height
+    for name, value in values.items():
+        parameters[slice(*slots[name])] = value
+    last = logarithmic(0.1, 100.0) * (1.0 if random.uniform() < 0.8 else -1.0)
+    return parameters, np.linspace(0.0, last, int(random.integers(2, 7)))[:, None]
+
+
+def broken(parameters: Array, random: np.random.Generator) -> bool:
+    """Put a number that makes no sense somewhere; whether the engine must refuse it."""
+    place, value = int(random.integers(len(parameters))), float(random.choice(BROKEN))
+    parameters[place] = value
+    return not np.isfinite(value)
+
+
+def wrong(found: dict[str, Any], sound: bool, limit: int) -> list[str]:
+    """Say what must not be."""
+    said = []
+    status = found["status"][0]
+    good = status == STATUS.index("converged")
+    finite = np.isfinite(found["q"][0]).all(axis=1)
+    for numbers in ("energy", "residual", "tip_force"):
+        finite &= np.isfinite(found[numbers][0])
+    if (good & ~finite).any():
+        said.append("a step converged with a number that is not finite")
+    if status.max() >= len(STATUS):
+        said.append(f"status {status.max()}")
+    # A try at a sub-step or a descent is finished once it has begun.
+    if int(found["iterations"].max()) > 2 * limit + 40:
+        said.append(f"{found['iterations'].max()} iterations in a step")
+    if not sound and (status != STATUS.index("invalid-design")).any():
+        said.append("a number that is not finite went through")
+    regular = "gradient" in found and REGULARITY[found["regularity"][0]] == "regular"
+    if regular and not np.isfinite(found["gradient"]).all():
+        said.append("a regular gradient is not finite")
+    for numbers in ("before", "after", "load"):
+        if not np.isfinite(found["events"][numbers]).all():
+            said.append("an event has a number that is not finite")
+    return said
+
+
+def first_failure(codes: list[int], events: int) -> str:
+    """Name how a path ended."""
+    names = [STATUS[code] for code in codes if STATUS[code] != "converged"]
+    return names[0] if names else "converged, with snaps" if events else "converged"
+
+
+def tell(count: Count) -> None:
+    """Print the table."""
+    designs = sum(sum(ends.values()) for ends in count.ends.values())
+    table = Table("model", "how designs end", "designs", "share")
+    for column in table.columns[2:]:
+        column.justify = "right"
+    whole: Counter[str] = Counter()
+    for ends in count.ends.values():
+        whole.update(ends)
+    for model, ends in [("all", dict(whole)), *count.ends.items()]:
+        total = sum(ends.values())
+        for end, number in sorted(ends.items(), key=lambda item: -item[1]):
+            table.add_row(model, end, f"{number:,}", f"{number / total:.3%}")
+            model = ""
+        table.add_section()
+    console = Console()
+    console.print(machine(), markup=False)
+    console.print(table)
+    seconds, part, row = count.slowest
+    said = (
+        f"{designs:,} designs, seed {count.seed}, Flexor {count.engine}",
+        f"at most {count.limit} iterations in a load step",
+        f"processor time: {1e3 * count.seconds / designs:.2f} ms per design, at most "
+        f"{1e3 * seconds:.0f} ms (design {row:.0f} of part {part:.0f})",
+        f"most iterations of a load step: {count.most_iterations}",
+        f"snaps: {count.events:,}",
+        f"complaints: {len(count.complaints)}",
+        *count.complaints[:20],
+    )
+    for line in said:
+        console.print(line, markup=False, highlight=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,436 @@
+"""Equilibrium paths of n designs over load steps, sliceable down to one path and one step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, ClassVar, cast, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.errors import InputError
+from flexor.model import state
+from flexor.model.events import each_design, events, take_steps
+from flexor.model.structure import Structure
+
+if TYPE_CHECKING:
+    from flexor.model.geometry import GeometryJacobian
+
+Array = NDArray[np.float64]
+_Several = slice | list[int] | NDArray[Any]
+
+
+# An array by its leading axes, n for designs and s for steps, and whether a study records it.
+_NONE: Any = None
+_MODEL = {"axes": "", "recorded": False}
+_DESIGN = {"axes": "n", "recorded": False}
+_STEP = {"axes": "s", "recorded": False}
+_PATH = {"axes": "ns", "recorded": False}
+_DESIGN_RECORDED = {"axes": "n", "recorded": True}
+_PATH_RECORDED = {"axes": "ns", "recorded": True}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Results:
+    """The arrays of `Paths`, `Path` and `State`.
+
+    Shapes are those of `Paths`: n designs, s steps. A `Path` has no axis n, `States` have no axis
+    s, a `State` has neither. An array that was not evaluated, or not recorded by a study, is None.
+    A new array is one field here.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    length, radius, slope : (n,), (n, m) and (n, m) arrays
+        Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
+    loads : (s, inputs) array
+        Loads of every input [N].
+    q : (n, s, dof) array
+        Generalized coordinates.
+    joint_angles : (n, s, joints) array
+        Coordinates of the joints [rad; m for translations].
+    status : (n, s) array of str
+        How each step ended, ``"converged"`` or what went wrong; `flexor.model.MEANINGS` says what
+        each means and what to do.
+    converged, stable : (n, s) bool arrays
+        Whether an equilibrium was found, and whether it is a minimum of the potential.
+    iterations : (n, s) array
+        Newton iterations.
+    residual : (n, s) array
+        Scaled, dimensionless residual.
+    energy : (n, s) array
+        Potential [J].
+    pairs, touching : (n, s) arrays
+        Touching pairs of spheres, and n_c, the spheres of the contacts' first groups that touch.
+    tip_force : (n, s) array
+        F_t (14), the contact force on the tip spheres [N].
+    event_table : (n,) array of structured arrays
+        Snaps on the way as arrays with the fields of `Event`, of which `events` is made.
+    event_count, total_iterations : (n,) arrays
+        Snaps and Newton iterations along the whole path.
+    gradient : (n, joints + 1, slots) array
+        Total derivatives of the joints' coordinates and, last, of the tip force at the last step,
+        with respect to the engine's parameters that `Model.geometry_slots` places; NaN where there
+        is no equilibrium.
+    derivatives : (n, joints + 1, p) array
+        The same with respect to the p parameters of a set.
+    regularity : (n,) array of str
+        Whether these derivatives hold: ``"regular"``; ``"snapped"``, where they are those of the
+        branch the path ended on and do not see the snap move or vanish; ``"contact-threshold"``,
+        where a sphere just touches; ``"nearly-singular"``, where the stiffness all but vanishes;
+        ``"no-equilibrium"``.
+    value : (n,) array
+        Value of the objective of a study; +inf where the design failed, never NaN.
+    shown : (n,) array
+        The objective's quantity for display; NaN where the design failed.
+    reason : (n,) array of str
+        Empty, or why the design failed.
+    """
+
+    axes: ClassVar[str] = ""
+
+    model: Structure = field(default=_NONE, metadata=_MODEL)
+    length: Array = field(default=_NONE, metadata=_DESIGN)
+    radius: Array = field(default=_NONE, metadata=_DESIGN)
+    slope: Array = field(default=_NONE, metadata=_DESIGN)
+    loads: Array = field(default=_NONE, metadata=_STEP)
+    q: Array = field(default=_NONE, metadata=_PATH)
+    joint_angles: Array = field(default=_NONE, metadata=_PATH_RECORDED)
+    status: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
+    converged: NDArray[np.bool_] = field(default=_NONE, metadata=_PATH_RECORDED)
+    stable: NDArray[np.bool_] = field(default=_NONE, metadata=_PATH_RECORDED)
+    iterations: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
+    residual: Array = field(default=_NONE, metadata=_PATH)
+    energy: Array = field(default=_NONE, metadata=_PATH)
+    pairs: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
+    touching: NDArray[np.integer] = field(default=_NONE, metadata=_PATH_RECORDED)
+    tip_force: Array = field(default=_NONE, metadata=_PATH_RECORDED)
+    event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
+    event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    total_iterations: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    gradient: Array = field(default=_NONE, metadata=_DESIGN)
+    derivatives: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    regularity: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+
+    @property
+    def force(self) -> Array:
+        """Force of the first input, or zeros without one, (s,) [N]."""
+        if self.loads.shape[-1] == 0:
+            return np.zeros(self.loads.shape[:-1])
+        return self.loads[..., 0]
+
+    @property
+    def parameters(self) -> Array:
+        """The engine's parameters, (n, P)."""
+        every = np.broadcast_to(self.model.parameters, (*self._count, self.model.parameters.size))
+        every = every.copy()
+        if self.radius is not None:
+            indices, values = self.model.geometry_slots(self)
+            every[..., indices] = values if self._count else values[0]
+        return every
+
+    @property
+    def events(self) -> Any:
+        """Snaps on the way: a tuple of `Event`, or an (n,) array of these."""
+        if self.event_table is None:
+            return None
+        one = "n" not in self.axes
+        return events(self.event_table) if one else each_design(events, self.event_table)
+
+    @property
+    def _count(self) -> tuple[int, ...]:
+        """Number of designs, for shapes: (n,), or () where there is one."""
+        return self.joint_angles.shape[:1] if "n" in self.axes else ()
+
+    @property
+    def sphere_count(self) -> int:
+        """Number of spheres of the contacts' first groups."""
+        return self.model.first_spheres
+
+    def _take(self, key: Any) -> Any:
+        """Take designs and steps as numpy does, one after the other axis."""
+        keys = key if isinstance(key, tuple) else (key,)
+        if len(keys) > len(self.axes):
+            raise IndexError(f"{type(self).__name__} has {len(self.axes)} axes, got {len(keys)}.")
+        index = dict(zip(self.axes, keys, strict=False))
+        left = "".join(axis for axis in self.axes if not _is_one(index.get(axis)))
+        taken: dict[str, Any] = {}
+        for each in fields(self):
+            value, place = getattr(self, each.name), 0
+            for axis in each.metadata["axes"]:
+                if value is not None and axis in self.axes:
+                    value = value[(slice(None),) * place + (index.get(axis, slice(None)),)]
+                    place += axis in left
+            taken[each.name] = value
+        if taken["event_table"] is not None and "s" in index:
+            places = np.full(len(self.loads), -1)
+            kept = np.atleast_1d(np.arange(len(self.loads))[index["s"]])
+            places[kept] = np.arange(len(kept))
+            taken["event_table"] = take_steps(taken["event_table"], places)
+        return _LEVELS[left](**taken)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class State(Results):
+    """One equilibrium of one design, ``path[step]``; what counts for a path is that of its path."""
+
+    def __repr__(self) -> str:
+        ends = "stable" if self.stable else "unstable"
+        return f"<State of {self.model.name!r}: {self.force:g} N, {self.status}, {ends}>"
+
+    def frames(self) -> dict[str, Array]:
+        """Return the frames along each body, base to tip.
+
+        Returns
+        -------
+        dict of (m, 4, 4) arrays
+            By body: homogeneous matrices (1) in the world [m], of a rod at its sample points, of a
+            link at its joint and its tip.
+        """
+        return state.frames(self.model.engine, self.parameters, self.q, self.model.body_frames)
+
+    def spheres(self) -> dict[str, Array]:
+        """Return the contact spheres.
+
+        Returns
+        -------
+        dict of (m, 4) arrays
+            By group: centre x, y, z and radius [m].
+        """
+        return state.spheres(self.model.engine, self.parameters, self.q)
+
+    def contact_forces(self) -> state.ContactForces:
+        """Return the contact forces (8)."""
+        return state.contact_forces(self.model.engine, self.parameters, self.q)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class States(Results):
+    """One step of n designs, ``paths[:, step]``; ``states[i]`` is a `State`."""
+
+    axes: ClassVar[str] = "n"
+
+    def __len__(self) -> int:
+        return len(self.joint_angles)
+
+    @overload
+    def __getitem__(self, design: int | np.integer) -> State: ...
+    @overload
+    def __getitem__(self, design: _Several) -> States: ...
+    def __getitem__(self, design: Any) -> State | States:
+        return cast("State | States", self._take(design))
+
+    def __iter__(self) -> Iterator[State]:
+        return (self[index] for index in range(len(self)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path(Results):
+    """Equilibria of one design over load steps, each followed from the one before.
+
+    ``path[step]`` is a `State`, ``path[start:stop]`` a part of the path.
+    """
+
+    axes: ClassVar[str] = "s"
+
+    def __repr__(self) -> str:
+        worst = next((word for word in self.status if word != "converged"), "")
+        ends = worst or ("stable" if self.stable.all() else "unstable")
+        snaps = f", {len(self.events)} events" if self.events else ""
+        steps = f"{len(self)} steps to {self.force[-1]:g} N"
+        return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"
+
+    def __len__(self) -> int:
+        return len(self.loads)
+
+    @overload
+    def __getitem__(self, step: int | np.integer) -> State: ...
+    @overload
+    def __getitem__(self, step: _Several) -> Path: ...
+    def __getitem__(self, step: Any) -> State | Path:
+        return cast("State | Path", self._take(step))
+
+    def __iter__(self) -> Iterator[State]:
+        return (self[step] for step in range(len(self)))
+
+    def frames(self, step: int = -1) -> dict[str, Array]:
+        """Return the frames along each body in one step; see `State.frames`."""
+        return self[step].frames()
+
+    def spheres(self, step: int = -1) -> dict[str, Array]:
+        """Return the contact spheres in one step; see `State.spheres`."""
+        return self[step].spheres()
+
+    def contact_forces(self, step: int = -1) -> state.ContactForces:
+        """Return the contact forces (8) in one step."""
+        return self[step].contact_forces()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what ``flexor simulate --json`` prints: plain lists with one entry per step.
+
+        Returns
+        -------
+        dict
+            ``force`` (of the first input; with several, ``loads`` has all by name) [N],
+            ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
+            ``tip_force`` [N] and ``events`` (those on the way to the step); a number that does not
+            exist is None.
+        """
+        inputs = self.model.inputs
+        several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
+        by_step: list[list[dict[str, Any]]] = [[] for _ in range(len(self))]
+        for event in self.events:
+            by_step[event.step].append(
+                {
+                    "kind": event.kind,
+                    "force": event.force,
+                    "angles_before": _plain(event.angles_before),
+                    "angles_after": _plain(event.angles_after),
+                }
+            )
+        return {
+            "force": _plain(self.force),
+            **({"loads": several} if len(inputs) > 1 else {}),
+            "joint_angles": _plain(self.joint_angles),
+            "converged": self.converged.tolist(),
+            "stable": self.stable.tolist(),
+            "contacts": self.touching.tolist(),
+            "tip_force": _plain(self.tip_force),
+            "events": by_step,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Paths(Results):
+    """Paths of n designs over the same load steps.
+
+    ``paths[i]`` is a `Path`, ``paths[i, step]`` a `State`, ``paths[:, step]`` are `States`; slices,
+    masks and lists of indices give `Paths` again.
+    """
+
+    axes: ClassVar[str] = "ns"
+
+    @classmethod
+    def failed(
+        cls, count: int, steps: int, joints: int, reason: str, parameters: int | None = None
+    ) -> Paths:
+        """Paths of designs that could not be evaluated.
+
+        Parameters
+        ----------
+        count, steps, joints
+            Their numbers.
+        reason
+            Why they failed.
+        parameters
+            Number of parameters of the set, for `derivatives`; without these if None.
+        """
+        derived: dict[str, Any] = {}
+        if parameters is not None:
+            derived["derivatives"] = np.full((count, joints + 1, parameters), np.nan)
+            derived["regularity"] = np.full(count, "no-equilibrium", dtype=object)
+        return cls(
+            value=np.full(count, np.inf),
+            shown=np.full(count, np.nan),
+            reason=np.full(count, reason, dtype=object),
+            joint_angles=np.full((count, steps, joints), np.nan),
+            tip_force=np.full((count, steps), np.nan),
+            touching=np.zeros((count, steps), dtype=np.int32),
+            converged=np.zeros((count, steps), dtype=np.bool_),
+            stable=np.zeros((count, steps), dtype=np.bool_),
+            event_count=np.zeros(count, dtype=np.int64),
+            total_iterations=np.zeros(count, dtype=np.int64),
+            **derived,
+        )
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Paths]) -> Paths:
+        """Join paths of one model over the same loads; arrays that a part lacks are left out."""
+        first, joined = parts[0], dict[str, Any]()
+        for each in fields(cls):
+            column = [getattr(part, each.name) for part in parts]
+            if "n" not in each.metadata["axes"]:
+                joined[each.name] = getattr(first, each.name)
+            elif all(array is not None for array in column):
+                joined[each.name] = np.concatenate(column)
+        return cls(**joined)
+
+    def recorded(self) -> Paths:
+        """Return the same paths with those arrays only that a study records."""
+        recorded = [each.name for each in fields(self) if each.metadata["recorded"]]
+        return Paths(**{name: getattr(self, name) for name in recorded})
+
+    def scatter(self, into: Paths, rows: NDArray[np.intp]) -> None:
+        """Write these paths into rows of others that have the same arrays."""
+        for each in fields(self):
+            target = getattr(into, each.name)
+            if target is not None and "n" in each.metadata["axes"]:
+                target[rows] = getattr(self, each.name)
+
+    def chained(self, jacobian: GeometryJacobian) -> Array:
+        """Return derivatives with respect to the parameters from which the geometries were made.
+
+        Parameters
+        ----------
+        jacobian
+            Derivative of the geometries with respect to p parameters, at the points `Model.X`;
+            `flexor.design.ParameterSet.jacobian` gives it. The base of a rod that is placed by its
+            underside moves with S(0).
+
+        Returns
+        -------
+        (n, joints + 1, p) array
+            Of the joints' coordinates and, last, of the tip force at the last step.
+
+        Raises
+        ------
+        InputError
+            If they were evaluated without gradient.
+        """
+        if self.gradient is None:
+            raise InputError("the paths have no gradient: evaluate them with gradient=True.")
+        return np.asarray(self.gradient @ self.model.geometry_slot_jacobian(jacobian))
+
+    def __repr__(self) -> str:
+        good = int((self.converged & self.stable).all(axis=1).sum())
+        count, steps = self.converged.shape
+        name = "recorded designs" if self.model is None else repr(self.model.name)
+        return f"<Paths of {name}: {count} designs, {steps} steps, {good} stable throughout>"
+
+    def __len__(self) -> int:
+        return len(self.joint_angles)
+
+    @overload
+    def __getitem__(self, key: int | np.integer) -> Path: ...
+    @overload
+    def __getitem__(self, key: tuple[int, int]) -> State: ...
+    @overload
+    def __getitem__(self, key: tuple[int, slice]) -> Path: ...
+    @overload
+    def __getitem__(self, key: tuple[slice, int]) -> States: ...
+    @overload
+    def __getitem__(self, key: slice | list[int] | NDArray[Any] | tuple[slice, slice]) -> Paths: ...
+    def __getitem__(self, key: Any) -> State | States | Path | Paths:
+        return cast("State | States | Path | Paths", self._take(key))
+
+    def __iter__(self) -> Iterator[Path]:
+        return (self[index] for index in range(len(self)))
+
+
+_LEVELS: dict[str, type[Results]] = {each.axes: each for each in (State, States, Path, Paths)}
+
+
+def _is_one(index: Any) -> bool:
+    return isinstance(index, (int, np.integer))
+
+
+def _plain(values: Array) -> list[Any]:
+    if values.ndim > 1:
+        return [_plain(row) for row in values]
+    return [value if math.isfinite(value) else None for value in values.tolist()]

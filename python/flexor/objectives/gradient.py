@@ -1,0 +1,60 @@
+"""Derivatives of objectives with respect to the states of the paths they are computed from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PathGradient:
+    """Derivative of values with respect to the state of the paths they came from.
+
+    `chained` takes it to the design parameters, with the engine's derivatives of the state. What is
+    not listed (the number of touching spheres) is constant between its jumps.
+
+    Attributes
+    ----------
+    joint_angles : (n, ..., steps, j) array
+        [1/rad].
+    tip_force : (n, ..., steps) array
+        [1/N].
+    """
+
+    joint_angles: FloatArray
+    tip_force: FloatArray
+
+    def chained(self, derivatives: FloatArray) -> FloatArray:
+        """Return the derivative of the values with respect to k parameters.
+
+        Parameters
+        ----------
+        derivatives : (n, j + 1, k) array
+            Of the joint angles and, last, of the tip force at the last load, as
+            `flexor.model.Paths.chained` gives them.
+
+        Returns
+        -------
+        (n, ..., k) array
+            NaN where the derivatives are.
+
+        Raises
+        ------
+        InputError
+            If the values depend on loads before the last.
+        """
+        if self.joint_angles[..., :-1, :].any() or self.tip_force[..., :-1].any():
+            raise InputError(
+                "the objective has a gradient at loads before the last, where the engine gives no "
+                "derivatives."
+            )
+        weights = np.concatenate(
+            (self.joint_angles[..., -1, :], self.tip_force[..., -1][..., None]), axis=-1
+        )
+        return np.asarray(np.einsum("n...o,nok->n...k", weights, derivatives))

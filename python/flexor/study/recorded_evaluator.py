@@ -1,0 +1,110 @@
+"""The batch function of a study: evaluates what is not in the record and records it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+
+from flexor.model.results import Paths
+from flexor.optimizers.cached_evaluator import CachedEvaluator, normalized
+from flexor.study.executors import Executor
+from flexor.study.problem import FloatArray, Problem
+from flexor.study.record import Record
+
+
+class RecordedEvaluator(CachedEvaluator):
+    """From designs (n, k) to values (n,), through the record.
+
+    Known designs are answered from the record, the others are evaluated and appended in one
+    transaction for each chunk. A deterministic search that is simply run again therefore finds its
+    way to where it was interrupted without evaluating anything twice.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is evaluated.
+    record : Record
+        Where it is kept.
+    executor : Executor
+        Where it is evaluated.
+    gradients : bool
+        Whether the search asks for gradients. Then every design is differentiated as it is
+        evaluated, for a twentieth of the time, and its derivatives are recorded with it.
+    """
+
+    def __init__(
+        self, problem: Problem, record: Record, executor: Executor, gradients: bool = False
+    ) -> None:
+        super().__init__(self, record.known())
+        self._problem, self._record, self._executor = problem, record, executor
+        self._gradients = gradients and problem.differentiable
+
+    def residuals(self, designs: FloatArray) -> FloatArray:
+        """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed.
+
+        Raises
+        ------
+        InputError
+            If the objective is not the norm of a vector.
+        """
+        self(designs)
+        vectors = [self._problem.residuals(self._record.outcomes(design)) for design in designs]
+        return np.concatenate(vectors)
+
+    def gradient(self, designs: FloatArray) -> FloatArray | None:
+        """Gradients (n, k) at designs (n, k); NaN for those that failed.
+
+        None if the search was not to have them or the objective has none.
+        """
+        if not self._gradients:
+            return None
+        return self._problem.gradients(self._differentiated(designs))
+
+    def jacobian(self, designs: FloatArray) -> FloatArray | None:
+        """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
+
+        None if the search was not to have them or the objective has none.
+        """
+        if not (self._gradients and self._problem.objective.residual_differentiable):
+            return None
+        return self._problem.jacobians(self._differentiated(designs))
+
+    def _evaluate(self, designs: FloatArray, part: int) -> Generator[FloatArray, None, None]:
+        """Yield values of designs that are not known yet, each recorded before it is seen."""
+        with closing(self._parts(designs)) as parts:
+            for chunk, paths in parts:
+                self._record.append(chunk, paths)
+                yield paths.value
+
+    def _parts(self, designs: FloatArray) -> Generator[tuple[FloatArray, Paths], None, None]:
+        """Evaluate designs; yield those of each chunk with their paths."""
+        done = 0
+        with closing(self._executor.parts(self._problem, designs, self._gradients)) as parts:
+            for paths in parts:
+                yield designs[done : done + len(paths)], paths
+                done += len(paths)
+
+    def _differentiated(self, designs: FloatArray) -> Paths:
+        """Paths with derivatives, from the record."""
+        designs = normalized(designs)
+        self(designs)
+        missing = [row for row in designs if self._record.derivatives(row) is None]
+        if missing:  # recorded by a search that had no use for them
+            for part, paths in self._parts(np.array(missing)):
+                self._record.append_derivatives(part, paths)
+        parts = []
+        for row in designs:
+            found = self._record.derivatives(row)
+            assert found is not None
+            derivatives, regularity = found
+            parts.append(
+                replace(
+                    self._record.outcomes(row),
+                    derivatives=derivatives[None],
+                    regularity=np.array([regularity], dtype=object),
+                )
+            )
+        return Paths.concatenate(parts)

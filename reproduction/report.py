@@ -1,0 +1,187 @@
+"""The report: Markdown from templates, the figures beside it, and one HTML page with both."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shutil
+from pathlib import Path
+from types import ModuleType
+
+import jinja2
+from markdown_it import MarkdownIt
+
+from flexor.errors import InputError, unknown
+from flexor.plot import save
+from reproduction import (
+    conclusions,
+    constants,
+    fig3,
+    fig4,
+    fig5,
+    fig6,
+    mesh,
+    optimisers,
+    table3,
+    table4,
+)
+from reproduction.study import (
+    CONSTANTS,
+    HERE,
+    OBJECTIVES,
+    PUBLISHED,
+    SETS,
+    Data,
+    Study,
+    parameters,
+    provenance,
+    published_design,
+)
+
+# In the order of the report.
+ITEMS: dict[str, ModuleType] = {
+    "constants": constants,
+    "conclusions": conclusions,
+    "fig3": fig3,
+    "fig4": fig4,
+    "table3": table3,
+    "fig5": fig5,
+    "table4": table4,
+    "fig6": fig6,
+    "mesh": mesh,
+    "optimisers": optimisers,
+}
+SYMBOLS = {
+    "bending": "f_b",
+    "tip-force": "f_exo",
+    "bending-contact": "f_bc",
+    "bending-contact-printed": "f_bc as printed",
+}
+
+
+def chosen(names: str | None) -> tuple[str, ...]:
+    """Return the items listed in a text, all by default, in the order of the report."""
+    if names is None:
+        return tuple(ITEMS)
+    wanted = [name.strip().lower() for name in names.split(",") if name.strip()]
+    for name in wanted:
+        if name not in ITEMS:
+            raise unknown("item of the study", name, ITEMS)
+    if not wanted:
+        raise InputError(f"no item of the study is named: give some of {', '.join(ITEMS)}.")
+    return tuple(name for name in ITEMS if name in wanted)
+
+
+def write_report(study: Study, results: Data) -> Path:
+    """Draw the figures and write report.md and report.html; return the folder."""
+    figures = study.folder / "figures"
+    figures.mkdir(exist_ok=True)
+    for name, data in results.items():
+        if hasattr(ITEMS[name], "draw"):
+            for title, figure in ITEMS[name].draw(study, data).items():
+                save(figure, figures / f"{title}.png")
+                save(figure, figures / f"{title}.svg")
+    text = render(results, study)
+    (study.folder / "report.md").write_text(text, encoding="utf-8")
+    (study.folder / "report.html").write_text(html(text, study.folder), encoding="utf-8")
+    return study.folder
+
+
+def write_docs(report: Path, docs: Path) -> None:
+    """Copy the report into the documentation."""
+    images = docs.parent / "images" / "reproduction"
+    shutil.rmtree(images, ignore_errors=True)
+    images.mkdir(parents=True)
+    text = (report / "report.md").read_text(encoding="utf-8")
+    for name in sorted(set(re.findall(r"\(figures/([\w-]+\.png)\)", text))):
+        shutil.copy(report / "figures" / name, images / name)
+    docs.write_text(text.replace("(figures/", "(images/reproduction/"), encoding="utf-8")
+
+
+def render(results: Data, study: Study) -> str:
+    """Return the report in Markdown."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE / "templates"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # Markdown
+    )
+    environment.filters["design"] = shown_design
+    environment.filters["number"] = number
+    environment.filters["yes"] = lambda holds: "yes" if holds else "no"
+    text = environment.get_template("report.md.j2").render(
+        **results,
+        items=tuple(results),
+        paper=PUBLISHED,
+        sets=SETS,
+        objectives=OBJECTIVES,
+        symbols=SYMBOLS,
+        constant_sets=CONSTANTS,
+        parameters=parameters,
+        published_design=lambda *which: published_design(*which) / parameters(which[0]).scale,
+        seed=study.seed,
+        provenance=provenance(),
+        hours=sum(
+            search["minutes"]
+            for search in (
+                *PUBLISHED["table3"].values(),
+                *(PUBLISHED["table4"][name] for name in OBJECTIVES[:3]),
+            )
+        )
+        / 60.0,
+    )
+    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
+
+
+def html(text: str, folder: Path) -> str:
+    """Return the report as one HTML page with its figures inside."""
+    body = MarkdownIt("commonmark").enable("table").render(text)
+    body = re.sub(
+        r'src="(figures/[\w-]+\.png)"',
+        lambda found: f'src="data:image/png;base64,{_encoded(folder / found[1])}"',
+        body,
+    )
+    style = (HERE / "templates" / "report.css").read_text(encoding="utf-8")
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>The published study, reproduced</title>\n<style>{style}</style>\n</head>\n"
+        f"<body>\n{body}</body>\n</html>\n"
+    )
+
+
+def shown_design(values: list[float], name: str, digits: int = 4) -> str:
+    """Return a design in the units of the paper, with at most so many decimals."""
+    chosen_set = parameters(name)
+    words: list[str] = []
+    for unit in dict.fromkeys(chosen_set.units):
+        inside = ", ".join(
+            fixed(value, digits)
+            for value, its in zip(values, chosen_set.units, strict=True)
+            if its == unit
+        )
+        words.append(inside if unit in ("1", "rad") else f"{inside} {unit}")
+    return "; ".join(words)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with at most so many decimals, without trailing zeros or -0."""
+    text = f"{value + 0.0:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{value:.0f}"
+    return "0" if text in ("-0", "") else text
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Return a number with so many significant digits, without trailing zeros or -0."""
+    if value is None:
+        return "–"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if abs(value) < 1e-12:
+        return "0"
+    return f"{value:.{digits}g}"
+
+
+def _encoded(file: Path) -> str:
+    return base64.b64encode(file.read_bytes()).decode()

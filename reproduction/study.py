@@ -1,0 +1,214 @@
+"""What the scripts share: published numbers, settings, models, and results that are kept."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import flexor
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+Data = dict[str, Any]
+Array = NDArray[np.float64]
+
+HERE = Path(__file__).resolve().parent
+PUBLISHED: Data = tomllib.loads((HERE / "published.toml").read_text(encoding="utf-8"))
+
+FINGER, TWO_LINKS, ALONE = "finger", "finger-2-links", "exosuit-alone"
+# Sets of constants: the default of the study, and those whose optima stand beside its own.
+SURFACE, PRINTED = "surface", "printed"
+CONSTANTS = (SURFACE, "calibrated", "calibrated-optimum")
+SETS: tuple[str, ...] = tuple(PUBLISHED["table3"])
+OBJECTIVES: tuple[str, ...] = tuple(PUBLISHED["table4"])
+# The set that Table IV and Fig. 6 are about.
+LINEAR = "L+R01"
+LIBRARIES = ("numpy", "scipy", "pymoo", "cma", "PyNomadBBO")
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is computed.
+
+    Attributes
+    ----------
+    grid : int
+        Points along each axis of the landscape of Fig. 4.
+    search : int
+        Designs that a search done as in the paper may evaluate.
+    thorough : int
+        Designs that the search for a true optimum evaluates, for each of at most three parameters.
+    samples, starts : int
+        Points of the global search of a fit of constants, and how many of them are refined.
+    seeds, budget : int
+        Searches of each method on each set in the comparison, and evaluations of each.
+    elements : tuple of int
+        Meshes whose results are compared.
+    """
+
+    grid: int = 81
+    search: int = 10_000
+    thorough: int = 1500
+    samples: int = 512
+    starts: int = 6
+    seeds: int = 10
+    budget: int = 300
+    elements: tuple[int, ...] = (5, 10, 20, 40, 80)
+
+
+# As little as runs every line; the numbers mean nothing.
+BRIEF = Effort(
+    grid=5, search=20, thorough=50, samples=8, starts=1, seeds=1, budget=10, elements=(5, 10)
+)
+
+
+class Study:
+    """The study in a folder, where every finished result is kept.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is not there. What it holds already is not computed again.
+    effort : Effort
+        How much is computed.
+    seed : int
+        Random seed.
+    report_progress : callable, optional
+        Called with what is being computed.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be used, or holds results of other settings, models or versions.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        effort: Effort | None = None,
+        seed: int = 0,
+        report_progress: Callable[[str], None] | None = None,
+    ) -> None:
+        self.folder = folder
+        self.effort = effort or Effort()
+        self.seed = seed
+        self.report_progress = report_progress or (lambda _: None)
+        self.settings: Data = json.loads(
+            json.dumps({"seed": seed, **asdict(self.effort), **provenance()})
+        )
+        stamp = folder / "settings.json"
+        if not stamp.is_file():
+            if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+                raise InputError(f'"{folder}" is not an empty folder: choose another with --out.')
+            write_json(stamp, self.settings)
+        kept = read_json(stamp)
+        for key, value in self.settings.items():
+            if kept.get(key) != value:
+                raise InputError(
+                    f'the results in "{folder}" were made with {key} = {kept.get(key)}, not '
+                    f"{value}: delete the folder or choose another with --out."
+                )
+
+    def kept(self, name: str, compute: Callable[[], Data]) -> Data:
+        """Return the plain values that `compute` returns, computed once and kept in the folder."""
+        file = self.folder / "results" / f"{name}.json"
+        if not file.is_file():
+            self.report_progress(name)
+            began = time.perf_counter()
+            values = compute()
+            write_json(file, {"seconds": time.perf_counter() - began, **values})
+        # Read back also what was just computed, so that a resumed report cannot differ.
+        return read_json(file)
+
+    def subfolder(self, name: str) -> tuple[Path, bool]:
+        """Return the folder of a study of Flexor's own, and whether it is there to be resumed."""
+        place = self.folder / "studies" / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        return place, place.exists()
+
+
+def provenance() -> Data:
+    """Return what decides the numbers besides the settings: models and versions."""
+    found = {f"model {name}": model(name).hash for name in (FINGER, TWO_LINKS, ALONE)}
+    for library in ("flexor", *LIBRARIES):
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:
+            found[library] = "not installed"
+    return {**found, "Python": platform.python_version()}
+
+
+@cache
+def model(name: str = FINGER, constants: str = SURFACE) -> flexor.Model:
+    """Return a preset with a set of constants."""
+    return flexor.load(name, constants=constants)
+
+
+def parameters(name: str) -> ParameterSet:
+    """Return a parameter set on the finger's exosuit."""
+    return parameter_set(name, model().design)
+
+
+def published_design(name: str, objective: str = "bending") -> Array:
+    """Return a published optimum, SI: of a set for f_b, or of L+R01 for another objective."""
+    table = PUBLISHED["table3"][name] if objective == "bending" else PUBLISHED["table4"][objective]
+    return np.array(table["design"]) * parameters(name).scale
+
+
+def follow(
+    name: str, design: Array, constants: str = SURFACE, changes: Data | None = None
+) -> flexor.Path:
+    """Follow a design of a parameter set from 0 N to 5 N."""
+    chosen = flexor.load(FINGER, constants, changes) if changes else model(FINGER, constants)
+    points = chosen.design.points
+    geometry = parameter_set(name, chosen.design).geometry(np.array(design)[None, :], points)
+    return chosen.equilibrium(chosen.evaluation_forces, design=geometry)
+
+
+def tip_angle(path: flexor.Path, step: int = -1) -> float:
+    """Return the angle by which the exosuit's tip has turned, whole turns counted [rad]."""
+    frames = path.frames(step)["exosuit"]
+    headings = np.unwrap(-np.arctan2(frames[:, 2, 0], frames[:, 0, 0]))
+    return float(headings[-1] - headings[0])
+
+
+def bending(path: flexor.Path, step: int = -1) -> float:
+    """Return the sum of the joint angles [rad]."""
+    return float(path.joint_angles[step].sum())
+
+
+def write_json(file: Path, values: Data) -> None:
+    """Write plain values, whole or not at all."""
+    draft = file.with_name(f".{file.name}.new")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        draft.write_text(json.dumps(values, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        os.replace(draft, file)
+    except OSError as error:
+        raise InputError(f'"{file}" cannot be written: {error.strerror}.') from error
+
+
+def read_json(file: Path) -> Data:
+    """Read plain values."""
+    try:
+        values: Data = json.loads(file.read_text(encoding="utf-8"))
+        return {**values}
+    except (OSError, ValueError, TypeError):
+        raise InputError(f'"{file}" is damaged: delete it to compute it again.') from None
