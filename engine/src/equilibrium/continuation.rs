@@ -6,6 +6,7 @@ use super::options::ContinuationOptions;
 use super::path::{Event, EventKind, PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
+use super::stability::Stability;
 use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
@@ -86,6 +87,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     pub fn follow(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
         self.set_ranges(loads);
         self.system.set_state(q0);
+        self.system.measure_units(loads);
         self.predictor.forget_curvature();
         self.rate.fill(0.0);
         let mut status = Status::Converged;
@@ -105,8 +107,15 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 status = Status::NotReached;
             }
             let iterations = self.system.iterations() - before;
-            let residual = max_norm(self.system.residual());
-            let report = StepReport { status, q: self.system.state(), iterations, residual };
+            let stability = match status {
+                Status::Converged => self.system.stability(),
+                Status::Unstable => Stability::Unstable,
+                _ => Stability::Unknown,
+            };
+            let free = self.system.free_coordinates();
+            let accuracy = self.system.accuracy();
+            let q = self.system.state();
+            let report = StepReport { status, q, iterations, stability, accuracy, free: &free };
             sink.step(index, report, &self.system);
         }
     }
@@ -207,6 +216,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     fn correct(&mut self, h: f64, tolerance: CorrectorTolerance) -> bool {
         self.system.set_state(&self.start);
         if !self.corrector.correct(&mut self.system, &self.predictor, h, tolerance) {
+            return false;
+        }
+        if !self.system.is_conservative() && self.system.stability() == Stability::Unstable {
             return false;
         }
         self.system.velocity(&self.rate, &mut self.velocity[1]);

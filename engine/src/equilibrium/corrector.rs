@@ -111,12 +111,12 @@ impl Corrector {
             if !system.factorise(0.0) {
                 return false;
             }
-            if size <= tolerance.residual {
+            if system.has_converged(size, tolerance.residual) {
                 return true;
             }
             system.newton_step(&mut self.step);
             let length = max_norm(&self.step);
-            if length <= self.newton.negligible_step {
+            if length <= self.newton.small_step && system.is_balanced(tolerance.residual) {
                 return true;
             }
             total += length;
@@ -127,9 +127,12 @@ impl Corrector {
             previous = length;
             system.advance(&self.step);
             let before = std::mem::replace(&mut size, system.evaluate());
+            if length <= self.newton.negligible_step && !(size < self.newton.progress * before) {
+                return false;
+            }
             let left =
                 chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
-            if size <= tolerance.residual && left < tolerance.tangent_reuse {
+            if left < tolerance.tangent_reuse && system.has_converged(size, tolerance.residual) {
                 return true;
             }
         }

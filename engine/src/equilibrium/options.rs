@@ -244,6 +244,8 @@ options! {
         first_multiplier: f64 = 1e-2, Interval::above(0.0).to(1.0);
         /// The hard case is assumed where the bounds of the multiplier agree to this share.
         hard_case_gap: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Steps in a row that a force may go along a motion that nothing holds.
+        max_free_steps: usize = 8, Interval::from(1.0).to(1e6);
         /// Inverse iterations for the direction of negative curvature.
         inverse_iterations: usize = 4, Interval::from(1.0).to(1000.0);
     }
@@ -256,6 +258,10 @@ options! {
         max_halvings: usize = 30, Interval::from(0.0).to(1000.0);
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
+        /// Implicit steps of the overdamped motion from an unstable state,
+        max_relaxation: usize = 200, Interval::from(0.0).to(1e6);
+        /// which begins this far from an equilibrium.
+        perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }
 }
 
@@ -264,6 +270,10 @@ options! {
     pub struct NewtonOptions {
         /// A step below this (dimensionless) does not change the state any more.
         negligible_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
+        /// Where a step is below this (dimensionless), what is left of the residual may be rounding:
+        small_step: f64 = 1e-7, Interval::from(0.0).to(1.0);
+        /// it is the best that can be had if a negligible step leaves more than this share of it.
+        progress: f64 = 0.5, Interval::from(0.0).to(1.0);
         /// Chord steps are taken while each leaves less than this share of the residual
         chord_contraction: f64 = 0.1, Interval::from(0.0).to(1.0);
         /// and this many more at the same rate would reach the tolerance.

@@ -1,7 +1,8 @@
 //! What following a path reports: states at the listed loads and events between them.
 
+use super::stability::Stability;
 use super::status::Status;
-use super::system::System;
+use super::system::{Accuracy, System};
 
 /// What happened to a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,8 +48,12 @@ pub struct StepReport<'a> {
     pub q: &'a [f64],
     /// Iterations (evaluations of the tangent) used for this step.
     pub iterations: usize,
-    /// Largest dimensionless residual.
-    pub residual: f64,
+    /// Its static stability.
+    pub stability: Stability,
+    /// How well forces balance.
+    pub accuracy: Accuracy,
+    /// Coordinates of the motions that nothing holds.
+    pub free: &'a [usize],
 }
 
 /// Receives the results of a path as they come.

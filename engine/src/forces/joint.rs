@@ -5,10 +5,11 @@
 //! differentiable, so Newton sees no jump in the tangent, and a limit is no switch.
 
 use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
-use crate::tree::{Joint, Tree};
+use crate::tree::{Joint, JointCoordinate, Tree};
 
 /// Springs and limits of all joints of the tree.
 #[derive(Clone, Debug)]
@@ -58,6 +59,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for coordinate in &at.tree.joints {
             let (_, _, curvature) = limit(&coordinate.joint, at.q[coordinate.dof]);
             out.coordinates.add_diagonal(coordinate.dof, at.parameters()[coordinate.stiffness] + curvature);
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
+        for JointCoordinate { dof, joint, stiffness } in &at.tree.joints {
+            out.add(*dof, at.parameters()[*stiffness] * (at.q[*dof] - joint.rest));
+            out.add(*dof, limit(joint, at.q[*dof]).1);
         }
     }
 

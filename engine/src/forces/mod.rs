@@ -10,6 +10,7 @@ pub(crate) mod elasticity;
 pub(crate) mod element;
 pub(crate) mod gravity;
 pub(crate) mod joint;
+pub(crate) mod magnitudes;
 pub(crate) mod spring;
 pub(crate) mod terms;
 pub(crate) mod wrench;
