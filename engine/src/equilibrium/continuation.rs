@@ -1,17 +1,18 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
 use super::corrector::{Corrector, CorrectorTolerance};
+use super::critical::{CriticalPoint, CriticalSearch};
 use super::damped_newton::DampedNewton;
 use super::options::ContinuationOptions;
 use super::path::{Event, EventKind, PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
-use super::stability::Stability;
+use super::stability::{NULL, Stability};
 use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
 use super::trust_region::{Target, TrustRegion};
-use super::vector::max_norm;
+use super::vector::{dot, max_norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -24,8 +25,11 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     corrector: Corrector,
     trust_region: TrustRegion,
     damped_newton: DampedNewton,
+    critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
+    /// Largest change of a residual with λ, at both.
+    change: [f64; 2],
     /// The state at its beginning, and the displacement over it.
     start: Vec<f64>,
     moved: Vec<f64>,
@@ -35,6 +39,20 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
     work: Vec<f64>,
+}
+
+/// What lies ahead of the end of a branch.
+#[derive(Clone, Copy, Debug)]
+enum Lookahead {
+    /// Stability is about to be lost.
+    Critical(CriticalPoint),
+    /// It is not.
+    Definite,
+    /// Some motion is held by nothing, and
+    Neutral {
+        /// whether the load acts on it.
+        pulled: bool,
+    },
 }
 
 /// The listed load that is being approached.
@@ -59,7 +77,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             corrector: Corrector::new(options.corrector, options.newton, n),
             trust_region: TrustRegion::new(options.trust_region, options.newton, n),
             damped_newton: DampedNewton::new(options.damped_newton, n),
+            critical: CriticalSearch::new(options.critical, n),
             velocity: [zeros(), zeros()],
+            change: [0.0; 2],
             start: zeros(),
             moved: zeros(),
             start_load: vec![0.0; inputs],
@@ -139,7 +159,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         };
         let mut control = StepControl::new(self.options.step, self.smallest_step());
         // The factor at hand belongs to the equilibrium just found.
-        self.system.velocity(&self.rate, &mut self.velocity[0]);
+        self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         let mut status = Status::Converged;
         let mut lambda = 0.0;
         while lambda < 1.0 {
@@ -165,7 +185,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 control.accept(next);
                 status = Status::Converged;
             } else {
-                status = self.jump_to_stable(next, next - lambda, step, sink);
+                status = self.jump_to_stable(lambda, next, step, sink);
                 if !status.is_equilibrium() {
                     return status;
                 }
@@ -177,6 +197,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             }
             lambda = next;
             self.velocity.swap(0, 1);
+            self.change.swap(0, 1);
         }
         status
     }
@@ -218,14 +239,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if !self.corrector.correct(&mut self.system, &self.predictor, h, tolerance) {
             return false;
         }
-        if !self.system.is_conservative() && self.system.stability() == Stability::Unstable {
+        if self.system.is_lost(NULL.max(max_norm(self.system.residual()))) {
             return false;
         }
-        self.system.velocity(&self.rate, &mut self.velocity[1]);
+        self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
         self.system.displacement(&self.start, &mut self.moved);
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
-        is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
+        let r=is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work);
+        if std::env::var("TRC").is_ok() { eprintln!("same {r} h {h:e} moved {:e} v {:?}", max_norm(&self.moved), [max_norm(before),max_norm(after)]); }
+        r
     }
 
     /// What is asked of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
@@ -235,36 +258,133 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             return CorrectorTolerance { residual: tolerance, tangent_reuse: step.tangent_reuse };
         }
         let accuracy = &self.options.accuracy;
-        let predicted = accuracy.relative_residual * h * max_norm(&self.velocity[0]);
+        let predicted = accuracy.relative_residual * h * max_norm(&self.velocity[0]).min(self.change[0]);
         let residual = predicted.min(accuracy.max_residual).max(tolerance);
         CorrectorTolerance { residual, tangent_reuse: accuracy.tangent_reuse }
     }
 
-    /// From the end of the branch, in `start`, to a stable equilibrium at `lambda`, a sub-step `h` later.
-    /// It is a snap if that lies further away than the velocities at both ends explain.
+    /// From the end of the branch, in `start` at `from`, to a stable equilibrium at `lambda`.
     fn jump_to_stable(
         &mut self,
+        from: f64,
         lambda: f64,
-        h: f64,
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
-        let jump = self.options.jump;
+        let radius = self.options.jump.initial_radius;
+        let critical = self.look_ahead(from, lambda - from);
+        self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(&self.start);
         let at_listed = lambda == 1.0;
         let tangent_reuse =
             if at_listed { step.tangent_reuse } else { self.options.accuracy.tangent_reuse_after_jump };
-        let status = self.find_stable(jump.initial_radius, tangent_reuse);
-        if status.is_equilibrium() {
-            self.system.velocity(&self.rate, &mut self.velocity[1]);
-            self.system.displacement(&self.start, &mut self.moved);
-            let explained = jump.speed_margin * h * self.ordinary_speed();
-            if max_norm(&self.moved) > jump.min_displacement + explained {
-                let (load, before, after) = (self.system.load(), &self.start[..], self.system.state());
-                sink.event(Event { step: step.index, kind: EventKind::Snap, load, before, after });
-            }
+        self.system.evaluate();
+        let energy = self.system.data().energy();
+        let status = self.find_stable(radius, tangent_reuse);
+        if !status.is_equilibrium() {
+            return status;
+        }
+        let released = (energy - self.system.data().energy()) / self.system.unit_energy();
+        self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
+        self.system.displacement(&self.start, &mut self.moved);
+        let at = match critical {
+            Lookahead::Critical(point) => (from + point.distance).min(lambda),
+            _ => lambda,
+        };
+        if std::env::var("TRD").is_ok() { eprintln!("jump from {from} to {lambda} rate {:?} critical {critical:?} moved {:e} v {:?} st {status:?} released {released:e}", self.rate, max_norm(&self.moved), [0,1].map(|e| max_norm(&self.velocity[e]))); }
+        if let Some(kind) = self.classify(critical, released, at, from, lambda) {
+            let after = self.system.state().to_vec();
+            self.system.set_load_between(&self.start_load, &self.rate, at);
+            let (load, before) = (self.system.load(), &self.start[..]);
+            sink.event(Event { step: step.index, kind, load, before, after: &after });
+            self.system.set_load_between(&self.start_load, &self.rate, lambda);
         }
         status
+    }
+
+    /// Whether stability is about to be lost at the end of the branch, in `start` at `from`.
+    fn look_ahead(&mut self, from: f64, h: f64) -> Lookahead {
+        self.system.set_load_between(&self.start_load, &self.rate, from);
+        self.system.set_state(&self.start);
+        let found = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, h);
+        if self.critical.is_neutral() {
+            self.system.set_state(&self.start);
+            self.system.set_load_between(&self.start_load, &self.rate, from + h);
+            self.system.evaluate();
+            let pulled = self.system.pulls_free_motion(self.options.tolerance);
+            return Lookahead::Neutral { pulled };
+        }
+        found.map_or(Lookahead::Definite, Lookahead::Critical)
+    }
+
+    /// What happened between `start`, at `from`, and the stable equilibrium found at `lambda`, `moved`
+    /// away, the critical load being that at `at`.
+    fn classify(
+        &mut self,
+        ahead: Lookahead,
+        released: f64,
+        at: f64,
+        from: f64,
+        lambda: f64,
+    ) -> Option<EventKind> {
+        let jump = self.options.jump;
+        let (moved, h) = (max_norm(&self.moved), lambda - from);
+        let [before, after] = [0, 1].map(|end| max_norm(&self.velocity[end]));
+        let unexplained = |speed: f64| moved > jump.min_displacement + jump.speed_margin * h * speed;
+        match ahead {
+            Lookahead::Neutral { pulled: true } => None,
+            Lookahead::Critical(point) if point.distance <= 2.0 * h && !point.bifurcation => {
+                unexplained(self.ordinary_speed()).then_some(EventKind::Snap)
+            }
+            Lookahead::Critical(point) if point.distance <= 2.0 * h => {
+                let switched = moved > jump.speed_margin * h * before + 1e-2 * jump.min_displacement;
+                if !switched {
+                    None
+                } else if !self.is_constant(at, from, lambda) {
+                    Some(EventKind::Bifurcation)
+                } else {
+                    self.releases_energy(released, h).then_some(EventKind::Snap)
+                }
+            }
+            _ => {
+                let jumps = unexplained(before.max(after)) && self.releases_energy(released, h);
+                (jumps && self.is_constant(at, from, lambda)).then_some(EventKind::Snap)
+            }
+        }
+    }
+
+    /// Whether the energy released is more than the load's work on a branch over `h`: to drift along a
+    /// motion that nothing holds takes none.
+    fn releases_energy(&mut self, released: f64, h: f64) -> bool {
+        if !self.system.is_conservative() {
+            return true;
+        }
+        self.system.load_gradient(&self.rate, &mut self.work);
+        let work = 0.5 * h * h * dot(&self.work, &self.velocity[1]).abs();
+        released > self.options.jump.energy_margin * work
+    }
+
+    /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at
+    /// `lambda`: a jump, not a motion along a new branch.
+    fn is_constant(&mut self, at: f64, from: f64, lambda: f64) -> bool {
+        let jump = self.options.jump;
+        let begin = if at < lambda { at } else { from };
+        let found = self.system.state().to_vec();
+        let velocity = self.velocity[1].clone();
+        let moved = max_norm(&self.moved);
+        let earlier = begin + jump.earlier * (lambda - begin);
+        self.system.set_load_between(&self.start_load, &self.rate, earlier);
+        self.system.set_state(&self.start);
+        let status = self.find_stable(jump.initial_radius, 0.0);
+        self.system.displacement(&self.start, &mut self.work);
+        let constant = status.is_equilibrium() && max_norm(&self.work) >= jump.constant_share * moved;
+        self.system.set_load_between(&self.start_load, &self.rate, lambda);
+        self.system.set_state(&found);
+        self.system.evaluate();
+        self.system.evaluate_tangent();
+        self.system.factorise(0.0);
+        self.velocity[1].copy_from_slice(&velocity);
+        constant
     }
 
     /// Largest speed that a branch without a fold has between the velocities at both ends.

@@ -2,7 +2,7 @@
 
 use super::general::GeneralFactor;
 use super::pinned::Pinned;
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use crate::Data;
 use crate::lie::LieGroup;
 use crate::linalg::{ChainCholesky, Cholesky};
@@ -87,14 +87,19 @@ impl<const D: usize> Factor<D> {
         self.general.as_ref().map_or(self.free, GeneralFactor::is_singular)
     }
 
-    /// The static stability of the tangent, whose factor was at hand and is lost.
-    pub fn stability<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>) -> Stability {
+    /// The static stability of the tangent, whose factor was at hand and is lost; eigenvalues within
+    /// `slack` of zero count as zero.
+    pub fn stability<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        data: &Data<G, D, P>,
+        slack: f64,
+    ) -> Stability {
         if let Some(general) = &mut self.general {
-            return general.stability(data.tangent(), &data.design.units.scale);
+            return general.stability(data.tangent(), &data.design.units.scale, slack);
         }
-        if self.factorise(data, -NULL) {
+        if self.factorise(data, -slack) {
             Stability::Stable
-        } else if self.factorise(data, NULL) {
+        } else if self.factorise(data, slack) {
             Stability::Neutral
         } else {
             Stability::Unstable

@@ -1,6 +1,6 @@
 //! Factorisation and eigenvalues of an unsymmetric tangent, as follower loads make it.
 
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use crate::linalg::Cholesky;
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
 
@@ -81,20 +81,20 @@ impl GeneralFactor {
     /// A positive definite symmetric part suffices, and is cheap; else the eigenvalues decide. Static
     /// stability is lost where the matrix becomes singular, so that a real eigenvalue, or several
     /// together, turns negative. Of equal ones rounding makes complex pairs.
-    pub fn stability(&mut self, a: &[f64], scale: &[f64]) -> Stability {
+    pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
         let n = scale.len();
         let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
-        if self.symmetric.factorise(&half, scale, -NULL) {
+        if self.symmetric.factorise(&half, scale, -slack) {
             return Stability::Stable;
         }
         let matrix = scaled(a, scale);
         let Some(eigenvalues) = eigenvalues(&matrix) else { return Stability::Unknown };
         let real = real_to(&matrix);
-        if eigenvalues.iter().any(|e| e.re < -NULL && e.im.abs() <= real) {
+        if eigenvalues.iter().any(|e| e.re < -slack && e.im.abs() <= real) {
             Stability::Unstable
-        } else if eigenvalues.iter().any(|e| e.re < -NULL) {
+        } else if eigenvalues.iter().any(|e| e.re < -slack) {
             Stability::FlutterUndecided
-        } else if eigenvalues.iter().any(|e| e.re <= NULL) {
+        } else if eigenvalues.iter().any(|e| e.re <= slack) {
             Stability::Neutral
         } else {
             Stability::Stable

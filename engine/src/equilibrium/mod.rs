@@ -13,6 +13,7 @@
 mod contact_changes;
 mod continuation;
 mod corrector;
+mod critical;
 mod damped_newton;
 mod factor;
 mod general;

@@ -98,6 +98,8 @@ options! {
         same_branch: SameBranchOptions;
         /// Jumps from the end of a branch.
         jump: JumpOptions;
+        /// Where branches lose their stability.
+        critical: CriticalOptions;
         /// Minimisation of the energy.
         trust_region: TrustRegionOptions;
         /// Newton's method for loads without a potential.
@@ -113,7 +115,8 @@ options! {
     /// The tangent of the state before the last step may serve for the state after it, if that step left
     /// little of the residual: H⁻¹ times the difference of the two tangents has this size along the step.
     pub struct AccuracyOptions {
-        /// Residual between the listed loads, as a share of the predicted displacement,
+        /// Residual between the listed loads, as a share of the predicted displacement and of the change of
+        /// the load,
         relative_residual: f64 = 0.03, Interval::from(0.0).to(1.0);
         /// and at most this (dimensionless).
         max_residual: f64 = 0.1, Interval::from(0.0).to(1.0);
@@ -168,6 +171,8 @@ options! {
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
         rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
+        /// With a residual below this, a stiffness that is negative by no more than it counts as zero.
+        soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Newton steps: more are rarely needed unless another branch attracts.
         max_iterations: usize = 7, Interval::from(1.0).to(1e6);
         /// All corrections together may go this share of the displacement predicted,
@@ -210,6 +215,28 @@ options! {
         /// the velocity before counts at most as this multiple of that after, as it grows without bound
         /// towards a fold.
         max_speed_ratio: f64 = 4.0, Interval::from(1.0).to(1e3);
+        /// Where no limit point is near, it is a snap if the energy released is this multiple of what the
+        /// velocity explains.
+        energy_margin: f64 = 30.0, Interval::from(1.0).to(1e6);
+        /// Where no stiffness vanishes, and at bifurcations, it is a snap if at this share of the way behind
+        /// the critical load
+        earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// the state would have moved by at least this share of the displacement.
+        constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Where branches lose their stability.
+    pub struct CriticalOptions {
+        /// Inverse iterations for the eigenvector.
+        inverse_iterations: usize = 8, Interval::from(1.0).to(1000.0);
+        /// Displacement over which the change of the tangent is taken (dimensionless).
+        difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
+        /// and largest share of the sub-step over which it is taken.
+        step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
+        /// It is a bifurcation if at most this share of the load acts along the eigenvector.
+        bifurcation_share: f64 = 0.02, Interval::from(0.0).to(1.0);
     }
 }
 

@@ -10,16 +10,19 @@ use super::system::{Accuracy, System};
 pub enum EventKind {
     /// The branch ended; the system jumped to another equilibrium.
     Snap = 0,
+    /// Another branch crosses, and the system goes on continuously along it.
+    Bifurcation = 1,
 }
 
 impl EventKind {
     /// All kinds, by code.
-    pub const ALL: [EventKind; 1] = [EventKind::Snap];
+    pub const ALL: [EventKind; 2] = [EventKind::Snap, EventKind::Bifurcation];
 
     /// The name used in results and records.
     pub fn name(self) -> &'static str {
         match self {
             EventKind::Snap => "snap",
+            EventKind::Bifurcation => "bifurcation",
         }
     }
 }
@@ -31,7 +34,7 @@ pub struct Event<'a> {
     pub step: usize,
     /// What happened.
     pub kind: EventKind,
-    /// Load at which it happened.
+    /// Load at which the branch lost its stability.
     pub load: &'a [f64],
     /// State before.
     pub before: &'a [f64],

@@ -39,4 +39,4 @@ impl Stability {
 }
 
 /// Eigenvalues of the dimensionless tangent within this of zero are zero to the accuracy of a state.
-pub(super) const NULL: f64 = 1e-9;
+pub(super) const NULL: f64 = 1e-8;

@@ -2,7 +2,7 @@
 //! dimensionless coordinates.
 
 use super::factor::Factor;
-use super::stability::Stability;
+use super::stability::{NULL, Stability};
 use super::vector::dot;
 use crate::Data;
 use crate::forces::magnitudes::Magnitudes;
@@ -284,6 +284,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         free
     }
 
+    /// Whether the tangent at hand, with its factor, has lost static stability by more than `slack`.
+    pub(super) fn is_lost(&mut self, slack: f64) -> bool {
+        if self.is_conservative() {
+            return false;
+        }
+        let lost = self.factor.stability(&self.data, slack) == Stability::Unstable;
+        self.factorise(0.0);
+        lost
+    }
+
     /// Static stability at the state whose tangent is at hand, with its factor, which is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
@@ -293,7 +303,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if conservative && self.is_singular() {
             return Stability::Neutral;
         }
-        let found = self.factor.stability(&self.data);
+        let found = self.factor.stability(&self.data, NULL);
         self.factorise(0.0);
         found
     }
@@ -376,17 +386,37 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve(step);
     }
 
-    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
-    ///
-    /// Needs the factor of the tangent at the equilibrium evaluated last.
-    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) {
+    /// Change of the residual for the load rate `rate`, dimensionless.
+    pub(super) fn load_gradient(&self, rate: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.data.add_load_gradient(self.model, &self.q, rate, out);
         let unit_energy = self.unit_energy();
-        for (v, unit) in out.iter_mut().zip(&self.unit) {
-            *v = -*v * unit / unit_energy;
-        }
+        out.iter_mut().zip(&self.unit).for_each(|(v, unit)| *v *= unit / unit_energy);
+    }
+
+    /// Solves with the transposed matrix, in place.
+    pub(super) fn solve_transposed_dimensionless(&self, b: &mut [f64]) {
+        self.factor.solve_transposed(b);
+    }
+
+    /// aᵀHb of the dimensionless tangent; `work` is scratch.
+    pub(super) fn form(&self, a: &[f64], b: &[f64], work: &mut [f64]) -> f64 {
+        let n = a.len();
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
+        work.iter_mut().zip(b.iter().zip(scale)).for_each(|(w, (b, s))| *w = b * s);
+        (0..n).map(|i| dot(&tangent[i * n..(i + 1) * n], work) * a[i] * scale[i]).sum()
+    }
+
+    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
+    ///
+    /// Needs the factor of the tangent at the equilibrium evaluated last. Returns the largest change of a
+    /// residual.
+    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) -> f64 {
+        self.load_gradient(rate, out);
+        let change = out.iter().zip(&self.weight).fold(0.0f64, |m, (b, weight)| m.max((b * weight).abs()));
+        out.iter_mut().for_each(|v| *v = -*v);
         self.factor.solve(out);
+        change
     }
 
     /// pᵀHp in units of the reference energy, by a product with the tangent; `work` is scratch.

@@ -62,7 +62,8 @@ impl TrustRegion {
             let Some(step) = self.subproblem.solve(system, radius, tolerance) else { break Status::Diverged };
             let length = norm(&self.subproblem.step);
             let longest = max_norm(&self.subproblem.step);
-            if step.newton && longest <= self.newton.small_step && system.is_balanced(tolerance) {
+            if step.definite && longest <= self.newton.small_step && system.is_balanced(tolerance) {
+                system.factorise(0.0);
                 break Status::Converged;
             }
             if radius < self.options.min_radius {
