@@ -246,9 +246,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.system.displacement(&self.start, &mut self.moved);
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
-        let r=is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work);
-        if std::env::var("TRC").is_ok() { eprintln!("same {r} h {h:e} moved {:e} v {:?}", max_norm(&self.moved), [max_norm(before),max_norm(after)]); }
-        r
+        is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
     }
 
     /// What is asked of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
@@ -258,9 +256,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             return CorrectorTolerance { residual: tolerance, tangent_reuse: step.tangent_reuse };
         }
         let accuracy = &self.options.accuracy;
-        let predicted = accuracy.relative_residual * h * max_norm(&self.velocity[0]).min(self.change[0]);
+        let predicted = accuracy.relative_residual * h * self.rate_of_change();
         let residual = predicted.min(accuracy.max_residual).max(tolerance);
         CorrectorTolerance { residual, tangent_reuse: accuracy.tangent_reuse }
+    }
+
+    /// What residuals between the listed loads are measured by: the speed, and where the tangent may be softer
+    /// than its units the change of the load as well.
+    fn rate_of_change(&self) -> f64 {
+        let speed = max_norm(&self.velocity[0]);
+        if self.system.is_elastic() { speed } else { speed.min(self.change[0]) }
     }
 
     /// From the end of the branch, in `start` at `from`, to a stable equilibrium at `lambda`.
@@ -272,8 +277,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         let radius = self.options.jump.initial_radius;
-        let critical = self.look_ahead(from, lambda - from);
-        self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(&self.start);
         let at_listed = lambda == 1.0;
         let tangent_reuse =
@@ -287,12 +290,15 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let released = (energy - self.system.data().energy()) / self.system.unit_energy();
         self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
         self.system.displacement(&self.start, &mut self.moved);
-        let at = match critical {
+        if !self.has_left(lambda - from) {
+            return status;
+        }
+        let ahead = self.look_back(from, lambda);
+        let at = match ahead {
             Lookahead::Critical(point) => (from + point.distance).min(lambda),
             _ => lambda,
         };
-        if std::env::var("TRD").is_ok() { eprintln!("jump from {from} to {lambda} rate {:?} critical {critical:?} moved {:e} v {:?} st {status:?} released {released:e}", self.rate, max_norm(&self.moved), [0,1].map(|e| max_norm(&self.velocity[e]))); }
-        if let Some(kind) = self.classify(critical, released, at, from, lambda) {
+        if let Some(kind) = self.classify(ahead, released, at, from, lambda) {
             let after = self.system.state().to_vec();
             self.system.set_load_between(&self.start_load, &self.rate, at);
             let (load, before) = (self.system.load(), &self.start[..]);
@@ -302,19 +308,40 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         status
     }
 
-    /// Whether stability is about to be lost at the end of the branch, in `start` at `from`.
-    fn look_ahead(&mut self, from: f64, h: f64) -> Lookahead {
+    /// Whether the state found is further away than the velocity at the end of the branch explains.
+    fn has_left(&self, h: f64) -> bool {
+        let jump = self.options.jump;
+        let before = jump.speed_margin * h * max_norm(&self.velocity[0]);
+        let explained = jump.min_displacement + jump.speed_margin * h * self.ordinary_speed();
+        max_norm(&self.moved) > explained.min(before + 1e-2 * jump.min_displacement)
+    }
+
+    /// Whether stability was about to be lost at the end of the branch, in `start` at `from`; comes back to
+    /// the state found at `lambda`.
+    fn look_back(&mut self, from: f64, lambda: f64) -> Lookahead {
+        let found = self.system.state().to_vec();
         self.system.set_load_between(&self.start_load, &self.rate, from);
         self.system.set_state(&self.start);
-        let found = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, h);
-        if self.critical.is_neutral() {
+        let critical = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, lambda - from);
+        let ahead = if self.critical.is_neutral() {
             self.system.set_state(&self.start);
-            self.system.set_load_between(&self.start_load, &self.rate, from + h);
+            self.system.set_load_between(&self.start_load, &self.rate, lambda);
             self.system.evaluate();
-            let pulled = self.system.pulls_free_motion(self.options.tolerance);
-            return Lookahead::Neutral { pulled };
-        }
-        found.map_or(Lookahead::Definite, Lookahead::Critical)
+            Lookahead::Neutral { pulled: self.system.pulls_free_motion(self.options.tolerance) }
+        } else {
+            critical.map_or(Lookahead::Definite, Lookahead::Critical)
+        };
+        self.return_to(&found, lambda);
+        ahead
+    }
+
+    /// Goes back to an equilibrium at `lambda`, with its tangent and factor.
+    fn return_to(&mut self, state: &[f64], lambda: f64) {
+        self.system.set_load_between(&self.start_load, &self.rate, lambda);
+        self.system.set_state(state);
+        self.system.evaluate();
+        self.system.evaluate_tangent();
+        self.system.factorise(0.0);
     }
 
     /// What happened between `start`, at `from`, and the stable equilibrium found at `lambda`, `moved`
@@ -348,20 +375,20 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             }
             _ => {
                 let jumps = unexplained(before.max(after)) && self.releases_energy(released, h);
-                (jumps && self.is_constant(at, from, lambda)).then_some(EventKind::Snap)
+                jumps.then_some(EventKind::Snap)
             }
         }
     }
 
-    /// Whether the energy released is more than the load's work on a branch over `h`: to drift along a
-    /// motion that nothing holds takes none.
+    /// Whether the energy released is more than the load's work on a branch over `h`, which is all that
+    /// there is as long as the energy is convex; to drift along a motion that nothing holds takes none.
     fn releases_energy(&mut self, released: f64, h: f64) -> bool {
         if !self.system.is_conservative() {
             return true;
         }
         self.system.load_gradient(&self.rate, &mut self.work);
-        let work = 0.5 * h * h * dot(&self.work, &self.velocity[1]).abs();
-        released > self.options.jump.energy_margin * work
+        let work_rate = dot(&self.work, &self.velocity[1]).abs().max(self.critical.work_rate());
+        released > self.options.jump.energy_margin * 0.5 * h * h * work_rate
     }
 
     /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at
@@ -370,7 +397,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let jump = self.options.jump;
         let begin = if at < lambda { at } else { from };
         let found = self.system.state().to_vec();
-        let velocity = self.velocity[1].clone();
         let moved = max_norm(&self.moved);
         let earlier = begin + jump.earlier * (lambda - begin);
         self.system.set_load_between(&self.start_load, &self.rate, earlier);
@@ -378,12 +404,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let status = self.find_stable(jump.initial_radius, 0.0);
         self.system.displacement(&self.start, &mut self.work);
         let constant = status.is_equilibrium() && max_norm(&self.work) >= jump.constant_share * moved;
-        self.system.set_load_between(&self.start_load, &self.rate, lambda);
-        self.system.set_state(&found);
-        self.system.evaluate();
-        self.system.evaluate_tangent();
-        self.system.factorise(0.0);
-        self.velocity[1].copy_from_slice(&velocity);
+        self.return_to(&found, lambda);
         constant
     }
 

@@ -111,7 +111,8 @@ impl Corrector {
             system.evaluate_tangent();
             // A motion along which nothing changes, as that of a round column about its axis, has a
             // stiffness of the size of the residual.
-            if !system.factorise(0.0) && !(size <= self.options.soft_residual && system.factorise(size + NULL)) {
+            let most = tolerance.residual.min(self.options.soft_residual);
+            if !system.factorise(0.0) && !(size <= most && system.factorise(size + NULL)) {
                 return false;
             }
             if system.has_converged(size, tolerance.residual) {
@@ -124,14 +125,12 @@ impl Corrector {
             }
             total += length;
             let too_far = total > reach + self.options.free_correction;
-            if std::env::var("TRC").is_ok() { eprintln!("  it size {size:e} tol {:e} length {length:e} reach {reach:e} total {total:e} prev {previous:e}", tolerance.residual); }
             if too_far || length > self.options.max_step_growth * previous {
                 return false;
             }
             previous = length;
             system.advance(&self.step);
             let before = std::mem::replace(&mut size, system.evaluate());
-            if std::env::var("TRC").is_ok() { eprintln!("  -> size {size:e}"); }
             if length <= self.newton.negligible_step && !(size < self.newton.progress * before) {
                 return false;
             }

@@ -27,6 +27,8 @@ pub(super) struct CriticalSearch {
     options: CriticalOptions,
     /// Whether some motion was held by nothing where it began last.
     neutral: bool,
+    /// Second derivative of the load's work along the branch there.
+    work_rate: f64,
     mode: Vec<f64>,
     left: Vec<f64>,
     load: Vec<f64>,
@@ -37,7 +39,7 @@ pub(super) struct CriticalSearch {
 impl CriticalSearch {
     pub fn new(options: CriticalOptions, dof: usize) -> Self {
         let zeros = || vec![0.0; dof];
-        Self { options, neutral: false, mode: zeros(), left: zeros(), load: zeros(), step: zeros(), work: zeros() }
+        Self { options, neutral: false, work_rate: 0.0, mode: zeros(), left: zeros(), load: zeros(), step: zeros(), work: zeros() }
     }
 
     /// Looks ahead of the equilibrium that the system holds, of which a sub-step of `h` fails with the load
@@ -52,6 +54,8 @@ impl CriticalSearch {
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.evaluate();
         system.evaluate_tangent();
+        system.load_gradient(rate, &mut self.load);
+        self.work_rate = dot(&self.load, velocity).abs();
         let definite = system.factorise(0.0) || system.factorise(NULL);
         self.neutral = system.is_singular();
         if !definite || self.neutral {
@@ -62,7 +66,6 @@ impl CriticalSearch {
         if self.neutral {
             return None;
         }
-        system.load_gradient(rate, &mut self.load);
         let along = dot(&self.left, &self.load) / dot(&self.left, &self.mode);
         let share = dot(&self.left, &self.load).abs() / (norm(&self.left) * norm(&self.load));
         // The motion over an infinitesimal change of load, and its part along the mode.
@@ -98,6 +101,11 @@ impl CriticalSearch {
         let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
         // A load that does no work at all has no share.
         Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
+    }
+
+    /// Second derivative of the load's work along the branch where the search began last.
+    pub fn work_rate(&self) -> f64 {
+        self.work_rate
     }
 
     /// Whether some motion was held by nothing where the search began last.

@@ -218,7 +218,7 @@ options! {
         /// Where no limit point is near, it is a snap if the energy released is this multiple of what the
         /// velocity explains.
         energy_margin: f64 = 30.0, Interval::from(1.0).to(1e6);
-        /// Where no stiffness vanishes, and at bifurcations, it is a snap if at this share of the way behind
+        /// Where the load has no part along the critical mode, it is a snap if at this share of the way behind
         /// the critical load
         earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
         /// the state would have moved by at least this share of the displacement.
