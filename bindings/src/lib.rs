@@ -8,7 +8,7 @@ mod model;
 mod options;
 mod structure;
 
-use flexor_engine::equilibrium::{EventKind, Status};
+use flexor_engine::equilibrium::{EventKind, Stability, Status};
 use flexor_engine::sensitivity::Regularity;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -63,6 +63,7 @@ fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add("SOLVER_OPTIONS", options::describe(module.py())?)?;
     module.add("STATUS", Status::ALL.map(Status::name).to_vec())?;
+    module.add("STABILITY", Stability::ALL.map(Stability::name).to_vec())?;
     module.add("EVENTS", EventKind::ALL.map(EventKind::name).to_vec())?;
     module.add("REGULARITY", Regularity::ALL.map(Regularity::name).to_vec())?;
     // Decides the last bits: without it, products are rounded before they are added.

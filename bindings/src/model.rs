@@ -2,7 +2,7 @@
 
 use crate::dispatch::{AnyModel, State, Touch, on_model};
 use crate::{options, structure};
-use flexor_engine::equilibrium::Status;
+use flexor_engine::equilibrium::{Stability, Status};
 use flexor_engine::model::{Description, Structure};
 use flexor_engine::{Batch, BatchEvent};
 use numpy::{
@@ -242,12 +242,18 @@ impl Model {
 
         let out = PyDict::new(py);
         let shape = [designs, steps];
-        let stable: Vec<bool> = result.status.iter().map(|s| *s == Status::Converged as u8).collect();
+        let stable = |(status, stability): (&u8, &u8)| {
+            *status == Status::Converged as u8 && *stability == Stability::Stable as u8
+        };
+        let stable: Vec<bool> = result.status.iter().zip(&result.stability).map(stable).collect();
         out.set_item("q", result.q.into_pyarray(py).reshape([designs, steps, self.dof()])?)?;
         out.set_item("status", result.status.into_pyarray(py).reshape(shape)?)?;
         out.set_item("stable", stable.into_pyarray(py).reshape(shape)?)?;
         out.set_item("iterations", result.iterations.into_pyarray(py).reshape(shape)?)?;
         out.set_item("residual", result.residual.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("tolerance", result.tolerance.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("stability", result.stability.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("free", result.free.as_flattened().to_pyarray(py).reshape([result.free.len(), 3])?)?;
         out.set_item("energy", result.energy.into_pyarray(py).reshape(shape)?)?;
         out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
         out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;

@@ -1,7 +1,7 @@
 //! Many designs at once: one path per design, in parallel, results independent of the thread count.
 
 use crate::equilibrium::{
-    Continuation, ContinuationOptions, Event, EventKind, PathSink, Status, StepReport, System,
+    Continuation, ContinuationOptions, Event, EventKind, PathSink, Stability, Status, StepReport, System,
 };
 use crate::lie::LieGroup;
 use crate::model::Model;
@@ -36,8 +36,12 @@ pub struct BatchResult {
     pub status: Vec<u8>,
     /// Iterations used.
     pub iterations: Vec<u32>,
-    /// Largest dimensionless residuals.
+    /// Largest residuals, as shares of the forces that are their units.
     pub residual: Vec<f64>,
+    /// What these may be: the tolerance, and the rounding of the terms that balance.
+    pub tolerance: Vec<f64>,
+    /// [`Stability`] codes.
+    pub stability: Vec<u8>,
     /// Π [J].
     pub energy: Vec<f64>,
     /// Touching sphere pairs.
@@ -53,6 +57,8 @@ pub struct BatchResult {
     pub regularity: Vec<u8>,
     /// Events of all designs, in order.
     pub events: Vec<BatchEvent>,
+    /// (design, step, coordinate) of motions that nothing holds, in order.
+    pub free: Vec<[usize; 3]>,
 }
 
 /// An event of one design.
@@ -80,6 +86,8 @@ struct Row<'a> {
     status: &'a mut [u8],
     iterations: &'a mut [u32],
     residual: &'a mut [f64],
+    tolerance: &'a mut [f64],
+    stability: &'a mut [u8],
     energy: &'a mut [f64],
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
@@ -87,6 +95,7 @@ struct Row<'a> {
     gradient: &'a mut [f64],
     regularity: &'a mut u8,
     events: Vec<BatchEvent>,
+    free: Vec<[usize; 3]>,
 }
 
 /// Row plus what the summary of contacts needs.
@@ -101,12 +110,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
     fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
         let row = &mut *self.row;
         row.status[index] = report.status as u8;
+        row.stability[index] = report.stability as u8;
+        let design = row.design;
+        row.free.extend(report.free.iter().map(|coordinate| [design, index, *coordinate]));
         row.iterations[index] = report.iterations as u32;
         if !report.status.is_equilibrium() {
             return;
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
-        row.residual[index] = report.residual;
+        row.residual[index] = report.accuracy.residual;
+        row.tolerance[index] = report.accuracy.tolerance;
         row.energy[index] = system.data().energy();
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
@@ -149,6 +162,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             status: vec![Status::InvalidDesign as u8; count],
             iterations: vec![0; count],
             residual: vec![f64::NAN; count],
+            tolerance: vec![f64::NAN; count],
+            stability: vec![Stability::Unknown as u8; count],
             energy: vec![f64::NAN; count],
             pairs: vec![0; count],
             touching: vec![0; count],
@@ -156,6 +171,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             gradient: vec![f64::NAN; batch.designs * width],
             regularity: vec![Regularity::NoEquilibrium as u8; batch.designs],
             events: vec![],
+            free: vec![],
         };
         let mut rows = split_rows(&mut result, dof, steps, width);
         let solve = |rows: &mut [Row]| {
@@ -180,8 +196,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             Ok(pool) if threads != 1 => pool.install(|| rows.par_chunks_mut(chunk).for_each(solve)),
             _ => solve(&mut rows),
         }
-        let events: Vec<BatchEvent> = rows.into_iter().flat_map(|r| r.events).collect();
-        result.events = events;
+        let (events, free): (Vec<_>, Vec<_>) = rows.into_iter().map(|row| (row.events, row.free)).unzip();
+        result.events = events.into_iter().flatten().collect();
+        result.free = free.into_iter().flatten().collect();
         result
     }
 }
@@ -198,6 +215,8 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
         status,
         iterations,
         residual,
+        tolerance,
+        stability,
         energy,
         pairs,
         touching,
@@ -210,6 +229,7 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
+    let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
     designs
         .map(|(design, regularity)| Row {
@@ -219,6 +239,8 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
             status: cut(&mut status, steps),
             iterations: cut(&mut iterations, steps),
             residual: cut(&mut residual, steps),
+            tolerance: cut(&mut tolerance, steps),
+            stability: cut(&mut stability, steps),
             energy: cut(&mut energy, steps),
             pairs: cut(&mut pairs, steps),
             touching: cut(&mut touching, steps),
@@ -226,6 +248,7 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
             gradient: cut(&mut gradient, width),
             regularity,
             events: vec![],
+            free: vec![],
         })
         .collect()
 }

@@ -4,6 +4,7 @@ use crate::assembly::Assembly;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, State, Switch};
+use crate::forces::magnitudes::Magnitudes;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
@@ -110,6 +111,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
         State { tree, geometry, kinematics: &self.kinematics, q, load }
+    }
+
+    /// How large the forces on each coordinate are at the state whose tangent was evaluated last, given its
+    /// coordinates and load once more.
+    pub(crate) fn magnitudes(
+        &mut self,
+        model: &Model<G, D, P>,
+        q: &[f64],
+        load: &[f64],
+        out: &mut Magnitudes<P>,
+    ) {
+        self.complete_columns(model);
+        out.clear(model.dof);
+        let at = self.state(model, q, load);
+        model.forces.add_magnitudes(&at, &self.design.forces, &self.assembly.forces, out);
+        out.project::<G, D>(|mut frame, visit| {
+            while frame != 0 {
+                self.assembly.columns(model, frame).for_each(|(dof, column)| visit(dof, column));
+                frame = model.frames[frame].parent;
+            }
+        });
     }
 
     /// Contact forces at the last state evaluated.

@@ -3,6 +3,7 @@
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::model::{Designs, Model};
+use crate::units::Units;
 
 /// Quantities derived from the parameters, refilled in place for each design.
 #[derive(Clone, Debug)]
@@ -10,10 +11,7 @@ pub(crate) struct Design<G, const D: usize, const P: usize> {
     pub geometry: Geometry<G, D, P>,
     /// What each force derives from the parameters.
     pub forces: Designs<P>,
-    /// √K_ii-scaling: a coordinate times its scale has the elastic energy of one unit.
-    pub scale: Vec<f64>,
-    /// The smallest elastic stiffness of an angular coordinate [N·m/rad]: the unit of energy.
-    pub reference_stiffness: f64,
+    pub units: Units,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
@@ -21,8 +19,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
         let mut design = Self {
             geometry: Geometry::new(&model.tree),
             forces: model.forces.designs(&model.tree),
-            scale: vec![1.0; model.dof()],
-            reference_stiffness: 1.0,
+            units: Units::new(model),
         };
         design.update(model);
         design
@@ -37,20 +34,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
     fn update(&mut self, model: &Model<G, D, P>) {
         self.geometry.update(&model.tree);
         model.forces.update_designs(&model.tree, &self.geometry, &mut self.forces);
-        self.set_scale(model);
-    }
-
-    fn set_scale(&mut self, model: &Model<G, D, P>) {
-        self.scale.fill(0.0);
-        model.forces.add_elastic_stiffness(&model.tree, &self.geometry, &self.forces, &mut self.scale);
-        let angular_rods = model.rods.iter().flat_map(|r| r.dofs.clone().zip(&r.angular));
-        let angular_joints = model.joints.iter().map(|j| (j.dof, &j.joint.angular));
-        let angular = angular_rods.chain(angular_joints).filter(|(_, angular)| **angular);
-        let smallest = angular.map(|(i, _)| self.scale[i]).filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min);
-        self.reference_stiffness = if smallest.is_finite() { smallest } else { 1.0 };
-        for k in &mut self.scale {
-            // A coordinate without elasticity borrows the reference: only its scaling depends on it.
-            *k = 1.0 / if *k > 0.0 { *k } else { self.reference_stiffness }.sqrt();
-        }
+        let Self { geometry, forces, units } = self;
+        units.update(model, geometry, |stiffness| {
+            model.forces.add_elastic_stiffness(&model.tree, geometry, forces, stiffness);
+        });
     }
 }

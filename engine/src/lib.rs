@@ -20,6 +20,7 @@ mod section;
 pub mod sensitivity;
 pub mod strain;
 mod tree;
+mod units;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
 pub use data::Data;

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STATUS: list[str]
+STABILITY: list[str]
 EVENTS: list[str]
 REGULARITY: list[str]
 FUSED_MULTIPLY_ADD: bool
@@ -43,9 +44,12 @@ class Events(TypedDict):
 class Paths(TypedDict):
     q: NDArray[np.float64]
     status: NDArray[np.uint8]
-    stable: NDArray[np.bool_]
+    stable: NDArray[np.bool_]  # whether stability is "stable"
+    stability: NDArray[np.uint8]
+    free: NDArray[np.uint32]  # (m, 3): design, step, coordinate
     iterations: NDArray[np.uint32]
     residual: NDArray[np.float64]
+    tolerance: NDArray[np.float64]
     energy: NDArray[np.float64]
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]

@@ -130,7 +130,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         }
         gradient.fill(0.0);
         data.assembly.add_forces(model, &mut self.wrenches, gradient);
-        gradient.iter_mut().zip(&data.design.scale).for_each(|(g, s)| *g *= s);
+        gradient.iter_mut().zip(&data.design.units.scale).for_each(|(g, s)| *g *= s);
         stiffness
     }
 

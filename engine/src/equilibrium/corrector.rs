@@ -3,6 +3,7 @@
 use super::newton::chord_steps;
 use super::options::{CorrectorOptions, NewtonOptions};
 use super::predictor::Predictor;
+use super::stability::NULL;
 use super::system::System;
 use super::vector::max_norm;
 use crate::lie::LieGroup;
@@ -108,15 +109,18 @@ impl Corrector {
                 return false;
             }
             system.evaluate_tangent();
-            if !system.factorise(0.0) {
+            // A motion along which nothing changes, as that of a round column about its axis, has a
+            // stiffness of the size of the residual.
+            let most = tolerance.residual.min(self.options.soft_residual);
+            if !(system.factorise(0.0) || size <= most && system.factorise(size + NULL)) {
                 return false;
             }
-            if size <= tolerance.residual {
+            if system.has_converged(size, tolerance.residual) {
                 return true;
             }
             system.newton_step(&mut self.step);
             let length = max_norm(&self.step);
-            if length <= self.newton.negligible_step {
+            if length <= self.newton.small_step && system.is_balanced(tolerance.residual) {
                 return true;
             }
             total += length;
@@ -127,9 +131,12 @@ impl Corrector {
             previous = length;
             system.advance(&self.step);
             let before = std::mem::replace(&mut size, system.evaluate());
+            if length <= self.newton.negligible_step && !(size < self.newton.progress * before) {
+                return false;
+            }
             let left =
                 chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
-            if size <= tolerance.residual && left < tolerance.tangent_reuse {
+            if left < tolerance.tangent_reuse && system.has_converged(size, tolerance.residual) {
                 return true;
             }
         }

@@ -1,7 +1,9 @@
-//! Damped Newton on the residual, for loads that have no potential to minimise.
+//! Equilibria under loads that have no potential to minimise: damped Newton on the residual, and where
+//! that fails or ends in an unstable state, the overdamped motion that follows.
 
-use super::general::is_stable;
+use super::general::lowest;
 use super::options::DampedNewtonOptions;
+use super::stability::Stability;
 use super::status::Status;
 use super::system::System;
 use super::vector::{max_norm, norm};
@@ -20,8 +22,43 @@ impl DampedNewton {
         Self { options, step: vec![0.0; dof], start: vec![0.0; dof] }
     }
 
-    /// Solves the residual from the system's state; its norm never rises along accepted steps.
+    /// An equilibrium near the system's state, statically stable if there is one.
     pub fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        tolerance: f64,
+        max_iterations: usize,
+    ) -> Status {
+        let start = system.state().to_vec();
+        let found = self.solve_residual(system, tolerance, max_iterations);
+        let lost = match found {
+            Status::Converged => system.stability() == Stability::Unstable,
+            Status::Unrestrained | Status::IterationLimit => return found,
+            _ => true,
+        };
+        if !lost {
+            return found;
+        }
+        let fallback = system.state().to_vec();
+        if found != Status::Converged {
+            system.set_state(&start);
+        }
+        let relaxed = self.relax(system, tolerance, max_iterations);
+        if relaxed == Status::Converged && system.stability() != Stability::Unstable {
+            return relaxed;
+        }
+        if found != Status::Converged {
+            return found;
+        }
+        system.set_state(&fallback);
+        system.evaluate();
+        system.evaluate_tangent();
+        system.factorise(0.0);
+        Status::Unstable
+    }
+
+    /// Solves the residual from the system's state; its norm never rises along accepted steps.
+    fn solve_residual<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         tolerance: f64,
@@ -35,10 +72,8 @@ impl DampedNewton {
             }
             system.evaluate_tangent();
             system.factorise(0.0);
-            if size <= tolerance {
-                let data = system.data();
-                let stable = is_stable(data.tangent(), &data.design.scale);
-                return if stable { Status::Converged } else { Status::Unstable };
+            if system.has_converged(size, tolerance) {
+                return Status::Converged;
             }
             if system.iterations() - first > max_iterations {
                 return Status::IterationLimit;
@@ -49,6 +84,8 @@ impl DampedNewton {
             }
             match self.search(system) {
                 Some(lowered) => size = lowered,
+                None if system.is_balanced(tolerance) => return Status::Converged,
+                None if system.is_singular() => return Status::Unrestrained,
                 None => return Status::Stalled,
             }
         }
@@ -71,6 +108,64 @@ impl DampedNewton {
             }
             fraction *= 0.5;
         }
+        system.set_state(&self.start);
+        system.evaluate();
         None
+    }
+
+    /// Follows dq/dt = −g by implicit Euler steps (H + σ) p = −g, which get longer as it settles; from an
+    /// unstable equilibrium in the direction of the eigenvalue that is negative.
+    fn relax<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        tolerance: f64,
+        max_iterations: usize,
+    ) -> Status {
+        let first = system.iterations();
+        let mut size = system.evaluate();
+        let mut shift = f64::INFINITY;
+        for iteration in 0..self.options.max_relaxation {
+            if !size.is_finite() {
+                return Status::Diverged;
+            }
+            if system.iterations() - first > max_iterations {
+                return Status::IterationLimit;
+            }
+            system.evaluate_tangent();
+            let Some((low, direction)) = lowest(system.data().tangent(), &system.data().design.units.scale)
+            else {
+                return Status::Stalled;
+            };
+            system.factorise(0.0);
+            if system.has_converged(size, tolerance) {
+                match direction.filter(|_| iteration == 0) {
+                    None => return Status::Converged,
+                    Some(mut direction) => {
+                        direction.iter_mut().for_each(|x| *x *= self.options.perturbation);
+                        system.advance(&direction);
+                        size = system.evaluate();
+                        continue;
+                    }
+                }
+            }
+            shift = if low < 0.0 { -2.0 * low } else { (0.25 * shift).min(low) };
+            if low >= 0.0 && shift < 1e-2 * low {
+                shift = 0.0;
+            }
+            loop {
+                system.factorise(shift);
+                system.newton_step(&mut self.step);
+                if max_norm(&self.step) <= self.options.max_step {
+                    break;
+                }
+                shift = (4.0 * shift).max(1e-3);
+                if !shift.is_finite() {
+                    return Status::Diverged;
+                }
+            }
+            system.advance(&self.step);
+            size = system.evaluate();
+        }
+        Status::Stalled
     }
 }

@@ -1,6 +1,8 @@
 //! The factorised tangent of a state, with or without a potential behind it.
 
 use super::general::GeneralFactor;
+use super::pinned::Pinned;
+use super::stability::Stability;
 use crate::Data;
 use crate::lie::LieGroup;
 use crate::linalg::{ChainCholesky, Cholesky};
@@ -16,6 +18,10 @@ pub(super) struct Factor<const D: usize> {
     chained: bool,
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
+    /// For a tangent that leaves some motion free; made when one is met,
+    pinned: Option<Box<Pinned>>,
+    /// and whether it is the one at hand.
+    free: bool,
 }
 
 impl<const D: usize> Factor<D> {
@@ -23,7 +29,7 @@ impl<const D: usize> Factor<D> {
         let n = model.dof();
         let general = (!model.is_conservative()).then(|| GeneralFactor::new(n));
         let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
-        Self { cholesky: Cholesky::new(n), chain, chained: false, general }
+        Self { cholesky: Cholesky::new(n), chain, chained: false, general, pinned: None, free: false }
     }
 
     /// Whether the tangent is the second derivative of a potential.
@@ -34,9 +40,10 @@ impl<const D: usize> Factor<D> {
     /// Factorises the tangent at hand, `S A S + shift`; `false` when it is not positive definite or,
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
-        let (tangent, scale) = (data.tangent(), &data.design.scale);
+        let (tangent, scale) = (data.tangent(), &data.design.units.scale);
+        self.free = false;
         if let Some(general) = &mut self.general {
-            return general.factorise(tangent, scale);
+            return general.factorise(tangent, scale, shift);
         }
         let matrix = data.assembly.chain_matrix(scale);
         self.chained = matrix.is_some();
@@ -46,6 +53,63 @@ impl<const D: usize> Factor<D> {
         }
     }
 
+    /// Where the last factorisation ended because a pivot vanished, to rounding.
+    pub fn null_pivot(&self) -> Option<usize> {
+        match (&self.general, self.chain()) {
+            (Some(_), _) => None,
+            (None, Some(chain)) => chain.null_pivot(),
+            (None, None) => self.cholesky.null_pivot(),
+        }
+    }
+
+    /// Factorises a positive semidefinite tangent, complete, with the coordinates pinned that nothing
+    /// holds, among them `first`; `false` where it is not positive semidefinite to the rounding of the
+    /// terms of its diagonal, of these `sizes`.
+    pub fn factorise_pinned<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        data: &Data<G, D, P>,
+        first: &[usize],
+        sizes: &[f64],
+    ) -> bool {
+        let scale = &data.design.units.scale;
+        let pinned = self.pinned.get_or_insert_with(|| Box::new(Pinned::new(scale.len())));
+        self.free = pinned.factorise(data.tangent(), scale, first, sizes);
+        self.free
+    }
+
+    /// The motions that nothing holds, dimensionless.
+    pub fn null_modes(&self) -> &[Vec<f64>] {
+        self.free_modes().map_or(&[], Pinned::modes)
+    }
+
+    /// Whether some motion is held by nothing.
+    pub fn is_singular(&self) -> bool {
+        self.general.as_ref().map_or(self.free, GeneralFactor::is_singular)
+    }
+
+    /// The static stability of the tangent, whose factor was at hand and is lost; eigenvalues within
+    /// `slack` of zero count as zero.
+    pub fn stability<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        data: &Data<G, D, P>,
+        slack: f64,
+    ) -> Stability {
+        if let Some(general) = &mut self.general {
+            return general.stability(data.tangent(), &data.design.units.scale, slack);
+        }
+        if self.factorise(data, -slack) {
+            Stability::Stable
+        } else if self.factorise(data, slack) {
+            Stability::Neutral
+        } else {
+            Stability::Unstable
+        }
+    }
+
+    fn free_modes(&self) -> Option<&Pinned> {
+        self.pinned.as_deref().filter(|_| self.free)
+    }
+
     /// The chain's factor, if that is the one at hand.
     fn chain(&self) -> Option<&ChainCholesky<D>> {
         self.chain.as_ref().filter(|_| self.chained)
@@ -53,6 +117,9 @@ impl<const D: usize> Factor<D> {
 
     /// Solves in place.
     pub fn solve(&self, b: &mut [f64]) {
+        if let Some(pinned) = self.free_modes() {
+            return pinned.solve(b);
+        }
         match (&self.general, self.chain()) {
             (Some(general), _) => general.solve(b),
             (None, Some(chain)) => chain.solve(b),
@@ -62,6 +129,9 @@ impl<const D: usize> Factor<D> {
 
     /// Solves in place with a triangular factor L, L Lᵀ being the tangent, its rows in some order.
     pub fn solve_lower(&self, b: &mut [f64]) {
+        if let Some(pinned) = self.free_modes() {
+            return pinned.solve_lower(b);
+        }
         match self.chain() {
             Some(chain) => chain.solve_lower(b),
             None => self.cholesky.solve_lower(b),
@@ -78,6 +148,9 @@ impl<const D: usize> Factor<D> {
 
     /// Ratio of the smallest to the largest pivot.
     pub fn pivot_ratio(&self) -> f64 {
+        if self.is_singular() {
+            return 0.0;
+        }
         match (&self.general, self.chain()) {
             (Some(general), _) => general.pivot_ratio(),
             (None, Some(chain)) => chain.pivot_ratio(),
@@ -107,11 +180,11 @@ mod tests {
         let mut used = 0;
         for state in 0..6 {
             let wave = |i: usize| ((i + 1) as f64 * (1.3 + 0.37 * state as f64)).sin();
-            let root = data.design.reference_stiffness.sqrt();
+            let root = data.design.units.energy.sqrt();
             let q: Vec<f64> =
-                (0..n).map(|i| 0.1 * state as f64 * wave(i) * data.design.scale[i] * root).collect();
+                (0..n).map(|i| 0.1 * state as f64 * wave(i) * data.design.units.scale[i] * root).collect();
             data.evaluate(&model, &q, &load);
-            if data.assembly.chain_matrix(&data.design.scale).is_none() {
+            if data.assembly.chain_matrix(&data.design.units.scale).is_none() {
                 continue;
             }
             used += 1;
@@ -123,7 +196,7 @@ mod tests {
             for (m, (a, b)) in data.tangent().iter().zip(paired.tangent()).enumerate() {
                 assert!((a - b).abs() < 1e-12 * most, "{a} {b} at {}, {} of {n}", m / n, m % n);
             }
-            let scale = &data.design.scale;
+            let scale = &data.design.units.scale;
             let entries = data.tangent().iter().enumerate();
             let exact = entries.map(|(m, a)| (a * scale[m / n] * scale[m % n]).powi(2)).sum::<f64>().sqrt();
             let found = data.assembly.chain_norm(&model, scale).unwrap();
@@ -132,7 +205,7 @@ mod tests {
             let mut verdicts = [0, 0];
             for k in 0..24 {
                 let shift = 1e-3 * 2.0f64.powi(k);
-                let definite = dense.factorise(data.tangent(), &data.design.scale, shift);
+                let definite = dense.factorise(data.tangent(), &data.design.units.scale, shift);
                 assert_eq!(factor.factorise(&data, shift), definite, "shift {shift} of {n}");
                 verdicts[usize::from(definite)] += 1;
                 if !definite {

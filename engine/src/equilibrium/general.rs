@@ -1,31 +1,52 @@
-//! Factorisation of an unsymmetric tangent, as follower loads make it.
+//! Factorisation and eigenvalues of an unsymmetric tangent, as follower loads make it.
 
-use nalgebra::{DMatrix, Dyn, LU, Schur};
+use super::stability::Stability;
+use crate::linalg::Cholesky;
+use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
 
-/// `P S A S = L U`.
+/// `P (S A S + λ) = L U`.
 #[derive(Clone, Debug)]
 pub(super) struct GeneralFactor {
     lu: LU<f64, Dyn, Dyn>,
+    /// Where the matrix is singular, its pseudoinverse.
+    pseudoinverse: Option<DMatrix<f64>>,
+    symmetric: Cholesky,
 }
 
 impl GeneralFactor {
     pub fn new(n: usize) -> Self {
-        Self { lu: DMatrix::identity(n, n).lu() }
+        Self { lu: DMatrix::identity(n, n).lu(), pseudoinverse: None, symmetric: Cholesky::new(n) }
     }
 
-    /// Factorises `S A S`; whether its determinant is positive.
-    ///
-    /// Along a path from a stable state the determinant changes sign where stability is lost by
-    /// divergence, whether the tangent is symmetric or not.
-    pub fn factorise(&mut self, a: &[f64], scale: &[f64]) -> bool {
-        self.lu = scaled(a, scale).lu();
+    /// Factorises `S A S + λ`; whether its determinant is positive or, to rounding, zero.
+    pub fn factorise(&mut self, a: &[f64], scale: &[f64], shift: f64) -> bool {
+        let mut matrix = scaled(a, scale);
+        for i in 0..scale.len() {
+            matrix[(i, i)] += shift;
+        }
+        self.pseudoinverse = None;
+        self.lu = matrix.clone().lu();
+        let pivots = self.lu.u().diagonal().abs();
+        let rounding = 8.0 * scale.len() as f64 * f64::EPSILON;
+        if pivots.min() <= rounding * pivots.max() && matrix.iter().all(|x| x.is_finite()) {
+            let cutoff = rounding * matrix.norm();
+            self.pseudoinverse = matrix.pseudo_inverse(cutoff.max(f64::MIN_POSITIVE)).ok();
+            return self.pseudoinverse.is_some();
+        }
         self.lu.determinant() > 0.0
     }
 
-    /// Solves in place; a singular matrix gives NaN, which every caller takes as failure.
+    /// Whether the matrix factorised last is singular, to rounding.
+    pub fn is_singular(&self) -> bool {
+        self.pseudoinverse.is_some()
+    }
+
+    /// Solves in place; a singular matrix by its pseudoinverse.
     pub fn solve(&self, b: &mut [f64]) {
-        let mut x = nalgebra::DVector::from_column_slice(b);
-        if self.lu.solve_mut(&mut x) {
+        let mut x = DVector::from_column_slice(b);
+        if let Some(inverse) = &self.pseudoinverse {
+            b.copy_from_slice((inverse * x).as_slice());
+        } else if self.lu.solve_mut(&mut x) {
             b.copy_from_slice(x.as_slice());
         } else {
             b.fill(f64::NAN);
@@ -41,7 +62,11 @@ impl GeneralFactor {
     /// Solves with the transposed matrix, in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
         // P A = L U, so Aᵀ = Uᵀ Lᵀ P.
-        let mut x = nalgebra::DVector::from_column_slice(b);
+        let mut x = DVector::from_column_slice(b);
+        if let Some(inverse) = &self.pseudoinverse {
+            b.copy_from_slice((inverse.transpose() * x).as_slice());
+            return;
+        }
         let (l, u) = (self.lu.l(), self.lu.u());
         let solved = u.tr_solve_upper_triangular_mut(&mut x) && l.tr_solve_lower_triangular_mut(&mut x);
         self.lu.p().inv_permute_rows(&mut x);
@@ -50,24 +75,85 @@ impl GeneralFactor {
             b.fill(f64::NAN);
         }
     }
+
+    /// The static stability of `S A S`.
+    ///
+    /// A positive definite symmetric part suffices, and is cheap; else the eigenvalues decide. Static
+    /// stability is lost where the matrix becomes singular, so that a real eigenvalue, or several
+    /// together, turns negative. Of equal ones rounding makes complex pairs.
+    pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
+        let n = scale.len();
+        let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
+        if self.symmetric.factorise(&half, scale, -slack) {
+            return Stability::Stable;
+        }
+        let matrix = scaled(a, scale);
+        let Some(eigenvalues) = eigenvalues(&matrix) else { return Stability::Unknown };
+        let real = real_to(&matrix);
+        if eigenvalues.iter().any(|e| e.re < -slack && e.im.abs() <= real) {
+            Stability::Unstable
+        } else if eigenvalues.iter().any(|e| e.re < -slack) {
+            Stability::FlutterUndecided
+        } else if eigenvalues.iter().any(|e| e.re <= slack) {
+            Stability::Neutral
+        } else {
+            Stability::Stable
+        }
+    }
 }
 
+/// Imaginary parts below this share of the matrix's size count as zero.
+const REAL: f64 = 1e-6;
 /// Deflation thresholds of the QR iteration, tried in turn: at machine precision it can cycle.
-const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-13, 1e-10];
+const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-14, 1e-13];
 /// Its sweeps, per row.
 const SWEEPS: usize = 30;
 
-/// Whether every eigenvalue of `S A S` has a positive real part: no motion grows by itself.
-///
-/// `false` also when the eigenvalues cannot be found.
-pub(super) fn is_stable(a: &[f64], scale: &[f64]) -> bool {
-    let matrix = scaled(a, scale);
+fn real_to(matrix: &DMatrix<f64>) -> f64 {
+    REAL * matrix.norm() / (matrix.nrows() as f64).sqrt()
+}
+
+/// Eigenvalues of a matrix, by QR iteration; where it cycles, of a similar one.
+fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if !matrix.iter().all(|x| x.is_finite()) {
-        return false;
+        return None;
     }
-    let schur = |eps: &f64| Schur::try_new(matrix.clone(), *eps, SWEEPS * scale.len());
-    let found = DEFLATION.iter().find_map(schur);
-    found.is_some_and(|schur| schur.complex_eigenvalues().iter().all(|e| e.re > 0.0))
+    let n = matrix.nrows();
+    let schur = |matrix: &DMatrix<f64>| {
+        let tried = |eps: &f64| Schur::try_new(matrix.clone(), *eps, SWEEPS * n);
+        DEFLATION.iter().find_map(tried).map(|schur| schur.complex_eigenvalues().iter().copied().collect())
+    };
+    schur(matrix).or_else(|| {
+        (1..=3).find_map(|turn| {
+            let mirror =
+                DVector::from_fn(n, |i, _| ((i + 1) as f64 * 1.3 * f64::from(turn)).sin()).normalize();
+            let reflection = DMatrix::identity(n, n) - &mirror * mirror.transpose() * 2.0;
+            schur(&(&reflection * matrix * &reflection))
+        })
+    })
+}
+
+/// The lowest real part of the eigenvalues of `S A S`, and the direction of the lowest real eigenvalue
+/// if that is negative: of unit length and a fixed sign.
+pub(super) fn lowest(a: &[f64], scale: &[f64]) -> Option<(f64, Option<Vec<f64>>)> {
+    let matrix = scaled(a, scale);
+    let n = scale.len();
+    let found = eigenvalues(&matrix)?;
+    let low = found.iter().map(|e| e.re).fold(f64::INFINITY, f64::min);
+    let real = real_to(&matrix);
+    let negative = found.iter().filter(|e| e.im.abs() <= real).map(|e| e.re).fold(0.0, f64::min);
+    let direction = (negative < 0.0).then(|| {
+        let near = negative - 1e-10 * matrix.norm();
+        let factor = (matrix - DMatrix::identity(n, n) * near).lu();
+        let mut x = DVector::from_fn(n, |i, _| 1.0 + 0.1 * ((i + 1) as f64).sin());
+        for _ in 0..4 {
+            x.normalize_mut();
+            factor.solve_mut(&mut x);
+        }
+        x.normalize_mut();
+        x.as_slice().to_vec()
+    });
+    Some((low, direction.filter(|x| x.iter().all(|x| x.is_finite()))))
 }
 
 fn scaled(a: &[f64], scale: &[f64]) -> DMatrix<f64> {

@@ -78,7 +78,7 @@ options! {
         tolerance: f64 = 1e-9, Interval::above(0.0).to(1.0);
         /// Iterations (tangents) allowed for one load step, all its sub-steps together.
         max_iterations: usize = 20_000, Interval::from(1.0).to(1e9);
-        /// Smallest sub-step along the load, as a fraction of the largest load of the path.
+        /// Smallest sub-step along the load, as a fraction of the range of each input over the path.
         min_step: f64 = 1e-3, Interval::above(0.0).to(1.0);
         /// Longest predicted displacement of one sub-step (dimensionless norm over all coordinates).
         max_displacement: f64 = 30.0, Interval::above(0.0).to(1e6);
@@ -98,6 +98,8 @@ options! {
         same_branch: SameBranchOptions;
         /// Jumps from the end of a branch.
         jump: JumpOptions;
+        /// Where branches lose their stability.
+        critical: CriticalOptions;
         /// Minimisation of the energy.
         trust_region: TrustRegionOptions;
         /// Newton's method for loads without a potential.
@@ -113,7 +115,8 @@ options! {
     /// The tangent of the state before the last step may serve for the state after it, if that step left
     /// little of the residual: H⁻¹ times the difference of the two tangents has this size along the step.
     pub struct AccuracyOptions {
-        /// Residual between the listed loads, as a share of the predicted displacement,
+        /// Residual between the listed loads, as a share of the predicted displacement and of the change of
+        /// the load,
         relative_residual: f64 = 0.03, Interval::from(0.0).to(1.0);
         /// and at most this (dimensionless).
         max_residual: f64 = 0.1, Interval::from(0.0).to(1.0);
@@ -168,6 +171,8 @@ options! {
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
         rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
+        /// With a residual below this, a stiffness that is negative by no more than it counts as zero.
+        soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Newton steps: more are rarely needed unless another branch attracts.
         max_iterations: usize = 7, Interval::from(1.0).to(1e6);
         /// All corrections together may go this share of the displacement predicted,
@@ -210,6 +215,28 @@ options! {
         /// the velocity before counts at most as this multiple of that after, as it grows without bound
         /// towards a fold.
         max_speed_ratio: f64 = 4.0, Interval::from(1.0).to(1e3);
+        /// Where no limit point is near, it is a snap if the energy released is this multiple of what the
+        /// velocity explains.
+        energy_margin: f64 = 30.0, Interval::from(1.0).to(1e6);
+        /// Where the load has no part along the critical mode, it is a snap if at this share of the way behind
+        /// the critical load
+        earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// the state would have moved by at least this share of the displacement.
+        constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Where branches lose their stability.
+    pub struct CriticalOptions {
+        /// Inverse iterations for the eigenvector.
+        inverse_iterations: usize = 8, Interval::from(1.0).to(1000.0);
+        /// Displacement over which the change of the tangent is taken (dimensionless).
+        difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
+        /// and largest share of the sub-step over which it is taken.
+        step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
+        /// It is a bifurcation if at most this share of the load acts along the eigenvector.
+        bifurcation_share: f64 = 0.02, Interval::from(0.0).to(1.0);
     }
 }
 
@@ -244,6 +271,8 @@ options! {
         first_multiplier: f64 = 1e-2, Interval::above(0.0).to(1.0);
         /// The hard case is assumed where the bounds of the multiplier agree to this share.
         hard_case_gap: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Steps in a row that a force may go along a motion that nothing holds.
+        max_free_steps: usize = 8, Interval::from(1.0).to(1e6);
         /// Inverse iterations for the direction of negative curvature.
         inverse_iterations: usize = 4, Interval::from(1.0).to(1000.0);
     }
@@ -256,6 +285,10 @@ options! {
         max_halvings: usize = 30, Interval::from(0.0).to(1000.0);
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
+        /// Implicit steps of the overdamped motion from an unstable state,
+        max_relaxation: usize = 200, Interval::from(0.0).to(1e6);
+        /// which begins this far from an equilibrium.
+        perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }
 }
 
@@ -264,6 +297,10 @@ options! {
     pub struct NewtonOptions {
         /// A step below this (dimensionless) does not change the state any more.
         negligible_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
+        /// Where a step is below this (dimensionless), what is left of the residual may be rounding:
+        small_step: f64 = 1e-7, Interval::from(0.0).to(1.0);
+        /// it is the best that can be had if a negligible step leaves more than this share of it.
+        progress: f64 = 0.5, Interval::from(0.0).to(1.0);
         /// Chord steps are taken while each leaves less than this share of the residual
         chord_contraction: f64 = 0.1, Interval::from(0.0).to(1.0);
         /// and this many more at the same rate would reach the tolerance.

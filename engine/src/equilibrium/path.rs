@@ -1,7 +1,8 @@
 //! What following a path reports: states at the listed loads and events between them.
 
+use super::stability::Stability;
 use super::status::Status;
-use super::system::System;
+use super::system::{Accuracy, System};
 
 /// What happened to a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,16 +10,19 @@ use super::system::System;
 pub enum EventKind {
     /// The branch ended; the system jumped to another equilibrium.
     Snap = 0,
+    /// Another branch crosses, and the system goes on continuously along it.
+    Bifurcation = 1,
 }
 
 impl EventKind {
     /// All kinds, by code.
-    pub const ALL: [EventKind; 1] = [EventKind::Snap];
+    pub const ALL: [EventKind; 2] = [EventKind::Snap, EventKind::Bifurcation];
 
     /// The name used in results and records.
     pub fn name(self) -> &'static str {
         match self {
             EventKind::Snap => "snap",
+            EventKind::Bifurcation => "bifurcation",
         }
     }
 }
@@ -30,7 +34,7 @@ pub struct Event<'a> {
     pub step: usize,
     /// What happened.
     pub kind: EventKind,
-    /// Load at which it happened.
+    /// Load at which the branch lost its stability.
     pub load: &'a [f64],
     /// State before.
     pub before: &'a [f64],
@@ -47,8 +51,12 @@ pub struct StepReport<'a> {
     pub q: &'a [f64],
     /// Iterations (evaluations of the tangent) used for this step.
     pub iterations: usize,
-    /// Largest dimensionless residual.
-    pub residual: f64,
+    /// Its static stability.
+    pub stability: Stability,
+    /// How well forces balance.
+    pub accuracy: Accuracy,
+    /// Coordinates of the motions that nothing holds.
+    pub free: &'a [usize],
 }
 
 /// Receives the results of a path as they come.

@@ -4,9 +4,9 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
-    /// A stable equilibrium: residual below tolerance and tangent positive definite.
+    /// An equilibrium: the residual is below the tolerance.
     Converged = 0,
-    /// An equilibrium from which some motion grows by itself.
+    /// An equilibrium from which some motion grows by itself, without a stable one to be found.
     Unstable = 1,
     /// The allowed number of iterations was used up.
     IterationLimit = 2,
@@ -18,11 +18,13 @@ pub enum Status {
     InvalidDesign = 5,
     /// An earlier load step failed.
     NotReached = 6,
+    /// A force acts on a motion that nothing holds.
+    Unrestrained = 7,
 }
 
 impl Status {
     /// All statuses, by code.
-    pub const ALL: [Status; 7] = [
+    pub const ALL: [Status; 8] = [
         Status::Converged,
         Status::Unstable,
         Status::IterationLimit,
@@ -30,6 +32,7 @@ impl Status {
         Status::Diverged,
         Status::InvalidDesign,
         Status::NotReached,
+        Status::Unrestrained,
     ];
 
     /// The name used in results and records.
@@ -42,6 +45,7 @@ impl Status {
             Status::Diverged => "diverged",
             Status::InvalidDesign => "invalid-design",
             Status::NotReached => "not-reached",
+            Status::Unrestrained => "unrestrained",
         }
     }
 

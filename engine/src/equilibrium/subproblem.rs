@@ -14,6 +14,8 @@ pub(super) struct TrustStep {
     pub definite: bool,
     /// Whether this is Newton's step, with a positive definite tangent, whose factor is at hand.
     pub newton: bool,
+    /// Whether a force acts on a motion that nothing holds.
+    pub free: bool,
 }
 
 /// Solves the subproblem.
@@ -35,14 +37,17 @@ impl Subproblem {
         &mut self,
         system: &mut System<G, D, P>,
         radius: f64,
+        tolerance: f64,
     ) -> Option<TrustStep> {
-        let definite = system.factorise(0.0);
+        let mut definite = system.factorise(0.0);
+        let free = definite && system.pulls_free_motion(tolerance);
+        definite &= !free;
         if definite {
             system.newton_step(&mut self.step);
             if norm(&self.step) <= radius {
                 // Here H p = −g.
                 let decrease = -0.5 * dot(system.residual(), &self.step);
-                return Some(TrustStep { decrease, definite, newton: true });
+                return Some(TrustStep { decrease, definite, newton: true, free });
             }
         }
         // The multiplier λ lies between these bounds, with H + λ positive definite and ‖p(λ)‖ = Δ.
@@ -79,7 +84,7 @@ impl Subproblem {
                     self.add_negative_curvature(system, radius);
                     system.complete_tangent();
                     let decrease = self.model_decrease(system);
-                    return Some(TrustStep { decrease, definite, newton: false });
+                    return Some(TrustStep { decrease, definite, newton: false, free });
                 }
                 high = shift;
                 best = Some(shift);
@@ -96,7 +101,7 @@ impl Subproblem {
         let quadratic = -linear - shift * length * length;
         self.step.iter_mut().for_each(|s| *s *= part);
         let decrease = -part * (linear + 0.5 * part * quadratic);
-        Some(TrustStep { decrease, definite, newton: false })
+        Some(TrustStep { decrease, definite, newton: false, free })
     }
 
     /// Newton's step for 1/‖p(λ)‖ = 1/Δ.

@@ -2,16 +2,17 @@
 //! dimensionless coordinates.
 
 use super::factor::Factor;
+use super::stability::{NULL, Stability};
 use super::vector::dot;
 use crate::Data;
+use crate::forces::magnitudes::Magnitudes;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
 ///
-/// Coordinates are made dimensionless by their elastic stiffness: one unit of any of them stores the
-/// elastic energy of one radian of the softest angular coordinate, which is the unit of energy. Steps,
-/// residuals and velocities are in these units.
+/// Coordinates are made dimensionless by [`Units`](crate::units::Units). Steps, residuals and velocities
+/// are in these units; a residual counts against the energy of its own coordinate.
 #[derive(Clone, Debug)]
 pub struct System<'m, G, const D: usize, const P: usize> {
     model: &'m Model<G, D, P>,
@@ -24,8 +25,28 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     unit: Vec<f64>,
     /// Dimensionless residual at the state evaluated last.
     residual: Vec<f64>,
+    /// The unit of energy by the energy of each coordinate.
+    weight: Vec<f64>,
+    magnitudes: Magnitudes<P>,
+    accuracy: Accuracy,
+    /// Coordinates that nothing holds by themselves, at the tangent at hand.
+    loose: Vec<usize>,
     iterations: usize,
 }
+
+/// How well forces balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Largest residual, as a share of the force that is its unit.
+    pub residual: f64,
+    /// What it may be: the tolerance, and the rounding of the terms that balance.
+    pub tolerance: f64,
+}
+
+/// Rounding of a residual, in units of what one rounding of its terms makes.
+const ROUNDINGS: f64 = 8.0;
+/// Where rounding alone is more than this share of the forces, nothing is solved.
+const MEANINGLESS: f64 = 1e-3;
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>) -> Self {
@@ -38,6 +59,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             load: vec![0.0; model.inputs().len()],
             unit: vec![0.0; n],
             residual: vec![0.0; n],
+            weight: vec![1.0; n],
+            magnitudes: Magnitudes::default(),
+            accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
+            loose: vec![],
             iterations: 0,
         };
         system.set_units();
@@ -50,10 +75,35 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     }
 
     fn set_units(&mut self) {
-        let root = self.data.design.reference_stiffness.sqrt();
-        for (unit, scale) in self.unit.iter_mut().zip(&self.data.design.scale) {
+        let units = &self.data.design.units;
+        let root = units.energy.sqrt();
+        for (unit, scale) in self.unit.iter_mut().zip(&units.scale) {
             *unit = scale * root;
         }
+        for (weight, own) in self.weight.iter_mut().zip(&units.own_energy) {
+            *weight = units.energy / own;
+        }
+    }
+
+    /// Measures what elasticity does not hold by the forces that act on it in the current state, under
+    /// the first load and the largest of each input.
+    pub(super) fn measure_units(&mut self, loads: &[&[f64]]) {
+        let Some(first) = loads.first().filter(|_| !self.data.design.units.all_elastic()) else { return };
+        let n = self.q.len();
+        let (mut curvature, mut force) = (vec![0.0f64; n], vec![0.0f64; n]);
+        let largest = |input: usize| {
+            loads.iter().copied().max_by(|a, b| a[input].abs().total_cmp(&b[input].abs())).unwrap_or(first)
+        };
+        for load in std::iter::once(*first).chain((0..first.len()).map(largest)) {
+            self.data.evaluate(self.model, &self.q, load);
+            self.data.magnitudes(self.model, &self.q, load, &mut self.magnitudes);
+            for i in 0..n {
+                curvature[i] = curvature[i].max(self.data.tangent()[i * n + i].abs());
+                force[i] = force[i].max(self.magnitudes.coordinates[i]);
+            }
+        }
+        self.data.design.units.measure(self.model, &curvature, &force);
+        self.set_units();
     }
 
     /// The model.
@@ -93,7 +143,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// Energy in units of the reference energy.
     pub(super) fn unit_energy(&self) -> f64 {
-        self.data.design.reference_stiffness
+        self.data.design.units.energy
+    }
+
+    /// Whether elasticity holds every coordinate.
+    pub(super) fn is_elastic(&self) -> bool {
+        self.data.design.units.all_elastic()
     }
 
     /// Whether the forces derive from a potential.
@@ -149,10 +204,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.evaluate_residual(self.model, &self.q, &self.load);
         let unit_energy = self.unit_energy();
         let mut largest = 0.0f64;
-        for ((r, g), unit) in self.residual.iter_mut().zip(self.data.residual()).zip(&self.unit) {
+        let units = self.unit.iter().zip(&self.weight);
+        for ((r, g), (unit, weight)) in self.residual.iter_mut().zip(self.data.residual()).zip(units) {
             *r = g * unit / unit_energy;
+            let size = r.abs() * weight;
             // `max` would drop a NaN.
-            largest = if r.abs() <= largest { largest } else { r.abs() };
+            largest = if size <= largest { largest } else { size };
         }
         if self.data.energy().is_finite() { largest } else { f64::NAN }
     }
@@ -161,12 +218,151 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     pub(super) fn evaluate_tangent(&mut self) {
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.iterations += 1;
+        if !self.data.design.units.all_elastic() {
+            self.find_loose_coordinates();
+        }
+    }
+
+    /// Finds the coordinates whose stiffness is but the rounding of its terms.
+    fn find_loose_coordinates(&mut self) {
+        self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
+        let n = self.q.len();
+        let tangent = self.data.tangent();
+        self.loose.clear();
+        for i in (0..n).filter(|i| !self.data.design.units.elastic[*i]) {
+            let size = self.magnitudes.stiffness[i];
+            if tangent[i * n + i].abs() <= ROUNDINGS * n as f64 * f64::EPSILON * size {
+                self.loose.push(i);
+            }
+        }
     }
 
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,
-    /// without a potential, when its determinant is not positive.
+    /// without a potential, when its determinant is negative. Motions that nothing holds are let be: then
+    /// a solution does not move along them.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
-        self.factor.factorise(&self.data, shift)
+        let loose = shift == 0.0 && self.is_conservative() && !self.loose.is_empty();
+        if self.factor.factorise(&self.data, shift) && !loose {
+            return true;
+        }
+        let null = self.factor.null_pivot().filter(|_| shift == 0.0);
+        if !loose && null.is_none() {
+            return false;
+        }
+        self.data.complete_tangent(self.model);
+        let first = if loose { &self.loose[..] } else { null.as_slice() };
+        self.factor.factorise_pinned(&self.data, first, &self.magnitudes.stiffness)
+    }
+
+    /// Whether some motion is held by nothing, in the factor at hand.
+    pub(super) fn is_singular(&self) -> bool {
+        self.factor.is_singular()
+    }
+
+    /// Whether a force acts on a motion that nothing holds, in the factor at hand.
+    pub(super) fn pulls_free_motion(&mut self, tolerance: f64) -> bool {
+        if self.factor.null_modes().is_empty() {
+            return false;
+        }
+        self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
+        let (units, energy) = (&self.unit, self.unit_energy());
+        self.factor.null_modes().iter().any(|mode| {
+            let forces = self.magnitudes.coordinates.iter().zip(units).zip(mode);
+            let size: f64 = forces.map(|((force, unit), z)| force * unit / energy * z.abs()).sum();
+            dot(mode, &self.residual).abs() > (tolerance + ROUNDINGS * f64::EPSILON) * size
+        })
+    }
+
+    /// The coordinates of which the motions consist that nothing holds; empty where there are none.
+    pub(super) fn free_coordinates(&self) -> Vec<usize> {
+        let mut free = vec![];
+        for mode in self.factor.null_modes() {
+            let most = mode.iter().fold(0.0f64, |m, z| m.max(z.abs()));
+            let joints: Vec<usize> = self.model.joints.iter().map(|joint| joint.dof).collect();
+            let large = |i: &usize| mode[*i].abs() > 0.1 * most;
+            let of_joints: Vec<usize> = joints.into_iter().filter(large).collect();
+            let all = || (0..mode.len()).filter(large).collect();
+            free.extend(if of_joints.is_empty() { all() } else { of_joints });
+        }
+        free.sort_unstable();
+        free.dedup();
+        free
+    }
+
+    /// Whether the tangent at hand, with its factor, has lost static stability by more than `slack`.
+    pub(super) fn is_lost(&mut self, slack: f64) -> bool {
+        if self.is_conservative() {
+            return false;
+        }
+        let lost = self.factor.stability(&self.data, slack) == Stability::Unstable;
+        self.factorise(0.0);
+        lost
+    }
+
+    /// Static stability at the state whose tangent is at hand, with its factor, which is kept.
+    pub(super) fn stability(&mut self) -> Stability {
+        let conservative = self.is_conservative();
+        if conservative && !self.is_singular() && self.factor.pivot_ratio() > 1e-7 {
+            return Stability::Stable;
+        }
+        if conservative && self.is_singular() {
+            return Stability::Neutral;
+        }
+        let found = self.factor.stability(&self.data, NULL);
+        self.factorise(0.0);
+        found
+    }
+
+    /// Whether the state is an equilibrium, its largest residual being `size`: every coordinate that
+    /// elasticity holds is within the tolerance, in its own unit, of where it should be, or the forces
+    /// balance.
+    pub(super) fn has_converged(&mut self, size: f64, tolerance: f64) -> bool {
+        if !(size <= tolerance) {
+            return false;
+        }
+        if self.data.design.units.all_elastic() {
+            self.accuracy = Accuracy { residual: size, tolerance };
+            return true;
+        }
+        self.is_balanced(tolerance)
+    }
+
+    /// Whether each residual is below the tolerance times the forces that act on its coordinate, but for
+    /// the rounding of the terms that balance; needs a tangent of this state or one close by.
+    pub(super) fn is_balanced(&mut self, tolerance: f64) -> bool {
+        self.data.complete_tangent(self.model);
+        self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
+        let n = self.q.len();
+        let (units, tangent) = (&self.data.design.units, self.data.tangent());
+        let mut worst = 0.0;
+        self.accuracy = Accuracy { residual: 0.0, tolerance };
+        for (i, g) in self.data.residual().iter().enumerate() {
+            let force = self.magnitudes.coordinates[i];
+            // A state is known to its last bit only, and so are places and distances.
+            let row = tangent[i * n..(i + 1) * n].iter().zip(self.q.iter().zip(&units.natural));
+            let terms: f64 = row.map(|(h, (q, natural))| h.abs() * q.abs().max(*natural)).sum();
+            let rounding = ROUNDINGS * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
+            let elastic = if units.elastic[i] { units.own_energy[i] / self.unit[i] } else { 0.0 };
+            let unit = force.max(elastic);
+            let allowed = tolerance * unit + rounding;
+            let excess = if *g == 0.0 { 0.0 } else { g.abs() / allowed };
+            let largest = unit.max(units.stiffness[i] * units.natural[i]);
+            let accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
+            if !(excess <= 1.0) || *g != 0.0 && rounding > MEANINGLESS * largest {
+                self.accuracy = accuracy;
+                return false;
+            }
+            if excess > worst {
+                worst = excess;
+                self.accuracy = accuracy;
+            }
+        }
+        true
+    }
+
+    /// How well forces balance, as found last.
+    pub(super) fn accuracy(&self) -> Accuracy {
+        self.accuracy
     }
 
     /// Solves in place with the factor at hand.
@@ -195,17 +391,37 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve(step);
     }
 
-    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
-    ///
-    /// Needs the factor of the tangent at the equilibrium evaluated last.
-    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) {
+    /// Change of the residual for the load rate `rate`, dimensionless.
+    pub(super) fn load_gradient(&self, rate: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.data.add_load_gradient(self.model, &self.q, rate, out);
         let unit_energy = self.unit_energy();
-        for (v, unit) in out.iter_mut().zip(&self.unit) {
-            *v = -*v * unit / unit_energy;
-        }
+        out.iter_mut().zip(&self.unit).for_each(|(v, unit)| *v *= unit / unit_energy);
+    }
+
+    /// Solves with the transposed matrix, in place.
+    pub(super) fn solve_transposed_dimensionless(&self, b: &mut [f64]) {
+        self.factor.solve_transposed(b);
+    }
+
+    /// aᵀHb of the dimensionless tangent; `work` is scratch.
+    pub(super) fn form(&self, a: &[f64], b: &[f64], work: &mut [f64]) -> f64 {
+        let n = a.len();
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
+        work.iter_mut().zip(b.iter().zip(scale)).for_each(|(w, (b, s))| *w = b * s);
+        (0..n).map(|i| dot(&tangent[i * n..(i + 1) * n], work) * a[i] * scale[i]).sum()
+    }
+
+    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
+    ///
+    /// Needs the factor of the tangent at the equilibrium evaluated last. Returns the largest change of a
+    /// residual.
+    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) -> f64 {
+        self.load_gradient(rate, out);
+        let change = out.iter().zip(&self.weight).fold(0.0f64, |m, (b, weight)| m.max((b * weight).abs()));
+        out.iter_mut().for_each(|v| *v = -*v);
         self.factor.solve(out);
+        change
     }
 
     /// pᵀHp in units of the reference energy, by a product with the tangent; `work` is scratch.
@@ -226,7 +442,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// absolute row sum, or for a chain Frobenius' norm.
     pub(super) fn tangent_bounds(&self) -> (f64, f64) {
         let n = self.q.len();
-        let (tangent, scale) = (self.data.tangent(), &self.data.design.scale);
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
         let diagonal = (0..n).map(|i| tangent[i * n + i] * scale[i] * scale[i]);
         let lowest = diagonal.fold(f64::INFINITY, f64::min);
         let row_sum = |i: usize| {
@@ -249,7 +465,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the equilibrium at hand.
     pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
-        let scale = &self.data.design.scale;
+        let scale = &self.data.design.units.scale;
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
         self.factor.solve_transposed(b);
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);

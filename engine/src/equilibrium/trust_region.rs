@@ -51,17 +51,19 @@ impl TrustRegion {
         }
         system.evaluate_tangent();
         let mut energy = system.data().energy();
-        let mut rejected = false;
+        let (mut rejected, mut unrestrained) = (false, 0);
         let status = loop {
             if system.iterations() - first > max_iterations {
                 break Status::IterationLimit;
             }
-            if size <= tolerance && system.factorise(0.0) {
+            if size <= tolerance && system.factorise(0.0) && system.has_converged(size, tolerance) {
                 break Status::Converged;
             }
-            let Some(step) = self.subproblem.solve(system, radius) else { break Status::Diverged };
+            let Some(step) = self.subproblem.solve(system, radius, tolerance) else { break Status::Diverged };
             let length = norm(&self.subproblem.step);
-            if step.definite && max_norm(&self.subproblem.step) <= self.newton.negligible_step {
+            let longest = max_norm(&self.subproblem.step);
+            if step.definite && longest <= self.newton.small_step && system.is_balanced(tolerance) {
+                system.factorise(0.0);
                 break Status::Converged;
             }
             if radius < self.options.min_radius {
@@ -71,6 +73,12 @@ impl TrustRegion {
             self.residual.copy_from_slice(system.residual());
             system.advance(&self.subproblem.step);
             let trial_size = system.evaluate();
+            let negligible = step.newton && longest <= self.newton.negligible_step;
+            if negligible && !(trial_size < self.newton.progress * size) {
+                // What is left is rounding, but more than its terms account for.
+                system.restore(&self.state, &self.residual);
+                break Status::Stalled;
+            }
             let actual = (energy - system.data().energy()) / system.unit_energy();
             let rounding = self.options.rounding * (1.0 + energy.abs() / system.unit_energy());
             rejected = !(self.accepts(step, actual, rounding, trial_size < size) && trial_size.is_finite());
@@ -78,7 +86,12 @@ impl TrustRegion {
                 // The tangent at hand is still that of the state gone back to.
                 system.restore(&self.state, &self.residual);
                 radius = self.options.shrinkage * length.min(radius);
+                unrestrained = 0;
                 continue;
+            }
+            unrestrained = if step.free { unrestrained + 1 } else { 0 };
+            if unrestrained > self.options.max_free_steps {
+                break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
             radius = self.next_radius(radius, length, ratio);
@@ -86,7 +99,7 @@ impl TrustRegion {
             if step.newton {
                 let step = &mut self.subproblem.step;
                 let left = chord_steps(system, &self.newton, step, &mut size, before, tolerance);
-                if size <= tolerance && left < tangent_reuse {
+                if left < tangent_reuse && system.has_converged(size, tolerance) {
                     break Status::Converged;
                 }
                 if !size.is_finite() {

@@ -1,6 +1,7 @@
 //! Elasticity of rods: ½ qᵀ K q, with K from the section stiffness by Gauss quadrature.
 
 use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -103,6 +104,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         let n = at.tree.dof;
         for (&(i, j), &k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
             out.coordinates.half_tangent[j * n + i] += if i == j { 0.5 * k } else { k };
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, stiffness: &Vec<f64>, _: &(), out: &mut Magnitudes<P>) {
+        for (&(i, j), k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
+            out.add(i, k * at.q[j]);
+            if i != j {
+                out.add(j, k * at.q[i]);
+            }
         }
     }
 

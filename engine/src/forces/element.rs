@@ -1,5 +1,6 @@
 //! What the rest of the engine asks of a force.
 
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::kinematics::Kinematics;
@@ -164,6 +165,15 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         design: &Self::Design,
         state: &Self::State,
         out: &mut Terms<D>,
+    );
+
+    /// Adds how large its forces are at the state whose residual was asked for last.
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        design: &Self::Design,
+        state: &Self::State,
+        out: &mut Magnitudes<P>,
     );
 
     /// Adds the derivative of the residual along a change of load; `project` adds Jᵀw of a frame whose

@@ -1,6 +1,7 @@
 //! Gravity on the masses of rods (at Gauss points) and links (at centroids): −m g·r.
 
 use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -124,6 +125,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
             let gradient = self.acceleration * -weight.mass;
             out.add_curvature::<G, P>(at.frame(*point), at.point(*point), &gradient);
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, weights: &Vec<Weight>, _: &(), out: &mut Magnitudes<P>) {
+        for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
+            out.add_at_point(at, *point, self.acceleration.norm() * weight.mass);
         }
     }
 

@@ -4,6 +4,7 @@
 //! suffice for groups of round cones, too.
 
 use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
@@ -171,6 +172,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let row = G::point_jacobian(p).transpose_times(n);
             out.stiffness[frame] += row.outer(&row) * k;
             out.add_curvature::<G, P>(frame, p, &(*n * (-k * depth)));
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Pressed>, out: &mut Magnitudes<P>) {
+        for (half_space, k, sphere, point, depth) in self.pressed(at, state) {
+            let places =
+                at.point(point).norm() + at.point(half_space.point).norm() + at.geometry.radii[sphere];
+            out.add_of_distance(at, point, k * depth, [k, places]);
         }
     }
 

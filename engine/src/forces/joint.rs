@@ -1,14 +1,16 @@
 //! Elasticity and limits of joints.
 //!
 //! Beyond a limit by `s`, the limit's stiffness builds up linearly over the width `w` and is then
-//! constant: V = k s³/(6w) for s ≤ w, k (s²/2 − w s/2 + w²/6) beyond. V is twice continuously
-//! differentiable, so Newton sees no jump in the tangent, and a limit is no switch.
+//! constant: V = k s³/(6w) for s ≤ w, k (s²/2 − w s/2 + w²/6) beyond. Far beyond, by d more than ten
+//! widths, it stiffens again by k d⁴/(12 w²), so that no load passes a limit by much. V is twice
+//! continuously differentiable, so Newton sees no jump in the tangent, and a limit is no switch.
 
 use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
-use crate::tree::{Joint, Tree};
+use crate::tree::{Joint, JointCoordinate, Tree};
 
 /// Springs and limits of all joints of the tree.
 #[derive(Clone, Debug)]
@@ -61,6 +63,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
+        for JointCoordinate { dof, joint, stiffness } in &at.tree.joints {
+            out.add(*dof, at.parameters()[*stiffness] * (at.q[*dof] - joint.rest));
+            out.add(*dof, limit(joint, at.q[*dof]).1);
+        }
+    }
+
     fn add_parameter_work(
         &self,
         at: &State<G, D, P>,
@@ -87,6 +96,12 @@ fn limit(joint: &Joint, q: f64) -> (f64, f64, f64) {
     if s <= w {
         (k * s.powi(3) / (6.0 * w), sign * k * s * s / (2.0 * w), k * s / w)
     } else {
-        (k * (0.5 * s * s - 0.5 * w * s + w * w / 6.0), sign * k * (s - 0.5 * w), k)
+        let far = (s - FAR * w).max(0.0) / w;
+        let energy = k * (0.5 * s * s - 0.5 * w * s + w * w / 6.0) + k * w * w * far.powi(4) / 12.0;
+        let slope = k * (s - 0.5 * w) + k * w * far.powi(3) / 3.0;
+        (energy, sign * slope, k + k * far * far)
     }
 }
+
+/// From how many widths beyond it on a limit stiffens again.
+const FAR: f64 = 10.0;

@@ -11,6 +11,7 @@ pub(crate) mod element;
 pub(crate) mod gravity;
 pub(crate) mod half_space;
 pub(crate) mod joint;
+pub(crate) mod magnitudes;
 pub(crate) mod spring;
 pub(crate) mod terms;
 pub(crate) mod wrench;

@@ -1,6 +1,7 @@
 //! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
 
 use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -37,6 +38,9 @@ struct Spring {
     slack: bool,
 }
 
+/// The share of its rest length to which a spring's length counts as zero.
+const COINCIDENT: f64 = 1e-6;
+
 /// All springs.
 #[derive(Clone, Debug)]
 pub(crate) struct Springs(Vec<Spring>);
@@ -47,7 +51,7 @@ struct Taut<const P: usize> {
     energy: f64,
     /// Its gradient, the force on the second end.
     force: Vector<P>,
-    /// Unit vector along r; zero where the ends coincide.
+    /// Unit vector along r; any one where the ends coincide.
     direction: Vector<P>,
     /// Second derivatives along and across it.
     hessian: [f64; 2],
@@ -97,13 +101,15 @@ impl Spring {
             return None;
         }
         let energy = 0.5 * k * stretch * stretch;
-        let coincident = length == 0.0 || length < 1e-12 * rest;
-        let direction = if coincident { Vector::ZERO } else { r * (1.0 / length) };
-        Some(if rest == 0.0 || coincident {
-            // Isotropic: no direction is singled out (or none is defined).
+        // Of coincident ends any direction is as good as another: they are pushed along one of them, and
+        // the curvature across it is as negative as it is close by, so that they part where they can.
+        let smallest = COINCIDENT * rest;
+        let direction = if length == 0.0 { Vector::unit(P - 1) } else { r * (1.0 / length) };
+        Some(if rest == 0.0 {
+            // Isotropic: no direction is singled out.
             Taut { stretch, energy, force: r * k, direction, hessian: [k, k] }
         } else {
-            let hessian = [k, k * stretch / length];
+            let hessian = [k, k * stretch / length.max(smallest)];
             Taut { stretch, energy, force: direction * (k * stretch), direction, hessian }
         })
     }
@@ -147,6 +153,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for (spring, Taut { force, direction, hessian, .. }) in self.taut(at) {
             let frames = spring.ends.map(|end| at.frame(end));
             out.add_pair::<G, P>(frames, spring.ends.map(|end| at.point(end)), &force, &direction, hessian);
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
+        for (spring, taut) in self.taut(at) {
+            let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
+            let [a, b] = spring.ends.map(|end| at.point(end).norm());
+            let places = a + b + rest;
+            spring.ends.iter().for_each(|end| out.add_of_distance(at, *end, taut.force.norm(), [k, places]));
         }
     }
 

@@ -4,6 +4,7 @@
 //! the tangent gains the antisymmetric part ∓½ Jᵀ M(w) J that no potential can give.
 
 use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -169,6 +170,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let (w, sign) = wrench.circulatory(at);
                 out.circulatory.push((wrench.frame, G::bracket_form(&w) * (sign * size)));
             }
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
+        for wrench in &self.0 {
+            let size = wrench.magnitude(at.load);
+            out.add_at_point(at, wrench.point, size * wrench.force.norm());
+            out.add_moment(wrench.frame, size * moment::<G, D, P>(wrench).norm());
         }
     }
 

@@ -5,6 +5,7 @@
 //! costs the same however many follow. To a neighbour it is Y_i · m_j + E_ji. The coordinates of a
 //! border, at the end, may meet all others.
 
+use super::cholesky::pivot_rounding;
 use super::{Matrix, Vector};
 use std::ops::Range;
 
@@ -20,6 +21,9 @@ pub struct ChainCholesky<const R: usize> {
     numbers: Vec<f64>,
     /// Reciprocals of the diagonal of L.
     inverse: Vec<f64>,
+    /// As in [`Cholesky`](super::Cholesky).
+    rounding: f64,
+    null_pivot: Option<usize>,
     y: Vec<Vector<R>>,
     m: Vec<Vector<R>>,
     /// Of each row j, Σ L_jk Y_k over the nodes before it,
@@ -83,6 +87,8 @@ impl<const R: usize> ChainCholesky<R> {
             columns,
             numbers: vec![0.0; size],
             inverse: vec![0.0; n],
+            rounding: pivot_rounding(n),
+            null_pivot: None,
             y: zeros.clone(),
             m: zeros.clone(),
             gone: zeros.clone(),
@@ -93,6 +99,7 @@ impl<const R: usize> ChainCholesky<R> {
     /// Factorises; `false` when the matrix is not (numerically) positive definite.
     pub fn factorise(&mut self, a: ChainMatrix<R>, shift: f64) -> bool {
         let last = self.nodes.len() - 1;
+        self.null_pivot = None;
         let border = self.nodes[last].own.clone();
         for (m, i) in self.m[..border.start].iter_mut().zip(&self.order) {
             *m = a.beyond[*i] * a.scale[*i];
@@ -208,7 +215,9 @@ impl<const R: usize> ChainCholesky<R> {
             }
             let i = self.order[p];
             // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
-            if !(column[0] > 1e-14 * (a.scaled(i, i).abs() + shift)) {
+            let lost = self.rounding * (a.scaled(i, i).abs() + shift);
+            if !(column[0] > lost) {
+                self.null_pivot = (column[0].abs() <= lost).then_some(i);
                 return false;
             }
             let inverse = 1.0 / column[0].sqrt();
@@ -217,6 +226,11 @@ impl<const R: usize> ChainCholesky<R> {
             self.inverse[p] = inverse;
         }
         true
+    }
+
+    /// The coordinate at which the last factorisation ended because its pivot vanished, to rounding.
+    pub fn null_pivot(&self) -> Option<usize> {
+        self.null_pivot
     }
 
     /// Ratio of the smallest to the largest pivot of the last factorisation.

@@ -18,6 +18,15 @@ pub struct Cholesky {
     panels: Vec<Row>,
     /// Inverses of the tiles on the diagonal, and their transposes.
     inverses: Vec<[Tile; 2]>,
+    /// Pivots below this share of what was eliminated from them are lost in rounding.
+    rounding: f64,
+    /// Where the last factorisation ended because a pivot was neither positive nor negative.
+    null_pivot: Option<usize>,
+}
+
+/// Rounding of a pivot of a matrix of order `n`, relative to its diagonal entry.
+pub(super) fn pivot_rounding(n: usize) -> f64 {
+    (8.0 * n as f64 * f64::EPSILON).max(1e-14)
 }
 
 impl Cholesky {
@@ -25,13 +34,20 @@ impl Cholesky {
     pub fn new(n: usize) -> Self {
         let blocks = n.div_ceil(LANES);
         let row = [0.0; LANES];
-        Self { n, panels: vec![row; blocks * blocks * LANES], inverses: vec![[[row; LANES]; 2]; blocks] }
+        Self {
+            n,
+            panels: vec![row; blocks * blocks * LANES],
+            inverses: vec![[[row; LANES]; 2]; blocks],
+            rounding: pivot_rounding(n),
+            null_pivot: None,
+        }
     }
 
     /// Factorises; `false` when the matrix is not (numerically) positive definite.
     pub fn factorise(&mut self, a: &[f64], scale: &[f64], shift: f64) -> bool {
         let blocks = self.inverses.len();
         let rows = blocks * LANES;
+        self.null_pivot = None;
         for i in 0..blocks {
             // U_ij = U_ii⁻ᵀ (A_ij − Σ_k U_kiᵀ U_kj), the diagonal tile first.
             let mut diagonal = scaled_tile(self.n, a, scale, [i, i]);
@@ -51,7 +67,9 @@ impl Cholesky {
                     subtract_row(row, other[r], other);
                 }
                 // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
-                if !(row[r] > 1e-14 * largest[r]) {
+                if !(row[r] > self.rounding * largest[r]) {
+                    let null = row[r].abs() <= self.rounding * largest[r];
+                    self.null_pivot = null.then_some(i * LANES + r);
                     return false;
                 }
                 inverse[r] = 1.0 / row[r].sqrt();
@@ -69,6 +87,11 @@ impl Cholesky {
             }
         }
         true
+    }
+
+    /// The row at which the last factorisation ended because its pivot vanished, to rounding.
+    pub fn null_pivot(&self) -> Option<usize> {
+        self.null_pivot
     }
 
     /// Ratio of the smallest to the largest pivot of the last factorisation.

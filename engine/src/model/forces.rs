@@ -10,6 +10,7 @@ use crate::forces::element::{
 use crate::forces::gravity::Gravity;
 use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
+use crate::forces::magnitudes::Magnitudes;
 use crate::forces::spring::Springs;
 use crate::forces::terms::Terms;
 use crate::forces::wrench::Wrenches;
@@ -111,6 +112,16 @@ macro_rules! registry {
                 out: &mut Terms<D>,
             ) {
                 $(self.$name.add_tangent(at, &designs.$name, &states.$name, out);)*
+            }
+
+            pub fn add_magnitudes<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                designs: &Designs<P>,
+                states: &States<P>,
+                out: &mut Magnitudes<P>,
+            ) {
+                $(self.$name.add_magnitudes(at, &designs.$name, &states.$name, out);)*
             }
 
             pub fn add_load_derivative<G: LieGroup<D, P>, const D: usize>(

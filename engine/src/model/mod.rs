@@ -1,11 +1,13 @@
 //! The constant model: a tree of bodies and the forces that act on it, everything that no design
 //! changes.
 
+mod components;
 pub(crate) mod description;
 mod forces;
 mod structure;
 
 pub use crate::tree::{Layout, ModelError};
+pub(crate) use components::Components;
 pub use description::*;
 pub(crate) use forces::{Designs, Forces, Sensitivities, States};
 pub use structure::{JointStructure, Structure};
@@ -19,6 +21,7 @@ use std::ops::Deref;
 pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) tree: Tree<G, D, P>,
     pub(crate) forces: Forces<P>,
+    pub(crate) components: Components,
     /// How the tangent of many coordinates is factorised.
     pub(crate) chain: Option<Chain>,
 }
@@ -35,7 +38,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let mut tree = Tree::new(&description.bodies, &description.spheres)?;
         let forces = Forces::build(&mut tree, description)?;
         let chain = Chain::of(&tree).filter(|chain| chain.pays() && forces.is_conservative::<G, D>());
-        Ok(Self { tree, forces, chain })
+        let components = Components::of(&tree, description);
+        Ok(Self { tree, forces, components, chain })
     }
 
     /// Number of generalised coordinates.

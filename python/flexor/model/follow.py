@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor._engine import REGULARITY, STATUS
+from flexor._engine import REGULARITY, STABILITY, STATUS
 from flexor.design.geometry import Geometry
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
@@ -19,10 +19,11 @@ from flexor.model.structure import Structure
 
 Array = NDArray[np.float64]
 _EngineArray = Literal[
-    "q", "stable", "iterations", "residual", "energy", "pairs", "touching", "tip_force"
+    "q", "stable", "iterations", "residual", "tolerance", "energy", "pairs", "touching", "tip_force"
 ]
 _ARRAYS: tuple[_EngineArray, ...] = get_args(_EngineArray)
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
+_STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)
 _REGULARITY: NDArray[np.object_] = np.array(REGULARITY, dtype=object)
 _CONVERGED = STATUS.index("converged")
 
@@ -80,6 +81,8 @@ def follow(
         arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _ARRAYS}
         codes, events = found["status"][:, lead:], found["events"]
         arrays["status"], arrays["converged"] = _STATUS[codes], codes == _CONVERGED
+        arrays["stability"] = _STABILITY[found["stability"][:, lead:]]
+        arrays["free"] = _free(found["free"], codes.shape, lead, model)
         arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
         arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
         arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
@@ -93,3 +96,16 @@ def follow(
         whole |= {name: getattr(geometry, name) for name in ("length", "radius", "slope")}
     angles = whole["q"][:, :, model.joint_columns]
     return Paths(model=model, loads=loads, joint_angles=angles, **whole)
+
+
+def _free(
+    found: NDArray[np.uint32], shape: tuple[int, ...], lead: int, model: Structure
+) -> NDArray[np.object_]:
+    """Name, for each design and step, the coordinates of motions that nothing holds."""
+    names = np.full(shape, None, dtype=object)
+    names.fill(())
+    names_of = model.engine.coordinates
+    for design, step, coordinate in found.tolist():
+        if step >= lead:
+            names[design, step - lead] += (names_of[coordinate],)
+    return names

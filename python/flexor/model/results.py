@@ -54,11 +54,20 @@ class Results:
         How each step ended, ``"converged"`` or what went wrong; `flexor.model.MEANINGS` says what
         each means and what to do.
     converged, stable : (n, s) bool arrays
-        Whether an equilibrium was found, and whether it is a minimum of the potential.
+        Whether an equilibrium was found, and whether its stability is ``"stable"``.
+    stability : (n, s) array of str
+        Static stability, one of `flexor._engine.STABILITY`: ``"stable"``; ``"neutral"``, where some
+        motion is held by nothing; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
+        eigenvalues has a negative real part, so that masses decide; ``"unknown"``, where there is
+        no equilibrium or the check failed.
+    free : (n, s) array of tuples of str
+        Coordinates of the motions that nothing holds.
     iterations : (n, s) array
         Newton iterations.
     residual : (n, s) array
-        Scaled, dimensionless residual.
+        Largest residual of a coordinate, as a share of the forces that act on it.
+    tolerance : (n, s) array
+        What it may be: the tolerance asked for, and the rounding of the terms that balance.
     energy : (n, s) array
         Potential [J].
     pairs, touching : (n, s) arrays
@@ -100,8 +109,11 @@ class Results:
     status: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
     converged: NDArray[np.bool_] = field(default=_NONE, metadata=_PATH_RECORDED)
     stable: NDArray[np.bool_] = field(default=_NONE, metadata=_PATH_RECORDED)
+    stability: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
+    free: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
     iterations: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
     residual: Array = field(default=_NONE, metadata=_PATH)
+    tolerance: Array = field(default=_NONE, metadata=_PATH)
     energy: Array = field(default=_NONE, metadata=_PATH)
     pairs: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
     touching: NDArray[np.integer] = field(default=_NONE, metadata=_PATH_RECORDED)

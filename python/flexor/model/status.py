@@ -10,10 +10,13 @@ from types import MappingProxyType
 # Status: what it means; what to do.
 MEANINGS = MappingProxyType(
     {
-        "converged": ("a stable equilibrium", "nothing"),
+        "converged": (
+            "an equilibrium; whether it is stable is said beside it",
+            "nothing",
+        ),
         "unstable": (
-            "an equilibrium from which some motion grows by itself; only loads without a potential "
-            "end there",
+            "an equilibrium from which some motion grows by itself, without a stable one to be found "
+            "near it; only loads without a potential end there",
             "look at the path before it, in smaller load steps",
         ),
         "iteration-limit": (
@@ -36,6 +39,10 @@ MEANINGS = MappingProxyType(
             "mend the design, or narrow its bounds",
         ),
         "not-reached": ("an earlier load step failed", "see that step"),
+        "unrestrained": (
+            "a force acts on a motion that nothing holds",
+            "hold it: with a stiffness, a limit, a spring or a support",
+        ),
     }
 )
 

@@ -6,6 +6,7 @@
 mod path;
 
 use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -210,6 +211,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 }
             }
         }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, paths: &Paths, _: &Tangents, out: &mut Magnitudes<P>) {
+        self.for_each_point(at.q, paths, |actuator, weight, _, _, columns| {
+            for column in columns.into_iter().flatten() {
+                out.add(column.dof, at.load[actuator] * weight * column.size);
+            }
+        });
     }
 
     /// `−Σ_a du_a ∂ℓ_a/∂q`.

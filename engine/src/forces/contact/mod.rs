@@ -13,6 +13,7 @@ pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 
 use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
@@ -210,11 +211,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 sliding::add_tangent(at, pair, k, out);
             } else {
                 let force = pair.normal * (-k * pair.overlap);
-                let tangential = -k * pair.overlap / pair.distance;
+                let tangential = -k * pair.overlap / pair.curvature_radius();
                 let [p, end, _] = pair.points(at.tree);
                 let frames = [p, end].map(|point| at.frame(point));
                 let ends = [p, end].map(|point| at.point(point));
                 out.add_pair::<G, P>(frames, ends, &force, &pair.normal, [k, tangential]);
+            }
+        }
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &ContactState<P>, out: &mut Magnitudes<P>) {
+        for (_, k, pair) in self.pairs(at.parameters(), state) {
+            let force = k * pair.overlap;
+            let [p, a, b] = pair.points(at.tree);
+            let places = at.point(p).norm() + at.point(a).norm() + pair.overlap + pair.distance;
+            for (point, share) in [(p, 1.0), (a, 1.0 - pair.t), (b, pair.t)] {
+                out.add_of_distance(at, point, force * share, [k * share, places]);
             }
         }
     }

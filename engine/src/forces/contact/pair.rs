@@ -28,6 +28,9 @@ pub(crate) struct ContactPair<const P: usize> {
     pub weight: f64,
 }
 
+/// The share of their reach to which the distance of two centres counts as zero.
+const CONCENTRIC: f64 = 1e-6;
+
 /// Changes of the three points of a pair: p, a, b.
 pub(crate) type Motion<const P: usize> = [Vector<P>; 3];
 
@@ -74,6 +77,13 @@ impl<const P: usize> ContactPair<P> {
     #[inline]
     pub fn relative(&self, [p, a, b]: &Motion<P>) -> Vector<P> {
         *p - *a * (1.0 - self.t) - *b * self.t
+    }
+
+    /// The distance that the curvature across the normal depends on: where spheres are concentric it is as
+    /// negative as close by, so that they part in any direction in which they can.
+    #[inline]
+    pub fn curvature_radius(&self) -> f64 {
+        self.distance.max(CONCENTRIC * (self.distance + self.overlap))
     }
 
     /// The change of d.

@@ -7,6 +7,7 @@
 use super::super::element::State;
 use super::definition::{Contact, RoundCone};
 use super::pair::ContactPair;
+use super::sphere::direction;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 
@@ -40,11 +41,8 @@ pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radi
     let r = from - axis * t;
     let radius = radii[0] + t * taper;
     let distance = r.norm();
-    // On the axis itself no direction is better than another.
-    let smallest = 1e-12 * radius;
-    let inside = distance <= smallest;
-    let normal = if inside { Vector::unit(P - 1) } else { r * (1.0 / distance) };
-    let distance = distance.max(smallest);
+    let inside = distance <= 1e-12 * radius;
+    let (normal, distance) = direction(r, distance, radius);
     let slides = !inside && unbounded == Some(t) && t > 0.0 && t < 1.0;
     let across = axis - normal * normal.dot(&axis);
     let slip = if slides { distance / across_squared } else { 0.0 };
@@ -96,12 +94,9 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
             let (squared, reach) = (r.dot(&r), own + radii[0]);
             let near = reach + margin;
             if squared < near * near {
-                let smallest = 1e-12 * radii[0];
-                let distance = squared.sqrt();
-                let inside = distance <= smallest;
-                let normal = if inside { Vector::unit(P - 1) } else { r * (1.0 / distance) };
+                let (normal, distance) = direction(r, squared.sqrt(), radii[0]);
                 let pair = [first, cone.ends[0]];
-                visit(ContactPair::of_spheres(pair, normal, reach, distance.max(smallest), -weight));
+                visit(ContactPair::of_spheres(pair, normal, reach, distance, -weight));
             }
         }
     }

@@ -48,7 +48,7 @@ pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
         a.curvature += b.curvature;
         count = 2;
     }
-    let tangential = -k * pair.overlap / pair.distance;
+    let tangential = -k * pair.overlap / pair.curvature_radius();
     let hessian = n.outer(n) * (k - tangential) + Matrix::diagonal(tangential);
     let slip = k * pair.overlap * pair.slip;
     for (i, side) in sides[..count].iter().enumerate() {

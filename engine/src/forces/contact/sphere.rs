@@ -48,14 +48,19 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let (squared, near) = (r.dot(&r), reach + margin);
                 if squared < near * near {
                     let distance = squared.sqrt();
-                    // Coincident centres push nowhere in particular; any fixed direction will do.
-                    let normal =
-                        if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
-                    let distance = distance.max(1e-12 * reach);
+                    let (normal, distance) = direction(r, distance, reach);
                     let pair = [first, contact.second.start + i];
                     visit(ContactPair::of_spheres(pair, normal, reach, distance, 1.0));
                 }
             }
         }
     }
+}
+
+/// Unit vector along r and its length: any direction will do for the centres of concentric spheres.
+#[inline]
+pub(crate) fn direction<const P: usize>(r: Vector<P>, length: f64, size: f64) -> (Vector<P>, f64) {
+    let smallest = 1e-12 * size;
+    let normal = if length > smallest { r * (1.0 / length) } else { Vector::unit(P - 1) };
+    (normal, length.max(smallest))
 }

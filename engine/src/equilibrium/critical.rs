@@ -1,0 +1,183 @@
+//! Where a branch loses stability: the lowest eigenvalue of the tangent on the way to zero.
+//!
+//! With φ the eigenvector of the lowest eigenvalue μ and b the load's direction, a branch turns back at a
+//! limit point where b has a part along φ, for then the velocity there, φᵀb/μ, grows without bound; where
+//! it has none, another branch crosses. Along the branch dμ/dλ = A/μ + B, A/μ being due to the motion along φ
+//! and B to all other motion, so that μ² is linear in the load towards a limit point and μ towards a
+//! bifurcation, and it vanishes after ∫ μ dμ/(−A − Bμ).
+
+use super::options::CriticalOptions;
+use super::stability::NULL;
+use super::system::System;
+use super::vector::{dot, norm};
+use crate::lie::LieGroup;
+
+/// A critical point ahead of an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CriticalPoint {
+    /// How far ahead, along the load.
+    pub distance: f64,
+    /// Whether the load has next to no part along the eigenvector.
+    pub bifurcation: bool,
+}
+
+/// The search for critical points, with its memory.
+#[derive(Clone, Debug)]
+pub(super) struct CriticalSearch {
+    options: CriticalOptions,
+    /// Whether some motion was held by nothing where it began last.
+    neutral: bool,
+    /// Second derivative of the load's work along the branch there.
+    work_rate: f64,
+    mode: Vec<f64>,
+    left: Vec<f64>,
+    load: Vec<f64>,
+    step: Vec<f64>,
+    work: Vec<f64>,
+}
+
+impl CriticalSearch {
+    pub fn new(options: CriticalOptions, dof: usize) -> Self {
+        let zeros = || vec![0.0; dof];
+        Self {
+            options,
+            neutral: false,
+            work_rate: 0.0,
+            mode: zeros(),
+            left: zeros(),
+            load: zeros(),
+            step: zeros(),
+            work: zeros(),
+        }
+    }
+
+    /// Looks ahead of the equilibrium that the system holds, of which a sub-step of `h` fails with the load
+    /// changing at `rate`; `None` where stability is not about to be lost. State and load are lost.
+    pub fn find<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        velocity: &[f64],
+        rate: &[f64],
+        h: f64,
+    ) -> Option<CriticalPoint> {
+        let (start, load) = (system.state().to_vec(), system.load().to_vec());
+        system.evaluate();
+        system.evaluate_tangent();
+        system.load_gradient(rate, &mut self.load);
+        self.work_rate = dot(&self.load, velocity).abs();
+        let definite = system.factorise(0.0) || system.factorise(NULL);
+        self.neutral = system.is_singular();
+        if !definite || self.neutral {
+            return None;
+        }
+        let eigenvalue = self.find_mode(system)?;
+        self.neutral = eigenvalue.abs() <= 10.0 * NULL;
+        if self.neutral {
+            return None;
+        }
+        let along = dot(&self.left, &self.load) / dot(&self.left, &self.mode);
+        let share = dot(&self.left, &self.load).abs() / (norm(&self.left) * norm(&self.load));
+        // The motion over an infinitesimal change of load, and its part along the mode.
+        let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);
+        let part = -along / eigenvalue;
+        let mut form = |step: &[f64], change: f64, load_change: f64, scratch: &mut Self| {
+            system.set_load_between(&load, rate, load_change);
+            system.advance_from(&start, step, change);
+            system.evaluate();
+            system.evaluate_tangent();
+            system.complete_tangent();
+            system.form(&scratch.left, &scratch.mode, &mut scratch.work)
+        };
+        // On both sides, for a stiff constraint is missed by the square of a straight step.
+        let mut slope = |step: &[f64], change: f64, load_change: f64, scratch: &mut Self| {
+            let [ahead, behind] =
+                [1.0, -1.0].map(|sign| form(step, sign * change, sign * load_change, scratch));
+            (ahead - behind) / (2.0 * change)
+        };
+        let total = slope(velocity, small, small, self);
+        let mode = std::mem::take(&mut self.mode);
+        self.step.iter_mut().zip(&mode).for_each(|(s, m)| *s = part * m);
+        self.mode = mode;
+        let step = std::mem::take(&mut self.step);
+        let by_mode = if share > 1e-12 {
+            slope(&step, self.options.difference / norm(&step).max(f64::MIN_POSITIVE), 0.0, self)
+        } else {
+            0.0
+        };
+        self.step = step;
+        let scale = dot(&self.left, &self.mode);
+        let (total, by_mode) = (total / scale, by_mode / scale);
+        let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
+        // A load that does no work at all has no share.
+        Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
+    }
+
+    /// Second derivative of the load's work along the branch where the search began last.
+    pub fn work_rate(&self) -> f64 {
+        self.work_rate
+    }
+
+    /// Whether some motion was held by nothing where the search began last.
+    pub fn is_neutral(&self) -> bool {
+        self.neutral
+    }
+
+    /// The lowest eigenvalue and its right and left eigenvectors, by inverse iteration with the factor at
+    /// hand.
+    fn find_mode<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &System<G, D, P>,
+    ) -> Option<f64> {
+        for (i, (m, l)) in self.mode.iter_mut().zip(&mut self.left).enumerate() {
+            *m = 1.0 + 0.3 * ((i + 1) as f64 * 1.7).sin();
+            *l = *m;
+        }
+        let mut eigenvalue = f64::NAN;
+        for _ in 0..self.options.inverse_iterations {
+            let length = norm(&self.mode);
+            self.mode.iter_mut().for_each(|m| *m /= length);
+            self.work.copy_from_slice(&self.mode);
+            system.solve(&mut self.mode);
+            eigenvalue = 1.0 / dot(&self.work, &self.mode);
+            if !system.is_conservative() {
+                let length = norm(&self.left);
+                self.left.iter_mut().for_each(|m| *m /= length);
+                system.solve_transposed_dimensionless(&mut self.left);
+            }
+        }
+        let length = norm(&self.mode);
+        self.mode.iter_mut().for_each(|m| *m /= length);
+        if system.is_conservative() {
+            self.left.copy_from_slice(&self.mode);
+        }
+        eigenvalue.is_finite().then_some(eigenvalue)
+    }
+}
+
+/// When μ vanishes, which changes at the rate a/μ + b; `None` where it does not.
+fn distance(eigenvalue: f64, a: f64, b: f64) -> Option<f64> {
+    const PIECES: usize = 32;
+    let width = eigenvalue / PIECES as f64;
+    let mut sum = 0.0;
+    for k in 0..PIECES {
+        let mu = (k as f64 + 0.5) * width;
+        let rate = a + b * mu;
+        if !(rate < 0.0) {
+            return None;
+        }
+        sum -= mu * width / rate;
+    }
+    sum.is_finite().then_some(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance;
+
+    #[test]
+    fn a_fold_is_twice_as_near_as_a_bifurcation_of_the_same_slope() {
+        assert!((distance(0.3, -0.3 * 2.0, 0.0).unwrap() - 0.075).abs() < 1e-12);
+        assert!((distance(0.3, 0.0, -2.0).unwrap() - 0.15).abs() < 1e-12);
+        assert_eq!(distance(0.3, 0.0, 1.0), None);
+    }
+}

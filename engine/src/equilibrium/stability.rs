@@ -1,0 +1,42 @@
+//! What is known of the stability of an equilibrium.
+
+/// Static stability of an equilibrium, from the eigenvalues of its dimensionless tangent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Stability {
+    /// All eigenvalues have positive real parts.
+    Stable = 0,
+    /// Some motion is held by nothing, to the accuracy of the state; the others are.
+    Neutral = 1,
+    /// Some motion grows by itself: a real eigenvalue is negative.
+    Unstable = 2,
+    /// Without a potential: a complex pair has a negative real part, and masses and damping decide.
+    FlutterUndecided = 3,
+    /// The eigenvalues could not be found, or there is no equilibrium.
+    Unknown = 4,
+}
+
+impl Stability {
+    /// All values, by code.
+    pub const ALL: [Stability; 5] = [
+        Stability::Stable,
+        Stability::Neutral,
+        Stability::Unstable,
+        Stability::FlutterUndecided,
+        Stability::Unknown,
+    ];
+
+    /// The name used in results and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stability::Stable => "stable",
+            Stability::Neutral => "neutral",
+            Stability::Unstable => "unstable",
+            Stability::FlutterUndecided => "flutter-undecided",
+            Stability::Unknown => "unknown",
+        }
+    }
+}
+
+/// Eigenvalues of the dimensionless tangent within this of zero are zero to the accuracy of a state.
+pub(super) const NULL: f64 = 1e-8;

@@ -1,0 +1,55 @@
+//! Bodies that act on one another, directly or through others.
+
+use super::description::{AttachmentDescription, Description, SpringDescription};
+use crate::tree::Tree;
+
+/// Coordinates in groups between which nothing acts.
+///
+/// Trees of bodies, joined where contacts and springs connect them.
+#[derive(Clone, Debug)]
+pub(crate) struct Components {
+    /// The component of each coordinate.
+    pub of_coordinate: Vec<usize>,
+    /// That of each body.
+    pub of_body: Vec<usize>,
+    pub count: usize,
+}
+
+impl Components {
+    pub fn of<G, const D: usize, const P: usize>(tree: &Tree<G, D, P>, d: &Description) -> Self {
+        let index = |name: &str| d.bodies.iter().position(|body| body.name == name);
+        let mut root: Vec<usize> = (0..d.bodies.len()).collect();
+        let mut join = |names: &mut dyn Iterator<Item = &str>| {
+            let mut bodies = names.filter_map(index);
+            let Some(first) = bodies.next() else { return };
+            for other in bodies {
+                let (to, from) = (root[first], root[other]);
+                root.iter_mut().filter(|r| **r == from).for_each(|r| *r = to);
+            }
+        };
+        for body in &d.bodies {
+            join(&mut [Some(&body.name), body.parent.as_ref()].into_iter().flatten().map(String::as_str));
+        }
+        for SpringDescription { first, second, .. } in &d.springs {
+            join(&mut [first, second].into_iter().filter_map(|end| match end {
+                AttachmentDescription::World { .. } => None,
+                AttachmentDescription::Body { body, .. } => Some(body.as_str()),
+            }));
+        }
+        for contact in &d.contacts {
+            let touching = d.spheres.iter().filter(|g| g.name == contact.first || g.name == contact.second);
+            join(&mut touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str()));
+        }
+        let mut roots = root.clone();
+        roots.sort_unstable();
+        roots.dedup();
+        let of_body: Vec<usize> = root.iter().map(|r| roots.partition_point(|other| other < r)).collect();
+        let mut of_coordinate = vec![0; tree.dof];
+        for frame in &tree.frames {
+            for dof in &tree.column_dofs[frame.columns.clone()] {
+                of_coordinate[*dof] = of_body[frame.body];
+            }
+        }
+        Self { of_coordinate, of_body, count: roots.len() }
+    }
+}

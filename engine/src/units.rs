@@ -1,0 +1,165 @@
+//! Units of the coordinates, and of energy, from the stiffnesses and forces that act on them.
+//!
+//! One unit of a coordinate stores, by the coordinate's own stiffness K, the energy E of one radian of the
+//! softest angle that acts on the same bodies: √(E/K). So an elastic model has the same path in these
+//! units whatever its size and its modulus. What is not elastic gets its stiffness from the forces that
+//! act on it where a path begins.
+
+use crate::geometry::Geometry;
+use crate::lie::LieGroup;
+use crate::model::Model;
+use crate::tree::Shape;
+
+/// A coordinate this much softer than the stiffest angle beside it is not held by its elasticity.
+const NOT_ELASTIC: f64 = 1e-10;
+/// Forces on what is not elastic make energies at least this share of the others.
+const SMALLEST_ENERGY: f64 = 1e-6;
+
+/// How a coordinate is measured by itself, before stiffnesses are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Angle,
+    Strain,
+    Length,
+}
+
+/// Units of one design.
+#[derive(Clone, Debug)]
+pub(crate) struct Units {
+    /// A coordinate is its dimensionless value times this times √`energy`.
+    pub scale: Vec<f64>,
+    /// The unit of energy [J], the smallest of `own_energy`.
+    pub energy: f64,
+    /// Energy E of the bodies that act on the same bodies as each coordinate.
+    pub own_energy: Vec<f64>,
+    /// Whether elasticity holds the coordinate.
+    pub elastic: Vec<bool>,
+    /// One radian, a strain of one, or for a translation the length of the longest of these bodies.
+    pub natural: Vec<f64>,
+    kind: Vec<Kind>,
+    /// Elastic stiffness of each coordinate by itself; of what is not elastic, what its forces make.
+    pub stiffness: Vec<f64>,
+}
+
+impl Units {
+    pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(model: &Model<G, D, P>) -> Self {
+        let n = model.dof();
+        let mut kind = vec![Kind::Length; n];
+        for rod in &model.rods {
+            for (dof, angular) in rod.dofs.clone().zip(&rod.angular) {
+                kind[dof] = if *angular { Kind::Angle } else { Kind::Strain };
+            }
+        }
+        for joint in model.joints.iter().filter(|joint| joint.joint.angular) {
+            kind[joint.dof] = Kind::Angle;
+        }
+        Self {
+            scale: vec![1.0; n],
+            energy: 1.0,
+            own_energy: vec![1.0; n],
+            elastic: vec![false; n],
+            natural: vec![1.0; n],
+            kind,
+            stiffness: vec![0.0; n],
+        }
+    }
+
+    /// For a new design, of which `add_elastic` adds the stiffnesses.
+    pub fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        geometry: &Geometry<G, D, P>,
+        add_elastic: impl FnOnce(&mut [f64]),
+    ) {
+        self.stiffness.fill(0.0);
+        add_elastic(&mut self.stiffness);
+        let components = &model.components;
+        for i in 0..self.natural.len() {
+            self.natural[i] = 1.0;
+            if self.kind[i] == Kind::Length {
+                let bodies = model.bodies.iter().zip(&components.of_body);
+                let beside = bodies.filter(|(_, of)| **of == components.of_coordinate[i]);
+                let lengths = beside.map(|(body, _)| match &body.shape {
+                    Shape::Rod(rod) => geometry.parameters[model.rods[*rod].length],
+                    Shape::Link(link) => geometry.parameters[link.length],
+                });
+                self.natural[i] = lengths.fold(0.0, f64::max);
+            }
+        }
+        for component in 0..components.count {
+            let of = &components.of_coordinate;
+            let angles = (0..of.len()).filter(|i| of[*i] == component && self.kind[*i] == Kind::Angle);
+            let stiffest = angles.map(|i| self.stiffness[i]).fold(0.0, f64::max);
+            for i in (0..of.len()).filter(|i| of[*i] == component) {
+                let limit = if self.kind[i] == Kind::Angle { NOT_ELASTIC * stiffest } else { 0.0 };
+                self.elastic[i] = self.stiffness[i] > limit;
+            }
+        }
+        self.set_scale(model);
+    }
+
+    /// Whether elasticity holds every coordinate.
+    pub fn all_elastic(&self) -> bool {
+        self.elastic.iter().all(|elastic| *elastic)
+    }
+
+    /// Takes the stiffnesses of what is not elastic from the forces that act on it, over a natural unit;
+    /// from the curvature only where there are none, for a stiff spring says little of large motions.
+    pub fn measure<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        curvature: &[f64],
+        force: &[f64],
+    ) {
+        for i in (0..self.stiffness.len()).filter(|i| !self.elastic[*i]) {
+            let by_force = force[i] / self.natural[i];
+            self.stiffness[i] = if by_force > 0.0 { by_force } else { curvature[i] };
+        }
+        self.set_scale(model);
+    }
+
+    /// Energies and scales from the stiffnesses.
+    fn set_scale<G: LieGroup<D, P>, const D: usize, const P: usize>(&mut self, model: &Model<G, D, P>) {
+        let of_coordinate = &model.components.of_coordinate;
+        self.energy = f64::INFINITY;
+        for component in 0..model.components.count {
+            let kinds = [Kind::Angle, Kind::Strain, Kind::Length];
+            let found =
+                kinds.into_iter().find_map(|kind| self.smallest_energy(of_coordinate, component, kind));
+            for (own, of) in self.own_energy.iter_mut().zip(of_coordinate) {
+                if *of == component {
+                    *own = found.unwrap_or(f64::INFINITY);
+                }
+            }
+            self.energy = self.energy.min(found.unwrap_or(f64::INFINITY));
+        }
+        if !self.energy.is_finite() {
+            self.energy = 1.0;
+        }
+        for i in 0..self.scale.len() {
+            if !self.own_energy[i].is_finite() {
+                self.own_energy[i] = self.energy;
+            }
+            let by_stiffness = (self.own_energy[i] / self.energy).sqrt() / self.stiffness[i].sqrt();
+            let natural = self.natural[i] / self.energy.sqrt();
+            self.scale[i] = if self.elastic[i] { by_stiffness } else { by_stiffness.min(natural) };
+        }
+    }
+
+    /// The smallest energy of a natural unit of one kind of coordinate, if a component has any that is
+    /// held.
+    fn smallest_energy(&self, of_coordinate: &[usize], component: usize, kind: Kind) -> Option<f64> {
+        let (mut elastic, mut other, mut largest) = (f64::INFINITY, f64::INFINITY, 0.0f64);
+        for (i, of) in of_coordinate.iter().enumerate() {
+            if *of != component || self.kind[i] != kind || !(self.stiffness[i] > 0.0) {
+                continue;
+            }
+            let energy = self.stiffness[i] * self.natural[i] * self.natural[i];
+            let least = if self.elastic[i] { &mut elastic } else { &mut other };
+            *least = least.min(energy);
+            largest = largest.max(energy);
+        }
+        let smallest = elastic.min(other.max(SMALLEST_ENERGY * largest));
+        smallest.is_finite().then_some(smallest)
+    }
+}
