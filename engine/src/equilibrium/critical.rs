@@ -27,6 +27,8 @@ pub(super) struct CriticalSearch {
     options: CriticalOptions,
     /// Whether some motion was held by nothing where it began last.
     neutral: bool,
+    /// The lowest eigenvalue there.
+    eigenvalue: f64,
     /// Second derivative of the load's work along the branch there.
     work_rate: f64,
     mode: Vec<f64>,
@@ -39,7 +41,17 @@ pub(super) struct CriticalSearch {
 impl CriticalSearch {
     pub fn new(options: CriticalOptions, dof: usize) -> Self {
         let zeros = || vec![0.0; dof];
-        Self { options, neutral: false, work_rate: 0.0, mode: zeros(), left: zeros(), load: zeros(), step: zeros(), work: zeros() }
+        Self {
+            options,
+            neutral: false,
+            eigenvalue: 0.0,
+            work_rate: 0.0,
+            mode: zeros(),
+            left: zeros(),
+            load: zeros(),
+            step: zeros(),
+            work: zeros(),
+        }
     }
 
     /// Looks ahead of the equilibrium that the system holds, of which a sub-step of `h` fails with the load
@@ -62,6 +74,7 @@ impl CriticalSearch {
             return None;
         }
         let eigenvalue = self.find_mode(system)?;
+        self.eigenvalue = eigenvalue;
         self.neutral = eigenvalue.abs() <= 10.0 * NULL;
         if self.neutral {
             return None;
@@ -101,6 +114,11 @@ impl CriticalSearch {
         let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
         // A load that does no work at all has no share.
         Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
+    }
+
+    /// The lowest eigenvalue where the search began last.
+    pub fn eigenvalue(&self) -> f64 {
+        self.eigenvalue
     }
 
     /// Second derivative of the load's work along the branch where the search began last.

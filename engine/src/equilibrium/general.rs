@@ -125,7 +125,8 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     };
     schur(matrix).or_else(|| {
         (1..=3).find_map(|turn| {
-            let mirror = DVector::from_fn(n, |i, _| ((i + 1) as f64 * 1.3 * f64::from(turn)).sin()).normalize();
+            let mirror =
+                DVector::from_fn(n, |i, _| ((i + 1) as f64 * 1.3 * f64::from(turn)).sin()).normalize();
             let reflection = DMatrix::identity(n, n) - &mirror * mirror.transpose() * 2.0;
             schur(&(&reflection * matrix * &reflection))
         })

@@ -67,14 +67,16 @@ impl Pinned {
         let row = |i: usize| &full[i * n..(i + 1) * n];
         let size = |mode: &[f64]| -> f64 {
             let of_row = |i: usize| row(i).iter().zip(mode).map(|(h, z)| (h * z).abs()).sum::<f64>();
-            let of_terms = |i: usize| sizes.get(i).map_or(0.0, |size| size * scale[i] * scale[i] * mode[i].abs());
+            let of_terms =
+                |i: usize| sizes.get(i).map_or(0.0, |size| size * scale[i] * scale[i] * mode[i].abs());
             (0..n).map(|i| (of_row(i) + of_terms(i)) * mode[i].abs()).sum()
         };
         let sizes: Vec<f64> = self.modes.iter().map(|mode| size(mode)).collect();
         self.coordinates.iter().enumerate().all(|(k, &c)| {
-            self.modes.iter().zip(&sizes).all(|(mode, other)| {
-                dot(row(c), mode).abs() <= tolerance * (sizes[k] * other).sqrt()
-            })
+            self.modes
+                .iter()
+                .zip(&sizes)
+                .all(|(mode, other)| dot(row(c), mode).abs() <= tolerance * (sizes[k] * other).sqrt())
         })
     }
 

@@ -107,13 +107,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(
-        &self,
-        at: &State<G, D, P>,
-        stiffness: &Vec<f64>,
-        _: &(),
-        out: &mut Magnitudes<P>,
-    ) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, stiffness: &Vec<f64>, _: &(), out: &mut Magnitudes<P>) {
         for (&(i, j), k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
             out.add(i, k * at.q[j]);
             if i != j {

@@ -128,13 +128,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(
-        &self,
-        at: &State<G, D, P>,
-        weights: &Vec<Weight>,
-        _: &(),
-        out: &mut Magnitudes<P>,
-    ) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, weights: &Vec<Weight>, _: &(), out: &mut Magnitudes<P>) {
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
             out.add_at_point(at, *point, self.acceleration.norm() * weight.mass);
         }

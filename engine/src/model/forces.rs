@@ -9,8 +9,8 @@ use crate::forces::element::{
 };
 use crate::forces::gravity::Gravity;
 use crate::forces::joint::Joints;
-use crate::forces::spring::Springs;
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::spring::Springs;
 use crate::forces::terms::Terms;
 use crate::forces::wrench::Wrenches;
 use crate::geometry::Geometry;

@@ -1,8 +1,8 @@
 //! The constant model: a tree of bodies and the forces that act on it, everything that no design
 //! changes.
 
-pub(crate) mod description;
 mod components;
+pub(crate) mod description;
 mod forces;
 mod structure;
 

@@ -42,12 +42,14 @@ def simulate(
     """Follow a model's equilibrium as its actuation rises.
 
     Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
-    tip, and whether the equilibrium is stable; then every snap on the way. The exit code is 1 if a
+    tip, and whether the equilibrium is statically stable; then every snap and bifurcation on the
+    way. The exit code is 1 if a
     load step found no equilibrium; its state is then one of these, and what to do is said below the
     table (`docs/method.md` has more):
 
     * `iteration-limit`: too many iterations, mostly many snaps in a row
     * `unstable`: an equilibrium from which some motion grows by itself
+    * `unrestrained`: a force acts on a motion that nothing holds
     * `stalled`: forces do not balance, yet the energy cannot be lowered
     * `diverged`: the energy is not finite, or no step could be found
     * `invalid-design`: a length, radius, modulus or stiffness makes no sense
@@ -121,6 +123,10 @@ def report(path: Path) -> None:
     failed = next((word for word in path.status if word != "converged"), None)
     if failed is not None:
         out.print(explained(failed), markup=False, soft_wrap=True)
+    free = dict.fromkeys(name for names in path.free for name in names)
+    if free:
+        said = f"held by nothing: {', '.join(free)}"
+        out.print(said, markup=False, soft_wrap=True)
     for event in path.events:
         out.print(_tell(event, path), markup=False, soft_wrap=True)
 
@@ -128,7 +134,7 @@ def report(path: Path) -> None:
 def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
         return str(path.status[step]).replace("_", " ")
-    return "stable" if path.stable[step] else "unstable"
+    return str(path.stability[step])
 
 
 def _count(events: list[Event]) -> str:

@@ -220,13 +220,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(
-        &self,
-        at: &State<G, D, P>,
-        _: &(),
-        state: &ContactState<P>,
-        out: &mut Magnitudes<P>,
-    ) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &ContactState<P>, out: &mut Magnitudes<P>) {
         for (_, k, pair) in self.pairs(at.parameters(), state) {
             let force = k * pair.overlap;
             let [p, a, b] = pair.points(at.tree);
