@@ -112,7 +112,7 @@ impl Corrector {
             // A motion along which nothing changes, as that of a round column about its axis, has a
             // stiffness of the size of the residual.
             let most = tolerance.residual.min(self.options.soft_residual);
-            if !system.factorise(0.0) && !(size <= most && system.factorise(size + NULL)) {
+            if !(system.factorise(0.0) || size <= most && system.factorise(size + NULL)) {
                 return false;
             }
             if system.has_converged(size, tolerance.residual) {

@@ -63,9 +63,16 @@ impl CriticalSearch {
         rate: &[f64],
         h: f64,
     ) -> Option<CriticalPoint> {
-        let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.evaluate();
         system.evaluate_tangent();
+        // Between the listed loads the state is approximate.
+        if system.factorise(0.0) && !system.is_singular() {
+            system.newton_step(&mut self.step);
+            system.advance(&self.step);
+            system.evaluate();
+            system.evaluate_tangent();
+        }
+        let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
         self.work_rate = dot(&self.load, velocity).abs();
         let definite = system.factorise(0.0) || system.factorise(NULL);

@@ -60,8 +60,8 @@ class Results:
     stability : (n, s) array of str
         Static stability, one of `flexor._engine.STABILITY`: ``"stable"``; ``"neutral"``, where some
         motion is held by nothing; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
-        eigenvalues has a negative real part, so that masses decide; ``"unknown"``, where there is no
-        equilibrium or the check failed.
+        eigenvalues has a negative real part, so that masses decide; ``"unknown"``, where there is
+        no equilibrium or the check failed.
     free : (n, s) array of tuples of str
         Coordinates of the motions that nothing holds.
     iterations : (n, s) array

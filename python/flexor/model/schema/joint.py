@@ -58,8 +58,8 @@ class RevoluteJoint(Table):
     """Rotation about one axis.
 
     Beyond a limit by s, the limit's energy is k s³/(6w) up to s = w and k (s²/2 - w s/2 + w²/6)
-    from there on: twice continuously differentiable, with k the ``limit_stiffness`` and w the
-    ``limit_width``.
+    from there on, and from ten widths on also k (s - 10 w)⁴/(12 w²): twice continuously
+    differentiable, with k the ``limit_stiffness`` and w the ``limit_width``.
     """
 
     kind: Literal["revolute"]
