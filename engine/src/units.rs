@@ -2,8 +2,8 @@
 //!
 //! One unit of a coordinate stores, by the coordinate's own stiffness K, the energy E of one radian of the
 //! softest angle that acts on the same bodies: √(E/K). So an elastic model has the same path in these
-//! units whatever its size and its modulus. What is not elastic gets its stiffness from the forces that
-//! act on it where a path begins.
+//! units whatever its size and its modulus. What is not elastic is measured in radians or by the length of
+//! the bodies, and where nothing is elastic the energy comes from the forces that act where a path begins.
 
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -142,7 +142,7 @@ impl Units {
             }
             let by_stiffness = (self.own_energy[i] / self.energy).sqrt() / self.stiffness[i].sqrt();
             let natural = self.natural[i] / self.energy.sqrt();
-            self.scale[i] = if self.elastic[i] { by_stiffness } else { by_stiffness.min(natural) };
+            self.scale[i] = if self.elastic[i] { by_stiffness } else { natural };
         }
     }
 

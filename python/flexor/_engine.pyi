@@ -46,7 +46,7 @@ class Paths(TypedDict):
     status: NDArray[np.uint8]
     stable: NDArray[np.bool_]  # whether stability is "stable"
     stability: NDArray[np.uint8]
-    free: NDArray[np.uint32]  # (m, 3): design, step, coordinate
+    free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     iterations: NDArray[np.uint32]
     residual: NDArray[np.float64]
     tolerance: NDArray[np.float64]

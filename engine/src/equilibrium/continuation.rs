@@ -382,9 +382,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// Whether the energy released is more than the load's work on a branch over `h`, which is all that
     /// there is as long as the energy is convex; to drift along a motion that nothing holds takes none.
+    /// Without a potential, whether there is no such motion.
     fn releases_energy(&mut self, released: f64, h: f64) -> bool {
         if !self.system.is_conservative() {
-            return true;
+            return self.critical.eigenvalue() > self.options.critical.drift;
         }
         self.system.load_gradient(&self.rate, &mut self.work);
         let work_rate = dot(&self.work, &self.velocity[1]).abs().max(self.critical.work_rate());

@@ -27,6 +27,8 @@ pub(super) struct CriticalSearch {
     options: CriticalOptions,
     /// Whether some motion was held by nothing where it began last.
     neutral: bool,
+    /// The lowest eigenvalue there.
+    eigenvalue: f64,
     /// Second derivative of the load's work along the branch there.
     work_rate: f64,
     mode: Vec<f64>,
@@ -42,6 +44,7 @@ impl CriticalSearch {
         Self {
             options,
             neutral: false,
+            eigenvalue: 0.0,
             work_rate: 0.0,
             mode: zeros(),
             left: zeros(),
@@ -60,9 +63,16 @@ impl CriticalSearch {
         rate: &[f64],
         h: f64,
     ) -> Option<CriticalPoint> {
-        let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.evaluate();
         system.evaluate_tangent();
+        // Between the listed loads the state is approximate.
+        if system.factorise(0.0) && !system.is_singular() {
+            system.newton_step(&mut self.step);
+            system.advance(&self.step);
+            system.evaluate();
+            system.evaluate_tangent();
+        }
+        let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
         self.work_rate = dot(&self.load, velocity).abs();
         let definite = system.factorise(0.0) || system.factorise(NULL);
@@ -71,6 +81,7 @@ impl CriticalSearch {
             return None;
         }
         let eigenvalue = self.find_mode(system)?;
+        self.eigenvalue = eigenvalue;
         self.neutral = eigenvalue.abs() <= 10.0 * NULL;
         if self.neutral {
             return None;
@@ -110,6 +121,11 @@ impl CriticalSearch {
         let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
         // A load that does no work at all has no share.
         Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
+    }
+
+    /// The lowest eigenvalue where the search began last.
+    pub fn eigenvalue(&self) -> f64 {
+        self.eigenvalue
     }
 
     /// Second derivative of the load's work along the branch where the search began last.

@@ -235,6 +235,8 @@ options! {
         difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
         /// and largest share of the sub-step over which it is taken.
         step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
+        /// Without a potential, a motion of which the eigenvalue is below this may be a drift.
+        drift: f64 = 1e-3, Interval::from(0.0).to(1.0);
         /// It is a bifurcation if at most this share of the load acts along the eigenvector.
         bifurcation_share: f64 = 0.02, Interval::from(0.0).to(1.0);
     }

@@ -41,13 +41,14 @@ def simulate(
 ) -> int:
     """Compute the equilibria of a model under increasing load.
 
-    Prints the joint angles, the number of spheres in contact, the tip force and the stability at
-    each force, followed by all snaps. The exit code is 1 if a load step does not converge; its
+    Prints the joint angles, the number of spheres in contact, the tip force and the static
+    stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load step does not converge; its
     state is then one of the following, and a remedy is printed below the table (see also
     `docs/method.md`):
 
     * `iteration-limit`: too many iterations, usually because of many successive snaps
     * `unstable`: an unstable equilibrium under loads without a potential
+    * `unrestrained`: a force acts on a motion that nothing holds
     * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
     * `diverged`: the energy is not finite, or no acceptable step was found
     * `invalid-design`: a length, radius, modulus or stiffness is invalid
@@ -121,6 +122,9 @@ def report(path: Path) -> None:
     failed = next((word for word in path.status if word != "converged"), None)
     if failed is not None:
         say(explained(failed))
+    free = dict.fromkeys(name for names in path.free for name in names)
+    if free:
+        say(f"held by nothing: {', '.join(free)}")
     for event in path.events:
         say(_describe_event(event, path))
 
@@ -128,7 +132,7 @@ def report(path: Path) -> None:
 def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
         return str(path.status[step]).replace("_", " ")
-    return "stable" if path.stable[step] else "unstable"
+    return str(path.stability[step])
 
 
 def _count(events: list[Event]) -> str:

@@ -192,7 +192,7 @@ class State(Results):
     """One equilibrium of one design, ``path[step]``; what counts for a path is that of its path."""
 
     def __repr__(self) -> str:
-        ends = "stable" if self.stable else "unstable"
+        ends = str(self.stability)
         return f"<State of {self.model.name!r}: {self.force:g} N, {self.status}, {ends}>"
 
     def frames(self) -> dict[str, Array]:
@@ -252,7 +252,7 @@ class Path(Results):
 
     def __repr__(self) -> str:
         worst = next((word for word in self.status if word != "converged"), "")
-        ends = worst or ("stable" if self.stable.all() else "unstable")
+        ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
         steps = f"{len(self)} steps to {self.force[-1]:g} N"
         return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"

@@ -15,8 +15,8 @@ MEANINGS = MappingProxyType(
             "nothing",
         ),
         "unstable": (
-            "an equilibrium from which some motion grows by itself, without a stable one to be found "
-            "near it; only loads without a potential end there",
+            "an equilibrium from which some motion grows by itself, without a stable one to be "
+            "found near it; only loads without a potential end there",
             "look at the path before it, in smaller load steps",
         ),
         "iteration-limit": (

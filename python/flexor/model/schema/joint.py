@@ -48,8 +48,8 @@ class RevoluteJoint(Table):
     """Rotation about one axis.
 
     At a distance s beyond a limit, the limit's energy is k s³/(6w) for s <= w and
-    k (s²/2 - w s/2 + w²/6) for s > w, which is twice continuously differentiable; k is the
-    ``limit_stiffness`` and w the ``limit_width``.
+    k (s²/2 - w s/2 + w²/6) for s > w, with k (s - 10 w)⁴/(12 w²) added for s > 10 w, which is
+    twice continuously differentiable; k is the ``limit_stiffness`` and w the ``limit_width``.
     """
 
     kind: Literal["revolute"]
