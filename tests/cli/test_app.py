@@ -57,10 +57,10 @@ def test_sets_lists_parameters_in_their_units_and_objectives(flexor) -> None:
 )
 def test_bad_usage_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
     ran = flexor(*arguments)
-    assert words in ran.refusal
+    assert words in ran.error
 
 
 def test_reproduce_says_where_it_went_and_is_not_listed(flexor) -> None:
     ran = flexor("reproduce", "--only", "fig4", "--out", "here")
-    assert "is now `./dev reproduce`" in ran.refusal
+    assert "is now `./dev reproduce`" in ran.error
     assert "reproduce" not in flexor("--help").out
