@@ -42,9 +42,9 @@ def simulate(
     """Compute the equilibria of a model under increasing load.
 
     Prints the joint angles, the number of spheres in contact, the tip force and the static
-    stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load step does not converge; its
-    state is then one of the following, and a remedy is printed below the table (see also
-    `docs/method.md`):
+    stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load
+    step does not converge; its state is then one of the following, and a remedy is printed below
+    the table (see also `docs/method.md`):
 
     * `iteration-limit`: too many iterations, usually because of many successive snaps
     * `unstable`: an unstable equilibrium under loads without a potential

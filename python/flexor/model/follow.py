@@ -99,7 +99,7 @@ def follow(
 
 
 def _free(
-    found: NDArray[np.uint32], shape: tuple[int, ...], lead: int, model: Structure
+    found: NDArray[np.uint64], shape: tuple[int, ...], lead: int, model: Structure
 ) -> NDArray[np.object_]:
     """Name, for each design and step, the coordinates of motions that nothing holds."""
     names = np.full(shape, None, dtype=object)

@@ -27,15 +27,13 @@ class BodySystem(Table):
 
     @classmethod
     def named_tables(cls) -> dict[str, Any]:
-        """Return the types of the entries of all tables of named entries.
+        """Return the type of the entries of each table of named entries.
 
-        Sphere groups are last: they may be called like what touches them.
+        Sphere groups are last: they may have the name of a body or of a force.
         """
         fields = {name: field.annotation for name, field in cls.model_fields.items()}
         fields["spheres"] = fields.pop("spheres")
-        mappings = {
-            name: get_args(type) for name, type in fields.items() if get_origin(type) is dict
-        }
+        mappings = {name: get_args(f) for name, f in fields.items() if get_origin(f) is dict}
         return {name: kind for name, (_, kind) in mappings.items() if get_origin(kind) is not dict}
 
     def entries(self, kind: type[T]) -> Iterator[tuple[str, str, T]]:
