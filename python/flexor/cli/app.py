@@ -20,6 +20,7 @@ from flexor.cli import (
     sets,
     simulate,
 )
+from flexor.cli.command import Command
 from flexor.cli.console import print_error, spell_what_streams_lack
 from flexor.cli.studies import LOST
 from flexor.errors import ClusterError, InputError
@@ -33,12 +34,12 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 # One line per command.
-app.command("simulate")(simulate.simulate)
-app.command("optimize")(optimize.optimize)
-app.command("landscape")(landscape.landscape)
-app.command("compare")(compare.compare)
-app.command("rerun")(rerun.rerun)
-app.command("calibrate")(calibrate.calibrate)
+app.command("simulate", cls=Command)(simulate.simulate)
+app.command("optimize", cls=Command)(optimize.optimize)
+app.command("landscape", cls=Command)(landscape.landscape)
+app.command("compare", cls=Command)(compare.compare)
+app.command("rerun", cls=Command)(rerun.rerun)
+app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("reproduce", hidden=True, context_settings=reproduce.ANYTHING)(reproduce.reproduce)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)

@@ -15,7 +15,7 @@ import typer
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Seed, Set, Threads
-from flexor.cli.progress import duration
+from flexor.cli.progress import LiveLine, duration
 from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
 from flexor.errors import InputError
@@ -190,36 +190,14 @@ def _sentence(found: Calibration, seconds: float) -> str:
     return f"{said}{noise}. {found.evaluations:,} evaluations in {duration(seconds)}."
 
 
-class _Live:
+class _Live(LiveLine):
     """The live line of a running calibration."""
 
     def __init__(self) -> None:
-        from rich.progress import BarColumn, SpinnerColumn, TextColumn
-        from rich.progress import Progress as Bar
-
-        self._bar = Bar(
-            SpinnerColumn(),
-            TextColumn("{task.description}", markup=False),
-            BarColumn(bar_width=20),
-            TextColumn("{task.fields[known]}", markup=False),
-            console=err,
-            transient=True,
-        )
-        self._task = self._bar.add_task("reading", total=None, known="")
-
-    def __enter__(self) -> _Live:
-        if err.is_interactive:
-            self._bar.start()
-        return self
-
-    def __exit__(self, *ended: object) -> None:
-        if err.is_interactive:
-            self._bar.stop()
+        super().__init__("reading")
 
     def __call__(self, at: Progress) -> None:
-        known = f"{at.evaluated + at.replayed:,} evaluations"
+        parts = [at.stage, f"{at.evaluated + at.replayed:,} evaluations"]
         if math.isfinite(at.misfit):
-            known += f" · misfit {number(at.misfit, 3)}"
-        self._bar.update(
-            self._task, description=at.stage, completed=at.done, total=at.total, known=known
-        )
+            parts.append(f"misfit {number(at.misfit, 3)}")
+        self.show(parts, at.done, at.total, "")

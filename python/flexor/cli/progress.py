@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -22,8 +23,12 @@ if TYPE_CHECKING:
     from flexor.study import StudyProgress
 
 
+# Seconds between lines where output is no terminal.
+LINE_EVERY = 30.0
+
+
 class LiveLine:
-    """A transient progress line, shown in terminals only.
+    """A transient progress line in terminals; elsewhere a line every half minute.
 
     Parameters
     ----------
@@ -41,6 +46,7 @@ class LiveLine:
             transient=True,
         )
         self._shown = False
+        self._next = time.monotonic() + LINE_EVERY
         self._task: TaskID = self._bar.add_task(first, total=None, left="")
 
     def __enter__(self) -> Self:
@@ -68,6 +74,7 @@ class LiveLine:
             Remaining time.
         """
         if not err.is_interactive:
+            self._log(parts, left)
             return
         if not self._shown:
             self._bar.start()
@@ -79,6 +86,13 @@ class LiveLine:
             total=total,
             left=left,
         )
+
+    def _log(self, parts: Sequence[str], left: str) -> None:
+        """Print a line now and then where there is no terminal."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + LINE_EVERY
+            err.print(" · ".join([*parts, left] if left else parts), soft_wrap=True)
 
 
 class SearchProgress(LiveLine):

@@ -79,13 +79,14 @@ def grid_designs(
     InputError
         If the grid is too large.
     """
-    axes = grid_axes(lower, upper, points, columns)
-    count = points ** len(axes)
+    dimensions = len(columns) or lower.size
+    count = points**dimensions
     if count > MAX_DESIGNS:
         raise InputError(
-            f"a grid of {points} points along {len(axes)} parameters has {count:.3g} designs: "
+            f"a grid of {points} points along {dimensions} parameters has {count:.3g} designs: "
             f"at most {MAX_DESIGNS:,} are allowed."
         )
+    axes = grid_axes(lower, upper, points, columns)
     designs = np.tile(start, (count, 1))
     for i, values in zip(
         columns or range(lower.size), np.meshgrid(*axes, indexing="ij"), strict=True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import os
 import secrets
@@ -63,6 +64,8 @@ def replaced(path: Path) -> Iterator[Path]:
     OSError
         If it cannot be written.
     """
+    if path.is_dir() and not path.is_symlink():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     draft = path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
     # By open, not tempfile: the umask decides who may read it.
     os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_FOLLOW, 0o666))

@@ -96,6 +96,8 @@ def finished(database: Database) -> dict[tuple[str, str, int], SearchRun]:
     for search, text in database.rows("SELECT search, result FROM searches"):
         try:
             parameters, method, seed = json.loads(search)
+            if [type(each) for each in (parameters, method, seed)] != [str, str, int]:
+                raise ValueError("not a set, a method and a seed")
             values = json.loads(text)
             arrays: dict[str, Any] = {
                 name: np.array(values[name], dtype=kind) for name, kind in _ARRAYS.items()

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
@@ -64,6 +65,7 @@ class Cluster(Pool):
         self.address = where.text
         self._patience = patience
         self._cluster: Any = None
+        self._scratch: TemporaryDirectory[str] | None = None
         self._client: Any = None
         self._threads, self._counted = 0, -_BELIEVED
         self._bare_since: float | None = None
@@ -93,13 +95,17 @@ class Cluster(Pool):
                 with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
                     each.close(timeout=ANSWER)
         self._client = self._cluster = None
+        if self._scratch is not None:
+            self._scratch.cleanup()
+            self._scratch = None
         self._log.setLevel(self._log_level)
 
     def _connect(self, distributed: Any, where: Address) -> Any:
         target = self.address
         if where.local:
             try:
-                self._cluster = _started(distributed, where.local)
+                self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
+                self._cluster = _started(distributed, where.local, self._scratch.name)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(
                     f'the cluster "{self.address}" could not be started: {one_line(error)}.'
@@ -212,14 +218,16 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         ) from error
 
 
-def _started(distributed: Any, workers: int) -> Any:
+def _started(distributed: Any, workers: int, scratch: str) -> Any:
     """Start a cluster on this machine."""
     import dask
 
-    with dask.config.set(_WITHOUT_DISPLAYS), _interrupts_ignored():
+    settings = {**_WITHOUT_DISPLAYS, "temporary-directory": scratch}
+    with dask.config.set(settings), _interrupts_ignored():
         return distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
+            local_directory=scratch,
             dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
             worker_dashboard_address=None,
             memory_limit=0,
