@@ -339,10 +339,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         for (i, g) in self.data.residual().iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
             // A state is known to its last bit only, and so are places and distances.
-            let row = tangent[i * n..(i + 1) * n].iter().zip(self.q.iter().zip(&units.natural));
-            let terms: f64 = row.map(|(h, (q, natural))| h.abs() * q.abs().max(*natural)).sum();
+            let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
+            let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
             let rounding = ROUNDINGS * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
-            let elastic = if units.elastic[i] { units.own_energy[i] / self.unit[i] } else { 0.0 };
+            let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;
             let excess = if *g == 0.0 { 0.0 } else { g.abs() / allowed };
