@@ -237,7 +237,7 @@ def documents(draw: Draw) -> dict[str, Any]:
                 draw(quantities("m").map(lambda text: f"2{text.lstrip('+')}")),
             ],
             "radius_bounds": ["4 mm", "1 m"],
-            "minimum_radius": draw(LENGTH),
+            "minimum_radius": "3 mm",
         }
         maybe(document, draw, design=st.just(designed))
     judged = st.integers(1, 40).map(lambda steps: {"force": f"{steps} N", "step": "1000 mN"})

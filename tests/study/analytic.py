@@ -39,6 +39,7 @@ class AnalyticModel:
 
     name = "analytic"
     joints = ("a", "b", "c")
+    inputs = ("chamber",)
     first_spheres = 42
 
     def __init__(self, pause: float = 0.0, hash: str = "0123") -> None:
