@@ -7,6 +7,7 @@
 
 mod assembly;
 mod batch;
+mod branch;
 mod data;
 mod design;
 pub mod equilibrium;
@@ -22,6 +23,7 @@ pub mod strain;
 mod tree;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
+pub use branch::Branch;
 pub use data::Data;
 pub use forces::contact::ContactSummary;
 pub use forces::element::ContactForce;

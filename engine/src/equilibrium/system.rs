@@ -195,16 +195,23 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve(step);
     }
 
-    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
-    ///
-    /// Needs the factor of the tangent at the equilibrium evaluated last.
-    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) {
+    /// The derivative of the dimensionless residual along the load rate `rate`, at the equilibrium evaluated
+    /// last with its tangent.
+    pub(super) fn load_column(&self, rate: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.data.add_load_gradient(self.model, &self.q, rate, out);
         let unit_energy = self.unit_energy();
         for (v, unit) in out.iter_mut().zip(&self.unit) {
-            *v = -*v * unit / unit_energy;
+            *v = *v * unit / unit_energy;
         }
+    }
+
+    /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
+    ///
+    /// Needs the factor of the tangent at the equilibrium evaluated last.
+    pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) {
+        self.load_column(rate, out);
+        out.iter_mut().for_each(|v| *v = -*v);
         self.factor.solve(out);
     }
 
