@@ -275,7 +275,8 @@ impl Model {
         start: Option<Numbers<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (slots, inputs, dof) = on_model!(&self.inner, m => (m.parameters().len(), m.inputs().len(), m.dof()));
+        let (slots, inputs, dof) =
+            on_model!(&self.inner, m => (m.parameters().len(), m.inputs().len(), m.dof()));
         let parameters = parameters.as_array().to_vec();
         let loads = loads.as_array();
         if parameters.len() != slots {

@@ -105,11 +105,8 @@ fn stability<G: LieGroup<D, P>, const D: usize, const P: usize>(
     bordered: &Bordered,
 ) -> Status {
     let symmetric = system.is_conservative();
-    let stable = if symmetric {
-        system.factorise(0.0)
-    } else {
-        bordered.negative_directions(false, &[]) == Some(0)
-    };
+    let stable =
+        if symmetric { system.factorise(0.0) } else { bordered.negative_directions(false, &[]) == Some(0) };
     if stable { Status::Converged } else { Status::Unstable }
 }
 

@@ -302,9 +302,11 @@ impl Bordered {
         let n = self.dof;
         let mut hessian = self.matrix.view((0, 0), (n, n)).into_owned();
         let mut held = 0;
-        let reactions = borders.iter().enumerate().filter(|(_, b)| matches!(b.multiplier, Multiplier::Reaction));
-        let mut normals: Vec<DVector<f64>> =
-            reactions.map(|(k, _)| self.matrix.view((n + k, 0), (1, n)).transpose().column(0).into_owned()).collect();
+        let reactions =
+            borders.iter().enumerate().filter(|(_, b)| matches!(b.multiplier, Multiplier::Reaction));
+        let mut normals: Vec<DVector<f64>> = reactions
+            .map(|(k, _)| self.matrix.view((n + k, 0), (1, n)).transpose().column(0).into_owned())
+            .collect();
         // Householder's reflections turn the gradients into the first axes, one after another.
         for k in 0..normals.len() {
             let mut mirror = normals[k].clone();

@@ -15,6 +15,8 @@
 
 mod arc_length;
 mod bordered;
+#[cfg(test)]
+mod bordered_tests;
 mod contact_changes;
 mod continuation;
 mod corrector;

@@ -1,4 +1,4 @@
-"""`flexor simulate`: follow a model's equilibrium as its actuation rises."""
+"""`flexor simulate`: follow a model's equilibrium as its actuation rises and falls."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
 from flexor.cli.options import Constants, Model, Set
 from flexor.cli.table import fixed, number, show
-from flexor.cli.values import loads
+from flexor.cli.values import loads, start_state
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -25,10 +25,26 @@ def simulate(
         list[str] | None,
         typer.Option(
             metavar="FORCES",
-            help="Forces in N: `first:last:step`, or a list such as `0,1,2.5`; of a model with "
-            "several inputs `NAME=FORCES`, repeated.",
+            help="Forces in N: `first:last:step`, values, or a list of both such as "
+            "`0:5:1,5:0:1`; of a model with several inputs `NAME=FORCES`, repeated.",
         ),
     ] = None,
+    start: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="START",
+            help="Where to begin: a file of `simulate --json` (its last equilibrium, under its "
+            "load), or coordinates without load such as `ph_1=20 deg`, repeated.",
+        ),
+    ] = None,
+    follow: Annotated[
+        str,
+        typer.Option(
+            metavar="HOW",
+            help="`load`, stable equilibria only, or `arc-length`, one branch through its limit "
+            "points.",
+        ),
+    ] = "load",
     constants: Constants = None,
     changes: Set = None,
     as_json: Annotated[
@@ -39,7 +55,7 @@ def simulate(
         typer.Option(help="Draw every load step to scale into this PNG, SVG or PDF."),
     ] = None,
 ) -> int:
-    """Follow a model's equilibrium as its actuation rises.
+    """Follow a model's equilibrium as its actuation rises and falls.
 
     Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
     tip, and whether the equilibrium is stable; then every snap on the way. The exit code is 1 if a
@@ -59,6 +75,11 @@ def simulate(
     * `flexor simulate examples/finger.toml --force 0:10:2 --plot finger.svg`
     * `flexor simulate finger --constants printed --json`
     * `flexor simulate finger --set exosuit.length="8 cm"`
+    * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
+    * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
+    * `flexor simulate finger --json > bent.json`, then
+      `flexor simulate finger --start bent.json --force 4,3,2`
+    * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`
 
     In the JSON object every list has one entry per load step; angles are in rad, forces in N.
     """
@@ -66,7 +87,12 @@ def simulate(
         from flexor.plot import writable
 
         writable(plot)
-    path = load_changed(model, constants, changes or []).equilibrium(loads(force or []))
+    loaded = load_changed(model, constants, changes or [])
+    path = loaded.equilibrium(
+        loads(force or []),
+        start=start_state(start or []),
+        follow=follow,  # type: ignore[arg-type]  # checked there
+    )
     if as_json:
         print(json.dumps(path.to_dict(), allow_nan=False))
     else:
@@ -118,9 +144,9 @@ def report(path: Path) -> None:
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
     show(headings, rows, left=0)
-    failed = next((word for word in path.status if word != "converged"), None)
-    if failed is not None:
-        out.print(explained(failed), markup=False, soft_wrap=True)
+    failed = path.status[~path.converged]
+    if len(failed):
+        out.print(explained(failed[0]), markup=False, soft_wrap=True)
     for event in path.events:
         out.print(_tell(event, path), markup=False, soft_wrap=True)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexor.plot import arrows, planar, spatial
+from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene
 from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
 
@@ -17,11 +18,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_IN_LEGEND = 12
+PANEL = 0.9
 MOST_IN_ROW = 6
 
 
 def draw_path(
-    scenes: Sequence[Scene], loads: ArrayLike, *, planar_model: bool, load_unit: str = "N"
+    scenes: Sequence[Scene],
+    loads: ArrayLike,
+    *,
+    planar_model: bool,
+    load_unit: str = "N",
+    history: History | None = None,
 ) -> Figure:
     """Draw a model at every load step, to scale.
 
@@ -35,6 +42,8 @@ def draw_path(
         Draw in the plane; otherwise in space.
     load_unit : str
         Of the loads.
+    history : History, optional
+        What a panel below shows over the load.
 
     Returns
     -------
@@ -48,8 +57,13 @@ def draw_path(
     cm_per_newton, key = arrows.scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
+        place, panel = figure.add_gridspec(1, 1)[0], None
+        if history is not None:
+            # The upper part is as high as it would be alone.
+            place, below = figure.add_gridspec(2, 1, height_ratios=(1.0, PANEL))
+            panel = figure.add_subplot(below)
         if planar_model:
-            axes = figure.add_subplot()
+            axes = figure.add_subplot(place)
             planar.frame_axes(axes, scenes, with_key=key > 0.0)
             figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
@@ -58,11 +72,14 @@ def draw_path(
             if key:
                 planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
         else:
-            space = figure.add_subplot(projection="3d", computed_zorder=False)
+            space = figure.add_subplot(place, projection="3d", computed_zorder=False)
             spatial.frame_axes(space, scenes)
             for scene, colour in zip(scenes, colours, strict=True):
                 spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
                 spatial.draw_pushes(space, scene, cm_per_newton=cm_per_newton, colour=colour)
+        if panel is not None and history is not None:
+            draw_history(panel, history, load_unit)
+            figure.set_figheight((1.0 + PANEL) * figure.get_figheight())
         _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
     return figure
 

@@ -13,6 +13,7 @@ from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar
 from flexor.model.schema.points import Contact, SphereGroup, Spring, Wrench
+from flexor.model.schema.start import StartTable
 from flexor.model.schema.table import Name, Switch, Table, Text
 from flexor.model.schema.vector import Gravity
 
@@ -37,6 +38,7 @@ class ModelFile(Table):
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     design: Design | None = None
     evaluation: Evaluation = Evaluation()
+    start: StartTable = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
