@@ -1,4 +1,4 @@
-"""What a peer and Flexor are asked to do, each in its own way."""
+"""Definition of a comparison with another library."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Contest:
-    """One work, done twice.
+    """One task solved by another library and by Flexor.
 
     Attributes
     ----------
     peer : str
-        Who, with versions.
+        Name of the library, with versions.
     work : str
-        What both do.
+        The task.
     unlike : str
-        What is not the same work.
+        Differences between the two computations.
     theirs, ours : callable
-        Do it, for as many problems as `units` says.
+        Solve the task for `units` problems.
     units : tuple of int
-        How many problems theirs and ours solve in one call.
+        Number of problems per call of theirs and ours.
     deviation : callable
-        The largest deviation of the answers, relative to the scale of the quantity, and what else
-        is to be said of them, or nothing.
+        Returns the largest deviation of the results, relative to the scale of the quantity, and a
+        remark or an empty string.
     expected : float
-        What the peer's discretisation and tolerance let one expect of it.
+        Expected deviation from the peer's discretisation and tolerance.
     compared : str
-        What is compared.
+        The compared quantity.
     """
 
     peer: str

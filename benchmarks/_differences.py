@@ -1,4 +1,4 @@
-"""Differences of equilibria along a direction, to check exact derivatives against."""
+"""Finite differences of equilibria along a direction, to check exact derivatives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 # Central differences of sixth order.
 WEIGHTS = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
-# Tighter than the engine's default: differences divide what is left over by the step.
+# Tighter than the engine's default, as differences divide the residual error by the step.
 TOLERANCE = 1e-12
 
 

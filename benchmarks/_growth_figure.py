@@ -1,4 +1,4 @@
-"""The figure of growth."""
+"""Figure of the scaling benchmark."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from flexor.plot.style import CHAMBER, EXOSUIT, FORCE, LINE, PAGE, style
 
 if TYPE_CHECKING:
-    from growth import Growth
+    from _growth import Growth
     from matplotlib.figure import Figure
 
 GUIDE: dict[str, Any] = {"color": "#9AA3A9", "linewidth": 0.8, "linestyle": (0, (4, 2))}
@@ -19,7 +19,7 @@ GUIDE: dict[str, Any] = {"color": "#9AA3A9", "linewidth": 0.8, "linestyle": (0, 
 def draw(
     dof: Sequence[Growth], pairs: Growth, time: Growth, memory: Growth, speed: Growth
 ) -> Figure:
-    """Draw everything, as wide as a page."""
+    """Draw all measurements, one page wide."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator
 
@@ -29,9 +29,9 @@ def draw(
         for growth, colour, marker in zip(dof, (EXOSUIT, FORCE), "os", strict=True):
             line = {"color": colour, "marker": marker, "markersize": 3.0, "label": growth.name}
             a.loglog(growth.sizes, 1e3 * np.array(growth.costs), **line)
-            b.loglog(growth.sizes, 1e3 * np.array(growth.costs) * growth.also, **line)
+            b.loglog(growth.sizes, 1e3 * np.array(growth.costs) * growth.extra, **line)
         for axes in (a, b):
-            _room(axes)
+            _set_limits(axes)
             _guide(axes, 0, "~ n")
             axes.set_xlabel("degrees of freedom n")
             axes.legend(loc="upper left")
@@ -39,15 +39,15 @@ def draw(
         b.set(ylabel="time of a design, 0 to 5 N / ms")
         c.loglog(pairs.sizes, 1e6 * np.array(pairs.costs), **_line())
         c.set(xlabel="pairs of spheres", ylabel="time of an iteration / µs")
-        _room(c)
+        _set_limits(c)
         _guide(c, -1, "~ pairs")
         d.loglog(time.sizes, time.costs, **_line())
         d.set(xlabel="designs, one load step each", ylabel="time / s")
-        _room(d)
+        _set_limits(d)
         _guide(d, -1, "~ designs")
         e.loglog(memory.sizes, memory.costs, **_line())
         e.set(xlabel="designs, one load step each", ylabel="peak memory / MB")
-        _room(e)
+        _set_limits(e)
         f.plot(speed.sizes, speed.costs, **_line())
         f.plot(speed.sizes, [speed.costs[0] * n for n in speed.sizes], **GUIDE)
         f.set(xlabel="threads", ylabel="designs / s", xticks=speed.sizes)
@@ -65,15 +65,15 @@ def _line() -> dict[str, Any]:
     return {"color": CHAMBER, "marker": "o", "markersize": 3.0}
 
 
-def _room(axes: Any) -> None:
-    """Leave room around the curves, down to a power of ten."""
+def _set_limits(axes: Any) -> None:
+    """Set limits with a margin around the curves, down to a power of ten."""
     (left, right), (bottom, top) = axes.dataLim.intervalx, axes.dataLim.intervaly
     axes.set_xlim(0.7 * left, 1.5 * right)
     axes.set_ylim(0.8 * 10.0 ** np.floor(np.log10(bottom)), 3.0 * top)
 
 
 def _guide(axes: Any, through: int, label: str) -> None:
-    """Draw a line of slope one below a point of the first curve, as far as the axes go."""
+    """Draw a guide line of slope one below a point of the first curve."""
     curve = axes.get_lines()[0]
     x, y = np.asarray(curve.get_xdata(), float), np.asarray(curve.get_ydata(), float)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
@@ -81,9 +81,9 @@ def _guide(axes: Any, through: int, label: str) -> None:
     values = 0.4 * y[through] * (at / x[through])
     inside = (values > bottom) & (values < top) & (at < 1.4 * x[-1])
     axes.plot(at[inside], values[inside], **GUIDE)
-    shown = np.flatnonzero(inside)
-    place = shown[int(0.65 * len(shown))]  # where no other line is
+    visible = np.flatnonzero(inside)
+    position = visible[int(0.65 * len(visible))]  # clear of other lines
     axes.annotate(
-        label, (at[place], values[place]), color=LINE, fontsize=7.0, ha="left", va="top",
+        label, (at[position], values[position]), color=LINE, fontsize=7.0, ha="left", va="top",
         xytext=(3, -1), textcoords="offset points",
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Where a benchmark ran: one line to print above its table."""
+"""Description of the machine, printed with every benchmark."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ def machine() -> str:
 
 
 def others() -> float:
-    """Return how many processes have wanted a core in the last minute; NaN if unknown."""
+    """Return the load average of the last minute; NaN if unknown."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
 
 
 def warning(load: float) -> str:
-    """Return a sentence if the machine was not quiet when a benchmark began, or nothing.
+    """Return a warning if the machine was busy when a benchmark began, or an empty string.
 
     Parameters
     ----------
     load
-        What `others` gave before it.
+        Result of `others` before the benchmark.
     """
     if not load > BUSY:
         return ""
     return (
-        f"In the minute before this began {load:.1f} processes wanted the machine's "
-        f"{os.cpu_count()} cores. If they went on, processor times and ratios are disturbed, and "
-        "wall times and speeds are worth nothing."
+        f"The load average before the start was {load:.1f} on {os.cpu_count()} cores. If other "
+        "processes continued, processor times and ratios are disturbed, and wall times and speeds "
+        "are meaningless."
     )

@@ -1,4 +1,4 @@
-"""Random damage to files: of the kinds that disks, editors, people and programs do."""
+"""Random corruption of files."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def _lines(content: bytes, others: Sequence[bytes], random: np.random.Generator)
 
 
 def _tokens(content: bytes, others: Sequence[bytes], random: np.random.Generator) -> bytes:
-    """Put a word of one place in another."""
+    """Replace a word by another one."""
     words = content.split(b" ")
     one, other = (int(i) for i in random.integers(len(words), size=2))
     source = words

@@ -1,4 +1,4 @@
-"""Random designs, the same for every benchmark and every run."""
+"""Reproducible random designs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Models whose size is a number: the paper's finger and a rod in space, refined."""
+"""Models of variable size: the paper's finger and a spatial rod, refined."""
 
 from __future__ import annotations
 

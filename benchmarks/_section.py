@@ -1,4 +1,4 @@
-"""What a benchmark found: a section of `docs/performance.md`, or lines of a terminal."""
+"""Report of a benchmark: a section of `docs/performance.md`, or terminal output."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 
 
 class Missing(Exception):
-    """What a section needs and is not there."""
+    """A tool or package required by a benchmark is missing."""
 
 
 @dataclass
 class Section:
-    """A heading, then text, tables and at most one figure, in the order in which they came.
+    """A heading with text, tables and at most one figure.
 
     Attributes
     ----------
     title, command
-        The heading, and what to run to get this section alone.
+        The heading, and the command that produces this section.
     parts : list of str or Table
         Paragraphs and tables.
     figure : Figure or None
@@ -45,12 +45,12 @@ class Section:
             console.print(part, markup=False) if isinstance(part, str) else console.print(part)
 
     def report(self) -> None:
-        """Print it below a line on where it was measured."""
+        """Print it below a line that describes the machine."""
         Console().print(machine(), markup=False)
         self.show()
 
     def markdown(self, image: str | None = None) -> str:
-        """Write it, with the figure at a path as the document sees it."""
+        """Format it as Markdown, with the figure at a path relative to the document."""
         lines = [f"## {self.title}", "", f"`{self.command}`", ""]
         for part in self.parts:
             lines += [part if isinstance(part, str) else _markdown(part), ""]
@@ -67,15 +67,15 @@ class Section:
 
 
 def table(*columns: str, text: int = 1) -> Table:
-    """Begin a table whose columns are numbers, but for the first `text` of them."""
-    made = Table(*columns)
-    for column in made.columns[text:]:
+    """Create a table with `text` left-aligned columns of text, followed by numbers."""
+    result = Table(*columns)
+    for column in result.columns[text:]:
         column.justify = "right"
-    return made
+    return result
 
 
-def _markdown(made: Table) -> str:
-    head = [str(column.header) for column in made.columns]
-    rule = ["--:" if column.justify == "right" else "---" for column in made.columns]
-    rows = zip(*([str(cell) for cell in column.cells] for column in made.columns), strict=True)
+def _markdown(result: Table) -> str:
+    head = [str(column.header) for column in result.columns]
+    rule = ["--:" if column.justify == "right" else "---" for column in result.columns]
+    rows = zip(*([str(cell) for cell in column.cells] for column in result.columns), strict=True)
     return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, rule, *rows))

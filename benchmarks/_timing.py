@@ -1,4 +1,4 @@
-"""Time taken by turns, so that whatever disturbs the machine disturbs all that is compared."""
+"""Interleaved timing, so that disturbances affect everything that is compared alike."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from rich.progress import Progress
 
 @dataclass
 class Times:
-    """Wall and processor time of every run of one work [s]."""
+    """Wall and processor time of every run of one task [s]."""
 
     wall: list[float] = field(default_factory=list)
     cpu: list[float] = field(default_factory=list)
 
     def run(self, work: Callable[[], object]) -> object:
-        """Do a work once, and note its time; processor time is that of all threads."""
+        """Run a task once and record its time; processor time is that of all threads."""
         wall, cpu = time.perf_counter(), time.process_time()
         result = work()
         self.cpu.append(time.process_time() - cpu)
@@ -37,7 +37,7 @@ class Times:
 def by_turns(
     works: Mapping[str, Callable[[], object]], runs: int, description: str
 ) -> dict[str, Times]:
-    """Do every work once to warm it, then all of them in turn, `runs` times."""
+    """Run every task once as a warm-up, then all of them in turn, `runs` times."""
     times = {name: Times() for name in works}
     with progress() as bar:
         for turn in bar.track(range(runs + 1), description=description):
@@ -47,7 +47,7 @@ def by_turns(
 
 
 def enough(work: Callable[[], object], least: float = 0.05) -> int:
-    """Return how often to do a work so that it takes at least so long [s]."""
+    """Return the number of repetitions of a task that take at least a given time [s]."""
     first, second = Times(), Times()
     first.run(work)
     second.run(work)
@@ -55,7 +55,7 @@ def enough(work: Callable[[], object], least: float = 0.05) -> int:
 
 
 def repeated(work: Callable[[], object], times: int) -> Callable[[], None]:
-    """Return a work that does another so often."""
+    """Return a task that repeats another one."""
 
     def often() -> None:
         for _ in range(times):
@@ -66,7 +66,7 @@ def repeated(work: Callable[[], object], times: int) -> Callable[[], None]:
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """Show progress where it does not mix with tables."""
+    """Show progress on stderr."""
     with Progress(console=Console(stderr=True)) as bar:
         yield bar
 

@@ -1,9 +1,8 @@
-"""What round cones change: random designs and a fine line of designs, spheres against round cones.
+"""Effect of round cones compared with spheres.
 
-Random designs of L+R01 are taken to 5 N in 1 N steps: how many snaps there are, and how many
-iterations a design needs. Along a fine line of designs, length from bound to bound at fixed radii,
-f_b is compared with its smooth trend, a moving parabola: what is left over is the roughness that a
-search has to find its way through.
+For random designs of L+R01 to 5 N in 1 N steps: the number of snaps and of iterations. Along a fine
+line of designs, with the length from bound to bound at fixed radii: the roughness of f_b, as its
+deviation from a moving parabola.
 """
 
 from __future__ import annotations
@@ -36,11 +35,11 @@ SHAPES = ("spheres", "round-cones")
 
 
 def main() -> None:
-    """Evaluate, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=1_000, help="random ones")
-    reading.add_argument("--line", type=int, default=801, help="designs on the line")
-    asked = reading.parse_args()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=1_000, help="number of random designs")
+    parser.add_argument("--line", type=int, default=801, help="designs on the line")
+    arguments = parser.parse_args()
     table = Table("", *(f"{system}: {shape}" for system in SYSTEMS for shape in SHAPES))
     for column in table.columns[1:]:
         column.justify = "right"
@@ -48,7 +47,7 @@ def main() -> None:
     for system, (constants, changes) in SYSTEMS.items():
         for shape in SHAPES:
             model = flexor.load("finger", constants, changes={**changes, "skin.shape": shape})
-            found = facts(model, asked.designs, asked.line, f"{system}: {shape}")
+            found = facts(model, arguments.designs, arguments.line, f"{system}: {shape}")
             for name, value in found.items():
                 rows.setdefault(name, []).append(value)
     for name, values in rows.items():
@@ -81,7 +80,7 @@ def facts(model: Model, designs: int, line: int, title: str) -> dict[str, str]:
         "processor time per design / ms": f"{1e3 * seconds / designs:.2f}",
         "bending on the line / rad": f"{angle.min():.3f} to {angle.max():.3f}",
         "roughness of the line / mrad": f"{1e3 * roughness(angle):.2f}",
-        "turns of the line": f"{turns(angle):,}",
+        "local extrema of the line": f"{extrema(angle):,}",
     }
 
 
@@ -94,7 +93,7 @@ def bending_along_a_line(model: Model, count: int) -> NDArray[np.float64]:
 
 
 def roughness(values: NDArray[np.float64]) -> float:
-    """Return the root mean square distance of values from a parabola moved along them."""
+    """Return the RMS deviation of values from a moving parabola."""
     windows = np.lib.stride_tricks.sliding_window_view(values, WINDOW)
     x = np.linspace(-1.0, 1.0, WINDOW)
     basis = np.linalg.qr(np.vander(x, 3))[0]
@@ -102,8 +101,8 @@ def roughness(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(rest[:, WINDOW // 2] ** 2)))
 
 
-def turns(values: NDArray[np.float64]) -> int:
-    """Count where values stop rising or falling."""
+def extrema(values: NDArray[np.float64]) -> int:
+    """Count the local extrema of a sequence."""
     return int((np.diff(np.sign(np.diff(values))) != 0).sum())
 
 

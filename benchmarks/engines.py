@@ -1,9 +1,9 @@
-"""This engine against another build of it, by turns in one process.
+"""Compare the speed of two builds of the engine, interleaved in one process.
 
-On a machine that does other things, two runs of the same benchmark may differ by a tenth or more.
-Here both engines take turns on small parts of the same designs, and the best time of each part
-counts: what is left varies by about one in a hundred between builds of the same method. Keep the
-engine to compare with before building the new one:
+On a busy machine two runs of the same benchmark may differ by 10 % or more. Here both engines
+alternate on small batches of the same designs, and the best time of each batch counts; the
+remaining variation between builds of the same method is about 1 %. Keep a copy of the engine before
+building the new one:
 
     cp python/flexor/_engine_native.abi3.so old.so
     ./dev bench engines --against old.so
@@ -32,29 +32,31 @@ PART = 25
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    reading.add_argument("--against", type=Path, required=True, help="the other extension module")
-    reading.add_argument("--designs", type=int, default=800, help="of each set of constants")
-    reading.add_argument("--runs", type=int, default=8, help="of which the best counts")
-    asked = reading.parse_args()
+    parser.add_argument("--against", type=Path, required=True, help="the other extension module")
+    parser.add_argument(
+        "--designs", type=int, default=800, help="number of designs per set of constants"
+    )
+    parser.add_argument("--runs", type=int, default=8, help="number of runs; the best time counts")
+    arguments = parser.parse_args()
     try:
-        engines = [load(asked.against), _engine]
+        engines = [load(arguments.against), _engine]
     except ImportError as error:
-        reading.error(f"--against: {asked.against} is no build of the engine: {error}")
+        parser.error(f"--against: {arguments.against} is not a build of the engine: {error}")
     found = table(
         "constants", "steps / N", "designs/s", "the other", "ratio", "iterations", "the other's"
     )
     for name, constants in (("calibrated", {}), ("E = 1 MPa, k = 1000 N/m", PRESSING)):
         model = flexor.load("finger", "calibrated", constants)
-        slots, values = model.geometry_slots(random_designs(model, asked.designs))
+        slots, values = model.geometry_slots(random_designs(model, arguments.designs))
         models = [engine.Model(model._description) for engine in engines]
         for step in (1, 5):
             loads = np.arange(0.0, 5.1, step)[:, None]
             title = f"{name}, {step} N"
-            best, iterations = by_parts(models, slots, values, loads, asked.runs, title)
+            best, iterations = by_parts(models, slots, values, loads, arguments.runs, title)
             other, this = len(values) / best
             found.add_row(
                 name,
@@ -70,7 +72,7 @@ def main() -> None:
 def by_parts(
     models: list, slots: np.ndarray, values: np.ndarray, loads: np.ndarray, runs: int, name: str
 ) -> tuple[np.ndarray, list[int]]:
-    """Return processor time [s] and iterations of each engine, part by part in turn."""
+    """Return processor time [s] and iterations of each engine, alternating between batches."""
     starts = range(0, len(values), PART)
     times = np.full((len(models), len(starts), runs), np.inf)
     iterations = [0] * len(models)

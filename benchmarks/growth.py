@@ -1,10 +1,10 @@
-"""How cost grows: with degrees of freedom, contact pairs, designs and threads; and memory.
+"""Scaling with degrees of freedom, contact pairs, designs and threads; and memory.
 
-Degrees of freedom by finer elements of the paper's exosuit on its finger, and of a rod in space
-with all six strain modes, each followed from 0 to 5 N; contact pairs by more spheres on the finger,
-softer in proportion; designs, in processes of their own, by a single small load step, which is
-cheap enough for a million. Times are processor times of one thread, but for the speed on several
-threads. Exponents a, cost ~ sizeᵃ, are fitted over the sizes that are said.
+Degrees of freedom: the paper's exosuit on its finger with finer elements, and a spatial rod with
+all six strain modes, from 0 to 5 N. Contact pairs: more spheres on the finger, with proportionally
+lower stiffness. Designs: one small load step in a separate process, which is affordable for a
+million designs. Times are processor times of one thread, except for the speed on several threads.
+Exponents a of cost ~ sizeᵃ are fitted over the stated sizes.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import multiprocessing
 import os
 import statistics
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from _growth import Growth
 from _growth_figure import draw
 from _random_designs import random_designs
 from _rods import finger, spatial_rod, two_designs
@@ -42,38 +42,28 @@ ELEMENTS = {
     "finger and exosuit": (finger, (4, 10, 20, 40, 80, 160, 320, 498)),
     "rod in space": (spatial_rod, (1, 3, 7, 15, 31, 63, 127, 166)),
 }
-QUICK_ELEMENTS = 6  # of each
+QUICK_ELEMENTS = 6  # sizes per model with --quick
 SPHERES = (1, 3, 10, 30, 100, 300)  # on each of three links
 DESIGNS = (1, 10, 100, 1_000, 10_000, 100_000, 1_000_000)
 FORCES = (0.0, 0.1)  # N, for many designs
-LARGE_DOF, LARGE_DESIGNS = 300, 100  # exponents are fitted from here on
-
-
-@dataclass(frozen=True)
-class Growth:
-    """Cost over size; what a run was repeated for is its median."""
-
-    sizes: list[int]
-    costs: list[float]
-    also: list[float]
-    name: str = ""
+LARGE_DOF, LARGE_DESIGNS = 300, 100  # lower limits of the fits of exponents
 
 
 def main() -> None:
-    """Measure, and print the tables."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="smaller sizes")
-    reading.add_argument("--figure", type=Path, help="where to draw it (PNG, SVG or PDF)")
-    asked = reading.parse_args()
-    section = measure(asked.runs, quick=asked.quick)
+    """Run the benchmark and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="smaller sizes")
+    parser.add_argument("--figure", type=Path, help="file of the figure (PNG, SVG or PDF)")
+    arguments = parser.parse_args()
+    section = measure(arguments.runs, quick=arguments.quick)
     section.report()
-    if asked.figure is not None:
-        section.save(asked.figure)
+    if arguments.figure is not None:
+        section.save(arguments.figure)
 
 
 def measure(runs: int, *, quick: bool) -> Section:
-    """Measure everything, and write it up."""
+    """Run the benchmark and return its report."""
     if not quick:
         Console(stderr=True).print("a million designs and 1,000 DOF: this takes some minutes")
     chosen = slice(QUICK_ELEMENTS) if quick else slice(None)
@@ -83,32 +73,32 @@ def measure(runs: int, *, quick: bool) -> Section:
     pairs = contact_pairs(SPHERES[:-1] if quick else SPHERES, runs)
     time, memory = designs(DESIGNS[:-2] if quick else DESIGNS, runs)
     speed = threads(runs, 500 if quick else 2_000)
-    section = Section("Growth", "./dev bench growth" + " --quick" * quick)
+    section = Section("Scaling", "./dev bench growth" + " --quick" * quick)
     section.parts += [
         "Processor time of one Newton iteration over degrees of freedom (DOF), with the exponent a "
-        "of time ~ DOF^a from one size to the next; iterations are those of a design followed from "
-        "0 to 5 N:",
+        "of time ~ DOF^a between successive sizes; iterations per design are for a path from 0 to "
+        "5 N:",
         _degrees_table(dof),
         " ".join(_fit_sentence(growth) for growth in dof)
-        + " Kinematics, potentials and the columns of each motion grow with DOF; below 96 strains "
-        "the assembly pairs every coordinate with all before it, DOF², and Cholesky's "
-        "factorisation is DOF³/6 multiplications; from there on both go from node to node "
-        "(*Structure of the tangent*).",
-        "Iteration over pairs of spheres that may touch, with those that do at 5 N:",
-        _table("pairs", "touching", "µs/iteration", pairs, 1e6, "{:.1f}"),
+        + " Kinematics, potentials and Jacobian columns are linear in DOF. Below 96 strains the "
+        "assembly couples all pairs of coordinates, DOF², and the Cholesky factorisation takes "
+        "DOF³/6 multiplications; from 96 strains on both are linear (*Structure of the tangent*).",
+        "Time of an iteration over potential contact pairs, with the number in contact at 5 N:",
+        _table("pairs", "in contact", "µs/iteration", pairs, 1e6, "{:.1f}"),
         _pairs_sentence(pairs),
-        f"Designs, each followed from 0 to {FORCES[1]} N in one step on one thread, and the most "
-        "memory that the process used:",
+        f"Batches of designs, each from 0 to {FORCES[1]} N in one step on one thread, with the "
+        "peak "
+        "memory of the process:",
         _designs_table(time, memory),
         f"From {LARGE_DESIGNS} designs on: time ~ designs^{_tail(time, LARGE_DESIGNS):.2f}; "
-        f"memory {_slope(memory):.2f} kB for each design more.",
-        "Designs a second, 0 to 5 N in 1 N steps (wall time):",
+        f"memory {_slope(memory):.2f} kB per additional design.",
+        "Designs per second, 0 to 5 N in 1 N steps (wall time):",
         _threads_table(speed),
     ]
     section.figure = draw(dof, pairs, time, memory, speed)
     section.caption = (
-        "Growth: time of an iteration over degrees of freedom and over contact pairs; time and "
-        "memory over designs; speed over threads."
+        "Scaling: time of an iteration over degrees of freedom and contact pairs; time and memory "
+        "over designs; speed over threads."
     )
     return section
 
@@ -121,16 +111,16 @@ def degrees(name: str, make: Callable[[int], Model], elements: Sequence[int], ru
 
 
 def contact_pairs(spheres: Sequence[int], runs: int) -> Growth:
-    """Time an iteration over pairs of spheres; `also` are those that touch, of each design."""
-    models = [_bristling(count) for count in spheres]
+    """Time an iteration over pairs of spheres; `extra` are the pairs in contact per design."""
+    models = [_many_spheres(count) for count in spheres]
     costs, _ = _iterations(models, "contact pairs", runs)
     tested = [3 * count * model.first_spheres for count, model in zip(spheres, models, strict=True)]
     touching = [float(model.evaluate(two_designs(model)).pairs[:, -1].mean()) for model in models]
     return Growth(tested, costs, touching, "contact pairs")
 
 
-def _bristling(spheres: int) -> Model:
-    """The finger with so many spheres on each of its three long links, and the skin as soft."""
+def _many_spheres(spheres: int) -> Model:
+    """Return the finger with many spheres on its three long links, at equal total stiffness."""
     places = [
         {"body": f"ph_{link}", "at": (i + 0.5) / spheres}
         for link in (1, 2, 3)
@@ -145,7 +135,7 @@ def _bristling(spheres: int) -> Model:
 
 
 def _iterations(models: Sequence[Model], name: str, runs: int) -> tuple[list[float], list[float]]:
-    """Return the processor time of an iteration [s], and iterations for each design."""
+    """Return the processor time of an iteration [s] and the iterations per design."""
     works, counts = {}, {}
     for model in models:
         geometry = two_designs(model)
@@ -159,25 +149,25 @@ def _iterations(models: Sequence[Model], name: str, runs: int) -> tuple[list[flo
 
 
 def designs(counts: Sequence[int], runs: int) -> tuple[Growth, Growth]:
-    """Time [s] and peak memory [MB] over designs; the largest number is run once."""
-    seconds, most = [], []
+    """Measure time [s] and peak memory [MB] over designs; the largest batch is run once."""
+    seconds, peaks = [], []
     with progress() as bar:
         for count in bar.track(counts, description="designs"):
             repeats = runs if count < 1_000_000 else 1
-            found = list(_processes(count, repeats))
-            seconds.append(statistics.median(second for second, _ in found))
-            most.append(statistics.median(memory for _, memory in found))
-    return Growth(list(counts), seconds, []), Growth(list(counts), most, [])
+            samples = list(_processes(count, repeats))
+            seconds.append(statistics.median(second for second, _ in samples))
+            peaks.append(statistics.median(memory for _, memory in samples))
+    return Growth(list(counts), seconds, []), Growth(list(counts), peaks, [])
 
 
 def _processes(count: int, repeats: int) -> Iterator[tuple[float, float]]:
     for _ in range(repeats):
         with multiprocessing.get_context("spawn").Pool(1) as pool:
-            yield pool.apply(_many, (count,))
+            yield pool.apply(_evaluate, (count,))
 
 
-def _many(count: int) -> tuple[float, float]:
-    """Evaluate so many designs; return processor time [s] and the most memory used [MB]."""
+def _evaluate(count: int) -> tuple[float, float]:
+    """Evaluate random designs; return processor time [s] and peak memory [MB]."""
     model, times = flexor.load("finger", "calibrated"), Times()
     geometry = random_designs(model, count)
     model.evaluate(random_designs(model, 1), FORCES, threads=1)
@@ -186,7 +176,7 @@ def _many(count: int) -> tuple[float, float]:
 
 
 def threads(runs: int, count: int) -> Growth:
-    """Measure designs a second over threads; `also` is the ratio to one thread, run by run."""
+    """Measure designs per second over threads; `extra` is the speed-up over one thread."""
     cores = os.cpu_count() or 1
     numbers = sorted({1, cores, *(2**i for i in range(1, cores.bit_length()))} - {0})
     model = flexor.load("finger", "calibrated")
@@ -207,7 +197,7 @@ def _tail(growth: Growth, least: int) -> float:
 
 
 def _slope(memory: Growth) -> float:
-    """Return kB for each design more, between the two largest numbers."""
+    """Return the memory per additional design [kB], from the two largest batches."""
     return 1e3 * (memory.costs[-1] - memory.costs[-2]) / (memory.sizes[-1] - memory.sizes[-2])
 
 
@@ -217,7 +207,7 @@ def _fit_sentence(growth: Growth) -> str:
     below = exponent([growth.sizes[i] for i in small], [growth.costs[i] for i in small])
     text = f"{growth.name.capitalize()}: time of an iteration ~ DOF^{below:.2f} below {LARGE_DOF}"
     if len(large) > 1:
-        text += f", ~ DOF^{_tail(growth, LARGE_DOF):.2f} from there to {large[-1]}"
+        text += f", ~ DOF^{_tail(growth, LARGE_DOF):.2f} from {LARGE_DOF} to {large[-1]}"
     return text + "."
 
 
@@ -225,18 +215,18 @@ def _pairs_sentence(pairs: Growth) -> str:
     each = (pairs.costs[-1] - pairs.costs[0]) / (pairs.sizes[-1] - pairs.sizes[0])
     last = local_exponents(pairs.sizes, pairs.costs)[-1]
     return (
-        f"That is {1e9 * each:.2f} ns for each pair more, those included that touch; between the "
-        f"two largest numbers time ~ pairs^{last:.2f}, as the rest of the iteration still counts."
+        f"This is {1e9 * each:.2f} ns per additional pair, including those in contact; between the "
+        f"two largest sizes time ~ pairs^{last:.2f}, as the rest of the iteration is significant."
     )
 
 
 def _degrees_table(dof: Sequence[Growth]) -> Table:
-    made = table("model", "DOF", "iterations/design", "µs/iteration", "ms/design", "exponent")
+    result = table("model", "DOF", "iterations/design", "µs/iteration", "ms/design", "exponent")
     for growth in dof:
         exponents = [float("nan"), *local_exponents(growth.sizes, growth.costs)]
-        rows = zip(growth.sizes, growth.also, growth.costs, exponents, strict=True)
+        rows = zip(growth.sizes, growth.extra, growth.costs, exponents, strict=True)
         for i, (size, iterations, cost, local) in enumerate(rows):
-            made.add_row(
+            result.add_row(
                 "" if i else growth.name,
                 f"{size:,}",
                 f"{iterations:.1f}",
@@ -244,28 +234,30 @@ def _degrees_table(dof: Sequence[Growth]) -> Table:
                 f"{1e3 * cost * iterations:,.2f}",
                 f"{local:.2f}" if i else "",
             )
-    return made
+    return result
 
 
-def _table(size: str, also: str, cost: str, growth: Growth, factor: float, form: str) -> Table:
-    made = table(size, also, cost, text=0)
-    for number, other, value in zip(growth.sizes, growth.also, growth.costs, strict=True):
-        made.add_row(f"{number:,}", f"{other:,.1f}", form.format(factor * value))
-    return made
+def _table(size: str, extra: str, cost: str, growth: Growth, factor: float, form: str) -> Table:
+    result = table(size, extra, cost, text=0)
+    for number, other, value in zip(growth.sizes, growth.extra, growth.costs, strict=True):
+        result.add_row(f"{number:,}", f"{other:,.1f}", form.format(factor * value))
+    return result
 
 
 def _designs_table(time: Growth, memory: Growth) -> Table:
-    made = table("designs", "seconds", "µs/design", "peak memory / MB", text=0)
+    result = table("designs", "seconds", "µs/design", "peak memory / MB", text=0)
     for count, seconds, most in zip(time.sizes, time.costs, memory.costs, strict=True):
-        made.add_row(f"{count:,}", f"{seconds:.4f}", f"{1e6 * seconds / count:.1f}", f"{most:,.0f}")
-    return made
+        result.add_row(
+            f"{count:,}", f"{seconds:.4f}", f"{1e6 * seconds / count:.1f}", f"{most:,.0f}"
+        )
+    return result
 
 
 def _threads_table(speed: Growth) -> Table:
-    made = table("threads", "designs/s", "times one thread", text=0)
-    for number, value, ratio in zip(speed.sizes, speed.costs, speed.also, strict=True):
-        made.add_row(str(number), f"{value:,.0f}", f"{ratio:.2f}")
-    return made
+    result = table("threads", "designs/s", "speed-up", text=0)
+    for number, value, ratio in zip(speed.sizes, speed.costs, speed.extra, strict=True):
+        result.add_row(str(number), f"{value:,.0f}", f"{ratio:.2f}")
+    return result
 
 
 if __name__ == "__main__":

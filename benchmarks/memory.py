@@ -1,7 +1,7 @@
-"""What many designs take: the most memory that a process uses for 100,000 of them.
+"""Peak memory of a process for 100,000 designs.
 
-Once as a batch that keeps every state (`Model.evaluate`), once as a study that keeps every
-evaluation in its folder (a grid of L+R01), each in a process of its own.
+As a batch with all states (`Model.evaluate`) and as a recorded study (a grid of L+R01), each in a
+separate process.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ import flexor
 
 
 def batch(designs: int) -> int:
-    """Evaluate a batch; return how many designs it has."""
+    """Evaluate a batch; return its number of designs."""
     model = flexor.load("finger", "calibrated")
     return len(model.evaluate(random_designs(model, designs)))
 
 
 def study(designs: int) -> int:
-    """Record a grid of about so many designs; return how many it has."""
+    """Record a grid of about the given number of designs; return its number of designs."""
     points = round(designs ** (1.0 / 3.0))
     with tempfile.TemporaryDirectory() as folder:
         found = flexor.optimize(
@@ -45,18 +45,18 @@ def study(designs: int) -> int:
 
 
 def measured(work: Callable[[int], int], designs: int) -> tuple[int, float, float]:
-    """Return designs, seconds and the most memory used [MB]."""
+    """Return designs, seconds and peak memory [MB]."""
     began = time.perf_counter()
     count = work(designs)
     return count, time.perf_counter() - began, peak()
 
 
 def peak() -> float:
-    """Return the most memory that this process has used [MB]."""
+    """Return the peak memory of this process [MB]."""
     if sys.platform == "win32":
         return float("nan")
     status = Path("/proc/self/status")
-    if status.exists():  # getrusage would also count the process that began this one
+    if status.exists():  # getrusage would include the parent's peak
         (line,) = (x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
         return int(line.split()[1]) / 1e3
     import resource
@@ -66,23 +66,23 @@ def peak() -> float:
 
 
 def nothing(designs: int) -> int:
-    """Do nothing but what comes before."""
+    """Do nothing, to measure interpreter and imports."""
     return 0 * designs
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=100_000)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    asked = reading.parse_args()
-    section = measure(asked.designs, asked.runs)
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=100_000)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    arguments = parser.parse_args()
+    section = measure(arguments.designs, arguments.runs)
     section.report()
 
 
 def measure(designs: int, runs: int) -> Section:
-    """Measure everything, and write it up."""
-    made = table("what", "designs", "seconds", "peak memory / MB")
+    """Run the benchmark and return its report."""
+    result = table("what", "designs", "seconds", "peak memory / MB")
     works = {"interpreter and packages": nothing, "batch": batch, "study": study}
     with progress() as bar:
         for name, work in works.items():
@@ -93,13 +93,12 @@ def measure(designs: int, runs: int) -> Section:
             count, seconds, most = (
                 statistics.median(values) for values in zip(*found, strict=True)
             )
-            made.add_row(name, f"{count:,.0f}", f"{seconds:.1f}", f"{most:.0f}")
+            result.add_row(name, f"{count:,.0f}", f"{seconds:.1f}", f"{most:.0f}")
     section = Section("Memory", f"./dev bench memory --designs {designs}")
     section.parts += [
-        "The most memory that a process uses for random designs of finger and exosuit, each with "
-        "six load steps: as a batch that keeps every state, and as a study that keeps every "
-        f"evaluation in its folder; medians of {runs} processes.",
-        made,
+        "Peak memory of a process for random designs of finger and exosuit with six load steps, as "
+        f"a batch with all states and as a recorded study; medians of {runs} processes.",
+        result,
     ]
     return section
 

@@ -1,9 +1,9 @@
-"""Peers side by side: the same work by other libraries and by Flexor, in one run and by turns.
+"""Comparison with other libraries on the same tasks, interleaved in one run.
 
-Processor time of all threads for each problem, Flexor on one thread; the first call of a peer, in
-which it compiles, apart. Each answer is compared with Flexor's to the accuracy that the peer can
-give; the exit code is 1 if one deviates by more. Peers that are missing are left out,
-with the command that installs them (the extra `peers` has all of them).
+Processor time of all threads per problem, with Flexor on one thread; the first call of a peer,
+which includes compilation, is listed separately. Results are compared to the accuracy of the peer;
+the exit code is 1 if one deviates by more. Peers that are not installed are skipped, with the
+command that installs them (the extra `peers` includes all).
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ UNITS = ((1.0, "s"), (1e3, "ms"), (1e6, "µs"))
 
 
 def main() -> int:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="smaller batches")
-    asked = reading.parse_args()
-    section, good = measure(asked.runs, quick=asked.quick)
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="smaller batches")
+    arguments = parser.parse_args()
+    section, good = measure(arguments.runs, quick=arguments.quick)
     section.report()
     return 0 if good else 1
 
 
 def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
-    """Measure everything, and write it up; say whether all answers agree."""
-    made = table(
+    """Run the benchmark; return its report and whether all results agree."""
+    result = table(
         *("", "peer", "its time", "Flexor's", "ratio", "first call", "deviation", "expected"),
         text=2,
     )
@@ -56,8 +56,8 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             contests = peer(quick)
         except Missing as gone:
             missing.append(
-                f"{gone} is not installed and was left out: `{install_command(str(gone))}` "
-                "brings it."
+                f"{gone} is not installed and was skipped: install it with "
+                f"`{install_command(str(gone))}`."
             )
             continue
         for contest in contests:
@@ -72,7 +72,7 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             agrees = deviation <= contest.expected
             good &= agrees
             number = str(len(notes) + 1)
-            made.add_row(
+            result.add_row(
                 *(number, contest.peer, duration(theirs), duration(ours), f"{theirs / ours:,.0f}"),
                 duration(first.median),
                 f"{deviation:.0e}" + " (!)" * (not agrees),
@@ -80,15 +80,15 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
             )
             notes.append(
                 f"{number}. {contest.peer}: {contest.work}. Compared: {contest.compared}"
-                f"{': ' * bool(remark)}{remark}. Not the same work: {contest.unlike}."
+                f"{': ' * bool(remark)}{remark}. Differences: {contest.unlike}."
             )
     section = Section("Peers", "./dev bench peers" + " --quick" * quick)
     section.parts += [
-        "The same work by other libraries and by Flexor, by turns in one run: processor time of "
-        "all threads for one problem, with Flexor on one thread. In its first call a peer also "
-        "compiles what it has to. *Deviation* is between its answer and Flexor's, relative to the "
-        "scale of the quantity, and *expected* what its tolerance and discretisation allow.",
-        made,
+        "Processor time of all threads for the same problem, interleaved in one run, with Flexor "
+        "on one thread. The first call of a peer includes compilation. *Deviation* is the "
+        "difference between its result and Flexor's, relative to the scale of the quantity, and "
+        "*expected* is the error allowed by its tolerance and discretisation.",
+        result,
         "\n".join(notes),
         *missing,
     ]
@@ -96,7 +96,7 @@ def measure(runs: int, *, quick: bool) -> tuple[Section, bool]:
 
 
 def duration(seconds: float) -> str:
-    """Write a time with three digits."""
+    """Format a time with three digits."""
     factor, unit = next(x for x in UNITS if seconds * x[0] >= 1.0 or x is UNITS[-1])
     return f"{seconds * factor:.3g} {unit}"
 

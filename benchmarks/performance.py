@@ -1,10 +1,10 @@
-"""Write `docs/performance.md`: every measurement of speed and scale, in one run.
+"""Run all performance benchmarks and write `docs/performance.md`.
 
-Medians of several runs each, by turns where things are compared. `--quick` takes smaller sizes and
-ends within ten minutes on two quiet cores; without it there are also a million designs and a
-thousand degrees of freedom. `--only speed gradients` measures these sections again and leaves the
-others as they are, in a document of the same day, machine, version and sizes. The exit code is 1 if
-an answer of a peer or of a smaller load step deviates by more than it may.
+Numbers are medians of several runs, interleaved where they are compared. `--quick` uses smaller
+sizes and takes ten minutes on two idle cores; otherwise the sizes reach a million designs and a
+thousand degrees of freedom. `--only speed gradients` updates these sections of a document of the
+same day, machine, version and sizes. The exit code is 1 if the results of a peer or of a smaller
+load step deviate by more than expected.
 """
 
 from __future__ import annotations
@@ -36,38 +36,38 @@ Sections = dict[str, Callable[[], tuple[Section, bool]]]
 
 def main() -> int:
     """Measure everything, and write the document."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of each, of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="smaller sizes")
-    reading.add_argument("--out", type=Path, default=DOCS, help="folder of the document")
-    reading.add_argument("--only", nargs="+", choices=list(full(0)), help="sections to renew")
-    asked = reading.parse_args()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="smaller sizes")
+    parser.add_argument("--out", type=Path, default=DOCS, help="folder of the document")
+    parser.add_argument("--only", nargs="+", choices=list(full(0)), help="sections to update")
+    arguments = parser.parse_args()
     load, console, began = others(), Console(stderr=True), time.perf_counter()
     if warning(load):
         console.print(f"warning: {warning(load)}", markup=False)
     texts, fine = [], True
-    works = quick(asked.runs) if asked.quick else full(asked.runs)
-    target = asked.out / "performance.md"
-    document = opening(load, quick=asked.quick)
-    if asked.only:
+    works = quick(arguments.runs) if arguments.quick else full(arguments.runs)
+    target = arguments.out / "performance.md"
+    document = opening(load, quick=arguments.quick)
+    if arguments.only:
         found = target.read_text(encoding="utf-8") if target.is_file() else ""
-        if not found.startswith(opening(0.0, quick=asked.quick)):
-            reading.error(
+        if not found.startswith(opening(0.0, quick=arguments.quick)):
+            parser.error(
                 f"--only: {target} is missing or of another day, machine, version or size; "
-                "measure all of it"
+                "run all benchmarks"
             )
-        works, document = {name: works[name] for name in asked.only}, found
+        works, document = {name: works[name] for name in arguments.only}, found
     for i, (name, measure) in enumerate(works.items()):
         console.print(f"[bold]{i + 1} of {len(works)}: {name}[/bold]")
         section, good = measure()
         section.show()
         fine &= good
         if not good:
-            section.parts.append("**Some of these deviate by more than they may.**")
+            section.parts.append("**Some results deviate by more than expected.**")
         image = f"images/{name}.png" if section.figure is not None else None
         if image is not None:
-            (asked.out / image).parent.mkdir(parents=True, exist_ok=True)
-            section.save(asked.out / image)
+            (arguments.out / image).parent.mkdir(parents=True, exist_ok=True)
+            section.save(arguments.out / image)
         texts.append(section.markdown(image))
     minutes = (time.perf_counter() - began) / 60.0
     for text in texts:
@@ -108,18 +108,16 @@ def full(runs: int) -> Sections:
 
 
 def tried(measure: Callable[[], Section], title: str, command: str) -> tuple[Section, bool]:
-    """Measure with tools that need not be there, or say which is missing."""
+    """Run a benchmark that needs optional tools, or report which one is missing."""
     try:
         return measure(), True
     except Missing as missing:
-        return Section(title, command, [f"Not measured: {missing}"]), True
+        return Section(title, command, [f"Skipped: {missing}"]), True
 
 
 def profile(runs: int, *, short: bool) -> tuple[Section, bool]:
     """Profile the engine."""
-    return tried(
-        lambda: hotspots.measure(runs, quick=short), "Where the time goes", "./dev bench hotspots"
-    )
+    return tried(lambda: hotspots.measure(runs, quick=short), "Profile", "./dev bench hotspots")
 
 
 def renewed(document: str, text: str) -> str:
@@ -132,13 +130,13 @@ def renewed(document: str, text: str) -> str:
 
 
 def opening(load: float, *, quick: bool) -> str:
-    """Write what comes before the sections."""
+    """Return the text before the sections."""
     command = "./dev bench" + " --quick" * quick
     lines = [
         "# Performance",
         "",
-        f"Written by `{command}`; each section names the command that prints it alone. Times are "
-        "medians of several runs, and what is compared was run by turns.",
+        f"Generated by `{command}`; each section names the command that reproduces it. Times are "
+        "medians of several runs, interleaved where they are compared.",
         "",
         f"{datetime.date.today().isoformat()}; {machine()}.",
         "",

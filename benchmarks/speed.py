@@ -1,10 +1,10 @@
-"""How fast designs are evaluated: designs a second, iterations, time of one iteration.
+"""Speed of evaluation: designs per second, iterations, time of one iteration.
 
-Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and at once, on one thread and
-on two, with the calibrated constants and with a stiffer exosuit that presses harder (E = 1 MPa,
-chamber on the surface, k = 1000 N/m); and a spatial rod with all six strain modes. Cases take
-turns, and each number is a median; an iteration's time is processor time of one thread. What other
-work on the machine costs shows in "undisturbed": each part of fifty designs at its best.
+Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and in a single step, on one
+and two threads, with the calibrated constants and with a stiffer exosuit (E = 1 MPa, chamber on the
+surface, k = 1000 N/m); and a spatial rod with all six strain modes. Cases are interleaved and
+numbers are medians; the time of an iteration is processor time of one thread. The column
+"undisturbed" sums the best times of batches of fifty designs, which excludes other load.
 """
 
 from __future__ import annotations
@@ -77,22 +77,30 @@ def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[Case, ...]]]:
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=2_000, help="of the calibrated finger")
-    reading.add_argument("--runs", type=int, default=5, help="of which the median is printed")
-    asked = reading.parse_args()
-    section = measure(asked.designs, asked.runs)
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--designs", type=int, default=2_000, help="number of designs of the finger"
+    )
+    parser.add_argument("--runs", type=int, default=5, help="number of runs; medians are reported")
+    arguments = parser.parse_args()
+    section = measure(arguments.designs, arguments.runs)
     section.report()
 
 
 def measure(designs: int, runs: int) -> Section:
-    """Measure everything, and write it up."""
+    """Run the benchmark and return its report."""
     speeds = table(
         "model", "DOF", "steps / N", "threads", "designs/s", "undisturbed", "µs/iteration"
     )
     counts = table(
-        "model", "steps / N", "mean", "median", "designs that snap", "mean if not", "mean if so"
+        "model",
+        "steps / N",
+        "mean",
+        "median",
+        "designs that snap",
+        "mean without snap",
+        "mean with snap",
     )
     ratios = []
     with progress() as bar:
@@ -103,7 +111,7 @@ def measure(designs: int, runs: int) -> Section:
             times = {case: Times() for case in chosen}
             best = {case[0]: np.full(len(parts), np.inf) for case in chosen}
             # Warms caches and threads, too.
-            found = {force: evaluated(model, whole, force, 2) for force, _ in chosen}
+            batches = {force: evaluated(model, whole, force, 2) for force, _ in chosen}
             for _ in bar.track(range(runs), description=name):
                 for case in chosen:
                     force, threads = case
@@ -120,24 +128,25 @@ def measure(designs: int, runs: int) -> Section:
                     str(threads),
                     f"{count / statistics.median(times[case].wall):,.0f}",
                     f"{count / best[force].sum():,.0f}" if threads == 1 else "",
-                    f"{1e6 * alone.median / found[force].iterations.sum():.1f}"
+                    f"{1e6 * alone.median / batches[force].iterations.sum():.1f}"
                     if threads == 1
                     else "",
                 )
-            for force, batch in found.items():
+            for force, batch in batches.items():
                 counts.add_row(name, force.rpartition(":")[2], *iterations(batch))
             if (STEPWISE, 2) in times:
                 pairs = zip(times[STEPWISE, 1].wall, times[STEPWISE, 2].wall, strict=True)
                 ratios.append(f"{name}: {statistics.median(a / b for a, b in pairs):.2f}")
     section = Section("Speed", "./dev bench speed")
     section.parts += [
-        f"{designs:,} random designs (a tenth of them in space), 0 to 5 N in steps of 1 N and of "
-        f"5 N; medians of {runs} runs. Designs a second are of "
-        "wall time, an iteration is processor time of one thread; *undisturbed* has each part of "
-        f"{PART} designs at its best of as many runs.",
+        f"{designs:,} random designs (a tenth of these for the spatial rod), 0 to 5 N in steps of "
+        f"1 N and of 5 N; medians of {runs} runs. Designs per second are wall time, the time of an "
+        "iteration is processor time of one thread; *undisturbed* uses the best time of each "
+        "batch "
+        f"of {PART} designs.",
         speeds,
-        f"Two threads against one, steps of 1 N: {'; '.join(ratios)}.",
-        "Iterations (evaluations of the tangent) for each design:",
+        f"Speed-up with two threads, steps of 1 N: {'; '.join(ratios)}.",
+        "Iterations (evaluations of the tangent) per design:",
         counts,
     ]
     return section
@@ -155,7 +164,7 @@ def iterations(batch: Paths) -> tuple[str, ...]:
 def part_by_part(
     model: Model, parts: list[Geometry], force: str, best: NDArray[np.float64]
 ) -> None:
-    """Evaluate part after part on one thread; keep the best wall time of each [s]."""
+    """Evaluate batch after batch on one thread; keep the best wall time of each [s]."""
     for i, part in enumerate(parts):
         took = Times()
         took.run(partial(evaluated, model, part, force, 1))

@@ -1,12 +1,11 @@
-"""What the tangent of a rod is made of, and what the engine makes of it at many degrees of freedom.
+"""Semiseparable structure of a rod's tangent, and its use at many degrees of freedom.
 
-The twist of every section adds to that of all sections beyond it, so each strain acts on all loads
-further out and the tangent is full. But it acts on them through one rigid motion of the rest of the
-rod: blocks that couple one part of the rod with one beyond its neighbour have the rank of a twist,
-whatever the number of elements. Measured here is that rank, of the engine's own tangents (singular
-values above 1e-9, with a diagonal of ones); and the time of a dense factorisation and solution of
-the same tangents by LAPACK, which does not use it, against that of a whole iteration of the engine,
-which does.
+The tangent of a rod is dense, as every strain moves all loads distal to it. But it moves them as
+one rigid body, so blocks that couple non-adjacent parts of the rod have at most the rank of a
+twist, independent of the number of elements. This benchmark measures the rank for the engine's
+tangents (singular values above 1e-9, with a unit diagonal), and compares the time of a dense
+factorisation and solution by LAPACK with that of a whole iteration of the engine, which exploits
+the structure.
 """
 
 from __future__ import annotations
@@ -30,24 +29,24 @@ ELEMENTS = {
     "finger and exosuit": (finger, (10, 20, 40, 80, 160, 320, 498)),
     "rod in space": (spatial_rod, (3, 7, 15, 31, 63, 127, 166)),
 }
-QUICK_ELEMENTS = 5  # of each
+QUICK_ELEMENTS = 5  # sizes per model with --quick
 FORCE = 5.0  # N
 TOLERANCE = 1e-9
-CUTS = 5  # along a rod, where the rank is looked at
+CUTS = 5  # positions along a rod at which the rank is computed
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="smaller sizes")
-    asked = reading.parse_args()
-    measure(asked.runs, quick=asked.quick).report()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="smaller sizes")
+    arguments = parser.parse_args()
+    measure(arguments.runs, quick=arguments.quick).report()
 
 
 def measure(runs: int, *, quick: bool) -> Section:
-    """Measure everything, and write it up."""
-    made = table("model", "DOF", "rank", "LAPACK / µs", "iteration / µs", "ratio")
+    """Run the benchmark and return its report."""
+    result = table("model", "DOF", "rank", "LAPACK / µs", "iteration / µs", "ratio")
     fits = []
     for name, (make, elements) in ELEMENTS.items():
         sizes, dense, whole = [], [], []
@@ -58,7 +57,7 @@ def measure(runs: int, *, quick: bool) -> Section:
             sizes.append(model.dof)
             dense.append(times[0])
             whole.append(times[1])
-            made.add_row(
+            result.add_row(
                 "" if i else name,
                 f"{model.dof:,}",
                 str(rank(model, matrix)),
@@ -67,25 +66,22 @@ def measure(runs: int, *, quick: bool) -> Section:
                 f"{dense[-1] / whole[-1]:,.2f}",
             )
         powers = [exponent(sizes[2:], costs[2:]) for costs in (dense, whole)]
-        fits.append(f"{name}: DOF^{powers[0]:.2f} by LAPACK, DOF^{powers[1]:.2f} by the engine")
+        fits.append(f"{name}: DOF^{powers[0]:.2f} for LAPACK, DOF^{powers[1]:.2f} for the engine")
     section = Section("Structure of the tangent", "./dev bench structure" + " --quick" * quick)
     section.parts += [
-        "The tangent of a rod is full: what acts on its tip is felt by every strain before it. But "
-        "a strain acts on all that lies beyond it through one rigid motion, so the blocks of the "
-        "tangent that couple the strains of one part with those beyond the next node have at most "
-        "the *rank* of a twist (3 in the plane, 6 in space), whatever the number of elements. From "
-        "96 strains on the engine assembles only what does not follow from that, and factorises by "
-        "a recursion from node to node that carries a matrix of that size; its pivots tell a "
-        "tangent that is not positive definite just as well. One dense factorisation and solution "
-        "of the tangent by LAPACK (SciPy), against a whole iteration of the engine with "
-        "kinematics, residuals, assembly, prediction and tests (wall time; LAPACK may use every "
-        "core):",
-        made,
-        f"From the third size on the time grows as {'; '.join(fits)}.",
-        "Coordinates of other bodies, such as the finger's joints, make a border of as many dense "
-        "rows. A rod that touches itself or is tied to what it carries is assembled and "
-        "factorised densely while it does so; so are polynomials along a whole rod, which have "
-        "few coordinates.",
+        "The tangent of a rod is dense, as every strain moves all loads distal to it. But it moves "
+        "them as one rigid body, so blocks that couple non-adjacent nodes have at most the *rank* "
+        "of a twist (3 in the plane, 6 in space), independent of the number of elements. From 96 "
+        "strains on the engine assembles the generators of this structure only, and factorises by "
+        "a recursion over the nodes with matrices of this size, whose pivots also reveal a tangent "
+        "that is not positive definite. Time of one dense factorisation and solution by LAPACK "
+        "(SciPy), compared with a whole iteration of the engine including kinematics, residual, "
+        "assembly, prediction and tests (wall time; LAPACK may use all cores):",
+        result,
+        f"From the third size on, the time grows as {'; '.join(fits)}.",
+        "Coordinates of other bodies, such as the finger's joints, form a border of dense rows. A "
+        "rod in self-contact or with springs to bodies that it carries is assembled and factorised "
+        "densely; so are rods with global polynomials, which have few coordinates.",
     ]
     return section
 

@@ -1,4 +1,4 @@
-"""What people are told to type to install something works where it is told."""
+"""Installation commands in messages work in the current environment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexor.installing import install_command
 def test_the_command_works_in_this_environment() -> None:
     words = shlex.split(install_command("numpy[any]"))
     assert words[-1] == "numpy[any]"
-    # What is installed already is found without a network.
+    # Installed packages are found without a network.
     done = subprocess.run([*words[:-1], "--dry-run", "numpy"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert sys.prefix in done.stdout + done.stderr or "uv" in words[0]

@@ -1,4 +1,4 @@
-"""The reference page of the model file has every key with its default, and its examples work."""
+"""The reference of the model file lists every key with its default, and its examples work."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexor.model.schema.table import Table
 PAGE = (Path(__file__).parent.parent / "docs" / "model-files.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^##+ (.+)\n((?:(?!##).*\n)*)", PAGE, flags=re.MULTILINE))
 TABLES: dict[str, type[Table]] = {
-    "The file itself": schema.ModelFile,
+    "Top level": schema.ModelFile,
     "Rods": schema.Rod,
     "Links": schema.Link,
     "Placement": schema.Placement,
@@ -33,14 +33,14 @@ TABLES: dict[str, type[Table]] = {
 
 
 def rows(section: str) -> dict[str, list[str]]:
-    """Return the cells behind each key of a section's tables."""
+    """Return the cells of each key in a section's tables."""
     lines = [line for line in SECTIONS[section].splitlines() if line.startswith("| `")]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return {key.strip("`"): rest for key, *rest in cells}
 
 
 def as_written(default: Any) -> str | None:
-    """Return a default as TOML has it; None for those that the page puts into words."""
+    """Return a default as TOML; None for those that the page describes in words."""
     if isinstance(default, float) and hasattr(default, "text"):
         return f'"{default.text}"'
     if isinstance(default, bool):
@@ -51,15 +51,15 @@ def as_written(default: Any) -> str | None:
 
 
 @pytest.mark.parametrize("section", TABLES)
-def test_every_key_stands_there_with_its_default(section: str) -> None:
+def test_every_key_is_listed_with_its_default(section: str) -> None:
     fields = TABLES[section].model_fields
     found = rows(section)
     assert list(found) == list(fields)
     for key, field in fields.items():
-        said = found[key][1]
-        assert (said == "needed") == field.is_required(), key
+        documented = found[key][1]
+        assert (documented == "required") == field.is_required(), key
         if field.default is not PydanticUndefined and (text := as_written(field.default)):
-            assert said == f"`{text}`", key
+            assert documented == f"`{text}`", key
 
 
 def test_joints() -> None:
@@ -80,7 +80,7 @@ def test_modes_bases_and_sections() -> None:
         assert f'`"{kind}"`' in SECTIONS["Sections"]
 
 
-def test_its_model_is_one() -> None:
+def test_its_model_is_valid() -> None:
     (text,) = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)
     model = Model(parse(text))
     path = model.equilibrium("0:5:1")
@@ -95,11 +95,11 @@ def test_its_model_is_one() -> None:
     assert Model(parse(both, use="stiff")).slot("suit.young_modulus").tolist() == [3e5]
 
 
-def test_its_python_runs() -> None:
+def test_its_python_example_runs() -> None:
     (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     exec(compile(code, "model-files.md", "exec"), {})
 
 
-def test_its_links_lead_to_its_headings() -> None:
+def test_its_links_resolve() -> None:
     headings = {re.sub(r"[^\w -]", "", name).lower().replace(" ", "-") for name in SECTIONS}
     assert set(re.findall(r"\]\(#([^)]+)\)", PAGE)) <= headings

@@ -1,8 +1,8 @@
-"""The one error that a person can cause: input that cannot be used; and one that nobody need.
+"""Exceptions of Flexor, and helpers to word their messages.
 
-The text of `InputError` is always one sentence that says which field of which file, what was found
-there and what is allowed; the command line prints it after ``error:`` and exits with code 2. That
-of `ClusterError` says what became of the cluster; the exit code is 3, and the study can go on.
+The message of an `InputError` is one sentence that names the file and the field, what was found
+and what is expected; the command line prints it after ``error:`` and exits with code 2. A
+`ClusterError` reports the loss of a cluster; the exit code is 3, and the study can be resumed.
 """
 
 from __future__ import annotations
@@ -12,89 +12,89 @@ from difflib import get_close_matches
 
 __all__ = ["ClusterError", "InputError", "alternatives", "shortened", "unknown", "unknown_name"]
 
-# Names that a sentence lists; the fields of a model file are fewer.
-_LISTED = 60
+# Maximum number of names listed in a message; a model file has fewer fields.
+_MAX_NAMES = 60
 
 
 class ClusterError(RuntimeError):
-    """A cluster that was lost while it was working, explained in one sentence."""
+    """The connection to a cluster was lost."""
 
 
 class InputError(ValueError):
-    """Input that cannot be used, explained in one sentence.
+    """Invalid input, explained in one sentence.
 
     Parameters
     ----------
     sentence
-        The explanation; what a terminal cannot show on one line becomes blanks.
+        The explanation; non-printable characters are replaced by spaces.
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__("".join(sign if sign.isprintable() else " " for sign in sentence))
+        super().__init__("".join(c if c.isprintable() else " " for c in sentence))
 
 
 def alternatives(name: str, allowed: Iterable[str]) -> str:
-    """Quote a name that is not known, with the nearest that is and all that are.
+    """Quote an unknown name, with the closest match and all allowed names.
 
     Parameters
     ----------
     name
-        What was found.
+        The unknown name.
     allowed
-        Every name that would have been right.
+        All allowed names.
 
     Returns
     -------
     str
-        For example ``"bendng" (did you mean "bending"?): allowed are "bending", "force"``.
+        For example ``"bendng" (did you mean "bending"?): expected one of "bending", "force"``.
     """
     name = shortened(name)
     names = [shortened(choice) for choice in allowed]
-    more = len(names) - _LISTED
+    more = len(names) - _MAX_NAMES
     lowered = {choice.lower(): choice for choice in reversed(names)}
     near = get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)
     hint = f' (did you mean "{lowered[near[0]]}"?)' if near else ""
     if not names:
-        return f'"{name}": there are none'
-    verb = "allowed are" if len(names) > 1 else "allowed is"
-    listed = ", ".join(f'"{choice}"' for choice in names[:_LISTED])
-    return f'"{name}"{hint}: {verb} {listed}' + (f" and {more} more" if more > 0 else "")
+        return f'"{name}": none are defined'
+    expected = "expected one of" if len(names) > 1 else "expected"
+    listed = ", ".join(f'"{choice}"' for choice in names[:_MAX_NAMES])
+    return f'"{name}"{hint}: {expected} {listed}' + (f" and {more} more" if more > 0 else "")
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Return a text as it may stand in a sentence, cut if it is long.
+    """Truncate a text for use in a message.
 
     Parameters
     ----------
     text
         The text.
     most
-        Characters to keep.
+        Maximum length.
     """
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> str:
-    """Describe a name that is not known, with the nearest that is.
+    """Describe an unknown name, with the closest match.
 
     Parameters
     ----------
     kind
-        What the name should have named, such as ``"objective"``.
+        What the name refers to, such as ``"objective"``.
     name
-        What was found.
+        The unknown name.
     allowed
-        Every name that would have been right.
+        All allowed names.
 
     Returns
     -------
     str
-        For example ``unknown objective "bendng" (did you mean "bending"?): allowed are "bending",
-        "force"``, without a closing full stop.
+        For example ``unknown objective "bendng" (did you mean "bending"?): expected one of
+        "bending", "force"``, without a full stop.
     """
     return f"unknown {kind} {alternatives(name, allowed)}"
 
 
 def unknown(kind: str, name: str, allowed: Iterable[str]) -> InputError:
-    """Return the error for a name that is not known; see `unknown_name`."""
+    """Return the error for an unknown name; see `unknown_name`."""
     return InputError(unknown_name(kind, name, allowed) + ".")

@@ -1,4 +1,4 @@
-"""The command that installs a package where Flexor runs."""
+"""The command that installs a package into the current environment."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["install_command"]
 
 
 def install_command(package: str) -> str:
-    """Return what to type to install a package into the environment of this process.
+    """Return the shell command that installs a package into the current environment.
 
     Parameters
     ----------
@@ -24,29 +24,34 @@ def install_command(package: str) -> str:
     Returns
     -------
     str
-        With pip where the environment has it, else with uv, which environments made by uv (that of
-        `./dev setup` too) are filled with.
+        Uses pip if the environment has it, else uv, as in the environment of `./dev setup`.
     """
     if find_spec("pip") is not None:
         words = ["pip", "install"]
         beside = Path(sys.executable).parent
         if shutil.which("pip", path=str(beside)) != shutil.which("pip"):  # another environment's
-            words = [_short(sys.executable), "-m", *words]
+            words = [_relative(sys.executable), "-m", *words]
     else:
-        words = [_short(next(_uvs(), "uv")), "pip", "install", "--python", _short(sys.executable)]
+        words = [
+            _relative(next(_uvs(), "uv")),
+            "pip",
+            "install",
+            "--python",
+            _relative(sys.executable),
+        ]
     words.append(package)
     return subprocess.list2cmdline(words) if sys.platform == "win32" else _quoted(words)
 
 
 def _uvs() -> Iterator[str]:
-    """Where uv is: on the path, or in the checkout whose `.venv` this is."""
+    """Yield locations of uv: on the path, or in the checkout that contains this environment."""
     if shutil.which("uv"):
         yield "uv"
     for name in ("uv", "uv.exe"):
         yield from map(str, sorted(Path(sys.prefix).parent.glob(f".tools/uv-*/bin/{name}")))
 
 
-def _short(path: str) -> str:
+def _relative(path: str) -> str:
     """Return a path relative to the current folder if it is inside it."""
     try:
         return str(Path(path).relative_to(Path.cwd()))
@@ -55,5 +60,5 @@ def _short(path: str) -> str:
 
 
 def _quoted(words: list[str]) -> str:
-    # Brackets are patterns to some shells; double quotes read better than shlex's.
+    # Some shells expand brackets; double quotes are also valid on Windows.
     return " ".join(f'"{word}"' if "[" in word else shlex.quote(word) for word in words)

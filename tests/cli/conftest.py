@@ -10,15 +10,15 @@ from flexor.cli.app import main
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of the command line printed, and how it ended."""
+    """Output and exit code of a command."""
 
     code: int
     out: str
     err: str
 
     @property
-    def refusal(self) -> str:
-        """The one sentence with which input was refused, and nothing else was said."""
+    def error(self) -> str:
+        """The error message; checks that it is one sentence and the only output."""
         assert self.code == 2
         assert self.out == ""
         assert self.err.startswith("error: ")
@@ -40,7 +40,7 @@ def flexor(capsys, monkeypatch, tmp_path) -> Run:
     def run(*arguments: str) -> Outcome:
         with pytest.raises(SystemExit) as ended:
             main([str(argument) for argument in arguments])
-        said = capsys.readouterr()
-        return Outcome(int(ended.value.code or 0), said.out, said.err)
+        captured = capsys.readouterr()
+        return Outcome(int(ended.value.code or 0), captured.out, captured.err)
 
     return run

@@ -25,7 +25,7 @@ def test_every_command_has_help(flexor, command: str) -> None:
 
 
 @pytest.mark.parametrize("command", ["simulate", "optimize"])
-def test_help_teaches_by_example(flexor, command: str) -> None:
+def test_help_has_examples(flexor, command: str) -> None:
     assert f"flexor {command} finger" in flexor(command, "--help").out
 
 
@@ -55,7 +55,7 @@ def test_sets_lists_parameters_in_their_units_and_objectives(flexor) -> None:
         (["sets", "fingr"], 'did you mean "finger"'),
     ],
 )
-def test_bad_use_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
+def test_bad_usage_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
     ran = flexor(*arguments)
     assert words in ran.refusal
 

@@ -80,11 +80,11 @@ def test_ctrl_c_leaves_a_comparison_and_says_how_to_go_on(tmp_path) -> None:
         (["finger", "--seeds", "0"], "at least 1 seed"),
         (["finger", "--budget", "0"], "at least 1 evaluation"),
         (["finger", "--plot", "x.bmp"], "must end in"),
-        (["finger", "--resume", "c"], "needs only the folder"),
+        (["finger", "--resume", "c"], "takes only the folder"),
         (["--resume", "nowhere"], "is not a comparison"),
     ],
 )
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
     ran = flexor("compare", *arguments)
-    assert words in ran.refusal
+    assert words in ran.error
     assert list(tmp_path.iterdir()) == []

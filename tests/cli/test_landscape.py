@@ -14,7 +14,7 @@ def test_files_figure_and_sentences(flexor, tmp_path) -> None:
     assert ran.code == 0
     assert ran.err == ""
     assert "5 × 5 designs in" in ran.out
-    assert "The best of them is R_0 = " in ran.out
+    assert "Minimum of the grid at R_0 = " in ran.out
     folder = tmp_path / "studies" / "finger-R01-bending-landscape"
     for name in ("landscape.npz", "landscape.csv", "landscape.png", "landscape.svg"):
         assert (folder / name).stat().st_size > 1000
@@ -31,7 +31,7 @@ def test_json_and_resume_tell_the_same(flexor) -> None:
     np.testing.assert_allclose(first["axes"]["R_0"], np.linspace(0.004, 0.012, 5))
 
 
-def test_the_others_stay_where_they_are_told(flexor) -> None:
+def test_other_parameters_are_fixed_at_the_start(flexor) -> None:
     told = json.loads(
         flexor("landscape", "finger", "-p", "L+R01", "--axes", "L", "--start", "R_0=0.7 cm",
                "--grid", "3", "--force", "0:2:1", "--json").out
@@ -53,22 +53,22 @@ def test_the_others_stay_where_they_are_told(flexor) -> None:
         (["finger", "--start", "R_0=2 cm"], "outside its bounds"),
         (["finger", "--study", "nowhere"], "is not a study"),
         (["finger", "--plot", "x.bmp"], "must end in"),
-        (["finger", "--resume", "l"], "needs only the folder"),
+        (["finger", "--resume", "l"], "takes only the folder"),
         (["--resume", "nowhere"], "is not a study"),
     ],
 )
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
     ran = flexor("landscape", *arguments)
-    assert words in ran.refusal
+    assert words in ran.error
     assert list(tmp_path.iterdir()) == []
 
 
-def test_other_studies_are_refused(flexor, tmp_path) -> None:
+def test_other_studies_are_rejected(flexor, tmp_path) -> None:
     flexor("optimize", "finger", "-p", "L", "--budget", "3", "--out", "s", "--json")
     ran = flexor(*SMALL, "--study", "s")
-    assert '--study "s" searched L (L), but the landscape is of R01 (R_0, R_1)' in ran.refusal
+    assert '--study "s" searched L (L), but the landscape is of R01 (R_0, R_1)' in ran.error
     ran = flexor("landscape", "--resume", "s")
-    assert "is not a landscape: its method is pattern-search" in ran.refusal
+    assert "is not a landscape: its method is pattern-search" in ran.error
     assert [each.name for each in tmp_path.iterdir()] == ["s"]
 
 

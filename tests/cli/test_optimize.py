@@ -18,12 +18,12 @@ from flexor.study import Study
 SMALL = ("optimize", "finger", "--parameters", "R01", "--budget", "30")
 
 
-def test_the_outcome_is_told_in_table_folder_and_figure(flexor, tmp_path) -> None:
+def test_the_result_is_printed_saved_and_plotted(flexor, tmp_path) -> None:
     ran = flexor(*SMALL)
     assert ran.code == 0
     for words in ("default", "optimum", "R_0 / cm", "bending / rad", "At 5 N the optimum bends"):
         assert words in ran.out
-    for words in ("slope", "R_0 + 1 mm", "if less by it"):
+    for words in ("sensitivity", "R_0 + 1 mm", "if decreased"):
         assert words in ran.out
     folder = tmp_path / "studies" / "finger-R01-bending"
     assert f"study:  {folder.relative_to(tmp_path)}" in ran.out
@@ -47,14 +47,14 @@ def test_json_is_one_object_with_the_gain(flexor) -> None:
     assert slopes["R_0"]["joint_angles"] == study.best.sensitivity.joint_angles[:, 0].tolist()
 
 
-def test_a_second_study_gets_a_folder_of_its_own(flexor, tmp_path) -> None:
+def test_a_second_study_gets_its_own_folder(flexor, tmp_path) -> None:
     flexor(*SMALL, "--json")
     flexor(*SMALL, "--json")
     names = {place.name for place in (tmp_path / "studies").iterdir()}
     assert names == {"finger-R01-bending", "finger-R01-bending-2"}
 
 
-def test_a_budget_is_resumed_to_the_same_end(flexor) -> None:
+def test_a_resumed_study_has_the_same_result(flexor) -> None:
     whole = json.loads(flexor(*SMALL, "--out", "whole", "--json").out)
     flexor(*SMALL[:-1], "10", "--out", "parts", "--json")
     parts = json.loads(flexor("optimize", "--resume", "parts", "--budget", "30", "--json").out)
@@ -65,7 +65,7 @@ def test_a_budget_is_resumed_to_the_same_end(flexor) -> None:
 @pytest.mark.parametrize(
     "start", ["0.7 cm, 0.75 cm", "0.7,7.5 mm", "R_1=0.75 cm,R_0=0.007 m", "R_1 = 0.75, R_0 = 0.7"]
 )
-def test_a_start_is_read_in_any_form(flexor, start: str) -> None:
+def test_formats_of_a_start(flexor, start: str) -> None:
     told = json.loads(flexor(*SMALL[:-1], "1", "--start", start, "--json").out)
     read = [told["start"]["parameters"][label] for label in ("R_0", "R_1")]
     np.testing.assert_allclose(read, [0.007, 0.0075], rtol=1e-12)
@@ -84,7 +84,7 @@ def evaluated(record: Path) -> int:
 @pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
     command = [sys.executable, "-c", "from flexor.cli.app import main; main()"]
-    # Twenty starts down to the last bit: long enough to be interrupted on any machine.
+    # Twenty starts with a tight tolerance: long enough to be interrupted on any machine.
     options = ["--option", "starts=20", "--option", "tolerance=1e-14", "--out", "my study"]
     process = subprocess.Popen(
         [*command, "optimize", "finger", "--parameters", "RLP", *options],
@@ -122,9 +122,9 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
         (["finger", "--objective", "bendin"], 'did you mean "bending"'),
         (["finger", "--method", "patern-search"], 'did you mean "pattern-search"'),
         (["finger", "--option", "start=8"], 'did you mean "starts"'),
-        (["finger", "--option", "starts=many"], "a number is needed"),
+        (["finger", "--option", "starts=many"], "expected a number"),
         (["finger", "--start", "L=20 cm"], "outside its bounds"),
-        (["finger", "--start", "L=9 kg"], "a finite number in m, cm, mm is needed"),
+        (["finger", "--start", "L=9 kg"], "expected a finite number in m, cm, mm"),
         (["finger", "--start", "9,1"], "needs 3 values"),
         (["finger", "--start", "M=9"], "unknown parameter"),
         (["finger", "--force", "5,3"], "must not decrease"),
@@ -137,26 +137,26 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
 )
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
     ran = flexor("optimize", *arguments)
-    assert words in ran.refusal
+    assert words in ran.error
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_unreadable_study_is_refused(flexor, tmp_path) -> None:
+def test_a_damaged_study_is_rejected(flexor, tmp_path) -> None:
     flexor(*SMALL, "--out", "study", "--json")
     (tmp_path / "study" / "settings.json").write_text("{")
     ran = flexor("optimize", "--resume", "study")
-    assert "damaged" in ran.refusal
+    assert "damaged" in ran.error
 
 
-def test_nothing_that_a_study_has_settled_is_ignored(flexor) -> None:
+def test_fixed_options_cannot_be_given_when_resuming(flexor) -> None:
     flexor("optimize", "finger", "-p", "L", "--budget", "10", "--out", "study", "--json")
     ran = flexor("optimize", "--resume", "study", "--method", "cma-es", "--seed", "0")
     assert ran.code == 2
-    assert '--method and --seed beside --resume: "study" goes on as it was begun.' in ran.err
+    assert '--method and --seed cannot be changed: "study" is resumed as it was begun.' in ran.err
     assert flexor("optimize", "--resume", "study", "--budget", "12", "--json").code == 0
 
 
-def test_settings_must_fit_the_study_that_is_resumed(flexor) -> None:
+def test_settings_must_match_the_resumed_study(flexor) -> None:
     flexor(*SMALL, "--out", "study", "--json")
     ran = flexor("optimize", "finger", "--parameters", "L", "--resume", "study")
-    assert "was made with" in ran.refusal
+    assert "was made with" in ran.error

@@ -10,7 +10,7 @@ def test_a_study_comes_out_the_same_from_its_folder(flexor, tmp_path) -> None:
     flexor(*STUDY)
     ran = flexor("rerun", "study")
     assert ran.code == 0
-    assert ran.out.startswith("The same to the last bit: 20 designs again in ")
+    assert ran.out.startswith("Bit-identical: 20 designs re-evaluated in ")
     told = json.loads(flexor("rerun", "study", "--out", "again", "--threads", "1", "--json").out)
     assert told["same"] is True
     assert told["difference"] is None
@@ -30,8 +30,8 @@ def test_it_says_what_differs(flexor, tmp_path) -> None:
     inside.close()
     ran = flexor("rerun", "study")
     assert ran.code == 1
-    assert "Evaluation 3 differs first: iterations was 7, is now " in ran.out
-    assert "The values of the 20 designs that both evaluated are the same (20 " in ran.out
+    assert "First difference: evaluation 3, where iterations was 7 and is now " in ran.out
+    assert "The values of the 20 common designs are identical (20 " in ran.out
     assert "numpy" in ran.out
     assert "1.0" in ran.out
     told = json.loads(flexor("rerun", "study", "--json").out)
@@ -41,6 +41,6 @@ def test_it_says_what_differs(flexor, tmp_path) -> None:
 
 
 def test_bad_input_gets_one_sentence(flexor) -> None:
-    assert "is not a study" in flexor("rerun", "nowhere").refusal
+    assert "is not a study" in flexor("rerun", "nowhere").error
     flexor(*STUDY)
-    assert "holds a study already" in flexor("rerun", "study", "--out", "study").refusal
+    assert "holds a study already" in flexor("rerun", "study", "--out", "study").error

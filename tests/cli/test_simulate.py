@@ -100,7 +100,7 @@ def test_plot_draws_a_figure(flexor, tmp_path) -> None:
 )
 def test_bad_input_gets_one_sentence(flexor, arguments: list[str], words: str) -> None:
     ran = flexor("simulate", *arguments)
-    assert words in ran.refusal
+    assert words in ran.error
 
 
 def test_several_inputs_are_driven_by_name(flexor, tmp_path) -> None:
@@ -114,8 +114,8 @@ def test_several_inputs_are_driven_by_name(flexor, tmp_path) -> None:
     ran = flexor("simulate", "two.toml", "--force", "lower=0:1:0.5", "--json")
     path = json.loads(ran.out)
     assert path["loads"] == {"chamber": [0.0, 0.0, 0.0], "lower": [0.0, 0.5, 1.0]}
-    assert "which input it drives" in flexor("simulate", "two.toml", "--force", "0:1:1").refusal
+    assert "force must name its input" in flexor("simulate", "two.toml", "--force", "0:1:1").error
     both = flexor("simulate", "two.toml", "--force", "0:1:1", "--force", "lower=2")
-    assert "give key=value" in both.refusal
+    assert "give key=value" in both.error
     unknown = flexor("simulate", "two.toml", "--force", "lowr=2")
-    assert 'did you mean "lower"' in unknown.refusal
+    assert 'did you mean "lower"' in unknown.error

@@ -24,5 +24,5 @@ def test_numbers_are_whole_where_they_are_written_so() -> None:
 
 
 def test_a_word_is_not_a_number() -> None:
-    with pytest.raises(InputError, match='starts = "many": a number is needed'):
+    with pytest.raises(InputError, match='starts = "many": expected a number'):
         numbers("--option", ["starts=many"])

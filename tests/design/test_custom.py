@@ -1,4 +1,4 @@
-"""A user's own surface: one function, with and without its derivatives."""
+"""User-defined surface functions, with and without derivatives."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def make(**more: object):  # type: ignore[no-untyped-def]
     )
 
 
-def test_slope_and_derivatives_are_found_by_differences() -> None:
+def test_missing_slope_and_derivatives_are_computed_by_differences() -> None:
     chosen = make()
     design = np.array([0.007, 0.003, 0.4])
     geometry, jacobian = chosen.geometry(design, X), chosen.jacobian(design, X)
@@ -59,20 +59,20 @@ def test_given_slope_and_jacobian_are_used() -> None:
     np.testing.assert_array_equal(jacobian.slope[0], np.stack((0 * X, X**0), axis=1))
 
 
-def test_the_function_is_asked_for_points_of_the_rod_only() -> None:
-    asked: list[np.ndarray] = []
+def test_the_function_is_evaluated_within_the_rod_only() -> None:
+    requested: list[np.ndarray] = []
 
     def profile(p: np.ndarray, points: np.ndarray) -> np.ndarray:
-        asked.append(points)
+        requested.append(points)
         return p[0] + 0.001 * points**2
 
     geometry = custom("s", ["R"], [0.006], [0.01], [0.007], profile).geometry([0.007], X)
-    assert min(points.min() for points in asked) >= 0.0
-    assert max(points.max() for points in asked) <= 1.0
+    assert min(points.min() for points in requested) >= 0.0
+    assert max(points.max() for points in requested) <= 1.0
     np.testing.assert_allclose(geometry.slope[0], 0.002 * X, atol=1e-12)
 
 
-def test_it_joins_with_the_length_and_is_held_at_the_minimum_radius() -> None:
+def test_it_combines_with_the_length_and_is_clamped_to_the_minimum_radius() -> None:
     chosen = union(parameter_set("L"), make(minimum_radius=0.0075))
     geometry = chosen.geometry([0.12, 0.007, 0.001, 0.5], X)
     assert chosen.labels == ("L", "R", "height", "place")
@@ -84,22 +84,22 @@ def test_it_joins_with_the_length_and_is_held_at_the_minimum_radius() -> None:
 
 
 @pytest.mark.parametrize(
-    ("labels", "upper", "said"),
+    ("labels", "upper", "message"),
     [
         (["R"], [0.01, 0.01], "upper has shape (2,), but there are 1 labels"),
         (["R"], [0.001], "the lower bound of R, 0.006, is not below its upper bound, 0.001"),
         (["R"], [np.inf], "upper must be finite"),
     ],
 )
-def test_pieces_that_do_not_fit_are_refused(
-    labels: list[str], upper: list[float], said: str
+def test_inconsistent_arguments_are_rejected(
+    labels: list[str], upper: list[float], message: str
 ) -> None:
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(InputError) as error:
         custom("mine", labels, [0.006], upper, [0.006], lambda p, points: p[0] + 0 * points)
-    assert said in str(refusal.value)
+    assert message in str(error.value)
 
 
-def test_a_function_of_the_wrong_shape_is_refused() -> None:
+def test_a_result_of_the_wrong_shape_is_rejected() -> None:
     chosen = custom("mine", ["R"], [0.006], [0.01], [0.006], lambda p, points: p)
-    with pytest.raises(InputError, match=r"array of shape \(21,\) here, it gave one of shape"):
+    with pytest.raises(InputError, match=r"array of shape \(21,\), got one of shape"):
         chosen.geometry([0.006], X)

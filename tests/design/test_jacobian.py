@@ -1,4 +1,4 @@
-"""Exact Jacobians of the maps against finite differences that know nothing of them."""
+"""Exact Jacobians of the maps against independent finite differences."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_jacobian_agrees_with_finite_differences(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["RLP", "L+RLP"])
-def test_derivative_is_zero_exactly_where_the_minimum_radius_holds(name: str) -> None:
+def test_derivative_is_zero_exactly_where_the_radius_is_clamped(name: str) -> None:
     chosen = parameter_set(name)
     design = chosen.start.copy()
     first = chosen.labels.index("a_0")

@@ -1,4 +1,4 @@
-"""Published parameter sets: Table I, published numbers by hand, bounds, unions, names."""
+"""Published parameter sets: Table I, published designs, bounds, unions, names."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_start_is_the_exosuit_of_table_one(name: str) -> None:
     np.testing.assert_allclose(geometry.slope, np.full((1, 41), -0.0036), rtol=1e-13)
 
 
-def test_start_of_the_waves_tapers_from_the_base_radius_of_table_one() -> None:
+def test_start_of_rsc_tapers_from_the_base_radius_of_table_one() -> None:
     chosen = parameter_set("Rsc")
     radius = chosen.geometry(chosen.start, X).radius[0]
     assert radius[0] == pytest.approx(0.0116, rel=1e-14)
@@ -35,7 +35,7 @@ def test_start_of_the_waves_tapers_from_the_base_radius_of_table_one() -> None:
     assert np.all(np.diff(radius) < 0.0)
 
 
-def test_published_waves_by_hand() -> None:
+def test_published_sine_cosine_design() -> None:
     # A = -2, B = -1/2, no phase: sin(-2 pi X) + cos(-pi X / 2), R_0 = 1.16 cm.
     geometry = parameter_set("Rsc").geometry([-2.0, -0.5, 0.0, 0.0], [0.0, 0.25, 0.5, 1.0])
     amplitude = 1.16 / 20
@@ -50,7 +50,7 @@ def test_published_waves_by_hand() -> None:
     assert 100 * geometry.slope[0, 0] == pytest.approx(slope_at_base, rel=1e-12)
 
 
-def test_published_legendre_coefficients_by_hand() -> None:
+def test_published_legendre_design() -> None:
     published = [0.4, 0.7, 0.0, 1.0, 0.8, 0.9, 1.0, 1.0, 1.0, 1.0]
     geometry = parameter_set("RLP").geometry(published, [0.0, 1.0])
     # P_n(1) = 1; at 0 the odd ones vanish and P_4, P_6, P_8 are 3/8, -5/16, 35/128.
@@ -82,7 +82,7 @@ def test_published_optima_and_starts_lie_within_bounds(name: str, published: lis
     chosen.check_inside(chosen.start)
 
 
-def test_minimum_radius_holds_general_surfaces_and_not_the_straight_one() -> None:
+def test_general_surfaces_are_clamped_to_the_minimum_radius_and_the_taper_is_not() -> None:
     thin = np.zeros(10)
     thin[0], thin[1] = 0.1, 0.9  # S = 0.2 + 0.6 X cm
     geometry = parameter_set("RLP").geometry(thin, X)
@@ -93,7 +93,7 @@ def test_minimum_radius_holds_general_surfaces_and_not_the_straight_one() -> Non
     np.testing.assert_array_equal(straight.radius, np.full((1, 41), 0.004))
 
 
-def test_a_set_keeps_what_it_does_not_change_from_its_rod() -> None:
+def test_unchanged_geometry_is_that_of_the_rod() -> None:
     rod = DesignSpace(length=0.2, radius_base=0.02, radius_tip=0.01)
     shape = parameter_set("R01").on(rod).geometry([0.006, 0.007], X)
     np.testing.assert_array_equal(shape.length, [0.2])
@@ -126,28 +126,28 @@ def test_union_orders_parameters_as_its_sets() -> None:
 @pytest.mark.parametrize(
     ("text", "canonical"), [("l + r01", "L+R01"), ("R_LP", "RLP"), ("L+R0,1", "L+R01")]
 )
-def test_names_are_read_generously(text: str, canonical: str) -> None:
+def test_names_are_normalized(text: str, canonical: str) -> None:
     assert parameter_set(text).name == canonical
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("L+R10", 'unknown parameter set "R10" (did you mean "R01"?)'),
         ("RPL", 'did you mean "RLP"?'),
         ("L+", 'unknown parameter set ""'),
-        ("R01+Rsc", "two of its sets change the surface"),
-        ("L+L", "two of its sets change the length"),
+        ("R01+Rsc", "more than one set changes the surface"),
+        ("L+L", "more than one set changes the length"),
     ],
 )
-def test_wrong_names_are_refused_in_one_sentence(text: str, said: str) -> None:
-    with pytest.raises(InputError) as refusal:
+def test_unknown_names_are_rejected_with_one_sentence(text: str, message: str) -> None:
+    with pytest.raises(InputError) as error:
         parameter_set(text)
-    assert said in str(refusal.value)
-    assert "\n" not in str(refusal.value)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
 
 
-def test_a_design_outside_its_bounds_is_refused_in_display_units() -> None:
+def test_a_design_out_of_bounds_is_reported_in_display_units() -> None:
     with pytest.raises(InputError, match=r"R_0 = 1\.3 cm is outside its bounds 0\.4 to 1\.2 cm"):
         parameter_set("L+R01").check_inside([0.1, 0.013, 0.008])
     with pytest.raises(InputError, match="has 3 parameters"):
@@ -166,8 +166,8 @@ def test_bounds_can_be_replaced_by_label() -> None:
         wide.with_bounds({"L": (0.2, 0.1)})
 
 
-def test_a_registered_set_joins_by_name() -> None:
+def test_a_registered_set_can_be_combined_by_name() -> None:
     register("straight_again", lambda space: parameter_set("R01", space))
     assert parameter_set("L+straight_again").labels == ("L", "R_0", "R_1")
-    with pytest.raises(InputError, match="exists already"):
+    with pytest.raises(InputError, match="already exists"):
         register("r01", lambda space: parameter_set("R01", space))

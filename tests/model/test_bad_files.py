@@ -1,4 +1,4 @@
-"""Every bad model file is refused with one sentence that says where, what and what instead."""
+"""Invalid model files: one sentence that names the field, what was found and what is expected."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ force = "5 N"
 """
 
 LENGTH = 'write a length with its unit, such as "10 cm"'
-BODIES = 'allowed are "suit", "bone", "nail"'
+BODIES = 'expected one of "suit", "bone", "nail"'
 
 
 def message(text: str) -> str:
@@ -80,11 +80,11 @@ def message(text: str) -> str:
 
 
 def replaced(old: str, new: str) -> str:
-    assert GOOD.count(old) == 1, f"{old!r} must stand once in the good file"
+    assert GOOD.count(old) == 1, f"{old!r} must occur exactly once in the valid file"
     return GOOD.replace(old, new)
 
 
-def test_the_good_file_is_good() -> None:
+def test_the_unmodified_file_is_valid() -> None:
     assert parse(GOOD).bodies["suit"].length == 0.1
 
 
@@ -95,7 +95,7 @@ def test_the_good_file_is_good() -> None:
         (
             'name = "good"',
             'name = "good"\ngravitiy = { z = "-9.81 m/s^2" }',
-            'it has the unknown key "gravitiy" (did you mean "gravity"?): allowed are "name", '
+            'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
             '"actuators", '
             '"springs", "wrenches", "design", "evaluation", "constants", "use".',
@@ -103,19 +103,19 @@ def test_the_good_file_is_good() -> None:
         (
             'length = "4 cm"',
             'lenght = "4 cm"',
-            'bodies.bone has the unknown key "lenght" (did you mean "length"?): allowed are '
+            'bodies.bone has an unknown key "lenght" (did you mean "length"?): expected one of '
             '"kind", "parent", "placement", "joint", "length", "radius", "density".',
         ),
         (
             "{ bend_y",
             "{ bend_x",
-            'bodies.suit.strain has the unknown key "bend_x" (did you mean "bend_z"?): allowed '
-            'are "twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z".',
+            'bodies.suit.strain has an unknown key "bend_x" (did you mean "bend_z"?): '
+            'expected one of "twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z".',
         ),
         (
             'first = "suit"',
             'first = "suit"\nfriction = 0.3',
-            'contacts.skin has the unknown key "friction": allowed are "first", "second", '
+            'contacts.skin has an unknown key "friction": expected one of "first", "second", '
             '"shape", "stiffness", "stiffness_per_length", "skip", "tip_spheres".',
         ),
         # missing keys and tables
@@ -124,7 +124,7 @@ def test_the_good_file_is_good() -> None:
         (
             'kind = "chamber"\n',
             "",
-            'actuators.chamber.kind is missing: allowed are "chamber", "cable".',
+            'actuators.chamber.kind is missing: expected one of "chamber", "cable".',
         ),
         (
             'stiffness = "100 N/m"',
@@ -184,7 +184,7 @@ def test_the_good_file_is_good() -> None:
         (
             'radius = { base = "1.2 cm", tip = "8 mm" }',
             'radius = ["1 cm"]',
-            "bodies.suit.radius has too few entries (1): at least 2 are needed.",
+            "bodies.suit.radius has too few entries (1): expected at least 2.",
         ),
         (
             'young_modulus = "1 MPa"',
@@ -243,14 +243,14 @@ def test_the_good_file_is_good() -> None:
         (
             'bend_y = "nodal_linear"',
             'bend_y = "legendre"',
-            'bodies.suit.strain.bend_y is "legendre": write { basis = "legendre", order = 3 }, '
-            "with its degree.",
+            'bodies.suit.strain.bend_y is "legendre": give its degree, as in '
+            '{ basis = "legendre", order = 3 }.',
         ),
         (
             'bend_y = "nodal_linear"',
             'bend_y = "nodal_lineer"',
-            'bodies.suit.strain.bend_y has the unknown basis "nodal_lineer" (did you mean '
-            '"nodal_linear"?): allowed are "nodal_linear", "nodal_quadratic", "nodal_cubic", '
+            'bodies.suit.strain.bend_y has an unknown basis "nodal_lineer" (did you mean '
+            '"nodal_linear"?): expected one of "nodal_linear", "nodal_quadratic", "nodal_cubic", '
             '"hermite", "monomial", "legendre", "chebyshev".',
         ),
         (
@@ -272,35 +272,36 @@ def test_the_good_file_is_good() -> None:
         (
             "elements = 4",
             "elements = 4.5",
-            "bodies.suit.elements is 4.5: a whole number is needed.",
+            "bodies.suit.elements is 4.5: expected an integer.",
         ),
-        # the tree
+        # the kinematic tree
         (
             'parent = "bone"',
             'parent = "bome"',
-            f'bodies.nail.parent is the unknown body "bome" (did you mean "bone"?): {BODIES}.',
+            'bodies.nail.parent refers to the unknown body "bome" (did you mean "bone"?): '
+            f"{BODIES}.",
         ),
         (
             'parent = "bone"',
             'parent = "nail"',
-            'bodies.nail.parent is "nail": a body cannot descend from itself (nail -> nail).',
+            'bodies.nail.parent is "nail": a body cannot be its own ancestor (nail -> nail).',
         ),
         (
             'length = "4 cm"',
             'length = "4 cm"\nparent = "nail"',
-            'bodies.bone.parent is "nail": a body cannot descend from itself '
+            'bodies.bone.parent is "nail": a body cannot be its own ancestor '
             "(bone -> nail -> bone).",
         ),
         (
             'kind = "rod"',
             'kind = "rodd"',
-            'bodies.suit has the unknown kind "rodd" (did you mean "rod"?): allowed are "rod", '
+            'bodies.suit has an unknown kind "rodd" (did you mean "rod"?): expected one of "rod", '
             '"link".',
         ),
         (
             'kind = "revolute"',
             'kind = "hinge"',
-            'bodies.bone.joint has the unknown kind "hinge": allowed are "fixed", "revolute", '
+            'bodies.bone.joint has an unknown kind "hinge": expected one of "fixed", "revolute", '
             '"prismatic", "universal", "spherical", "free".',
         ),
         (
@@ -311,52 +312,54 @@ def test_the_good_file_is_good() -> None:
         (
             'stiffness = "0.04 N*m/rad"',
             "axis = [0, 0, 0]",
-            "bodies.bone.joint.axis is a list of zeros: it must have a direction.",
+            "bodies.bone.joint.axis is zero: it must not be.",
         ),
         (
             "[bodies.nail]",
             '[bodies."na.il"]',
-            'bodies has the name "na.il": a name starts with a letter and has letters, digits, _ '
+            'bodies contains "na.il": names start with a letter and consist of letters, digits, _ '
             "and -.",
         ),
         (
             "[springs.strap]",
             "[springs.suit]",
-            "springs.suit has the name of bodies.suit.",
+            "springs.suit has the same name as bodies.suit.",
         ),
-        # spheres, contacts, actuators and what else refers to bodies
+        # references to bodies
         (
             'bodies = ["bone", "nail"]',
             "bodies = []",
-            "spheres.finger is on no body: give bodies or points.",
+            "spheres.finger is empty: give bodies or points.",
         ),
         (
             'bodies = ["bone", "nail"]',
             'bodies = ["bone", "nale"]',
-            'spheres.finger.bodies names the unknown body "nale" (did you mean "nail"?): '
+            'spheres.finger.bodies refers to the unknown body "nale" (did you mean "nail"?): '
             f"{BODIES}.",
         ),
         (
             'bodies = ["bone", "nail"]',
             'bodies = ["bone", "bone"]',
-            'spheres.finger.bodies names the body "bone" twice.',
+            'spheres.finger.bodies contains "bone" twice.',
         ),
         (
             'second = "finger"',
             'second = "fingr"',
-            'contacts.skin.second is the unknown sphere group "fingr" (did you mean "finger"?): '
-            'allowed are "suit", "finger".',
+            'contacts.skin.second refers to the unknown sphere group "fingr" (did you mean '
+            '"finger"?): '
+            'expected one of "suit", "finger".',
         ),
         (
             'second = "finger"',
             'second = "finger"\nshape = "cones"',
-            'contacts.skin.shape is "cones" (did you mean "round-cones"?): allowed are "spheres", '
+            'contacts.skin.shape is "cones" (did you mean "round-cones"?): expected one of '
+            '"spheres", '
             '"round-cones".',
         ),
         (
             'stiffness = "100 N/m"',
             'stiffness_per_length = "1 kPa"',
-            'contacts.skin.stiffness_per_length is only for shape = "round-cones".',
+            'contacts.skin.stiffness_per_length requires shape = "round-cones".',
         ),
         (
             'stiffness = "100 N/m"',
@@ -373,14 +376,14 @@ def test_the_good_file_is_good() -> None:
             'stiffness = "100 N/m"',
             'stiffness = "100 N/m"\nshape = "round-cones"\n[contacts.other]\nfirst = "finger"\n'
             'second = "suit"\nstiffness = "1 N/m"',
-            'contacts.skin.second is "finger", whose spheres other needs where they are: make '
-            "another group for round cones.",
+            'contacts.skin.second is "finger", whose spheres are used by other: define another '
+            "group for round cones.",
         ),
         (
             'first = "suit"\nsecond = "finger"\nstiffness = "100 N/m"',
             'first = "finger"\nsecond = "suit"\nshape = "round-cones"\n'
             'stiffness_per_length = "1 kPa"',
-            'spheres.finger.bodies is "bone", which is a link: rods are "suit".',
+            'spheres.finger.bodies is "bone", which is a link: expected a rod, "suit".',
         ),
         (
             'bodies = ["suit"]\n\n[spheres.finger]\nbodies = ["bone", "nail"]\n\n[contacts.skin]\n'
@@ -388,23 +391,22 @@ def test_the_good_file_is_good() -> None:
             'bodies = ["suit"]\npoints = [{ body = "suit", at = "tip" }]\n\n[spheres.finger]\n'
             'bodies = ["bone", "nail"]\n\n[contacts.skin]\nfirst = "suit"\nsecond = "finger"\n'
             'shape = "round-cones"\nstiffness_per_length = "1 kPa"',
-            "spheres.suit has single points, but skin has a stiffness per length: give it rods "
-            "only.",
+            "spheres.suit has points, but skin has a stiffness per length: use rods only.",
         ),
         (
             'rod = "suit"\nlever',
             'rod = "bone"\nlever',
-            'actuators.chamber.rod is "bone", which is a link: rods are "suit".',
+            'actuators.chamber.rod is "bone", which is a link: expected a rod, "suit".',
         ),
         (
             'kind = "chamber"',
             'kind = "tendon"',
-            'actuators.chamber.kind is "tendon": allowed are "chamber", "cable".',
+            'actuators.chamber.kind is "tendon": expected one of "chamber", "cable".',
         ),
         (
             'body = "nail"\nat = 0.5',
             'body = "nail"\nat = 1.5',
-            'wrenches.push.at is 1.5: allowed are "base", "tip", "centroid" or a fraction from '
+            'wrenches.push.at is 1.5: expected "base", "tip", "centroid" or a fraction from '
             "0 to 1.",
         ),
         (
@@ -420,13 +422,13 @@ def test_the_good_file_is_good() -> None:
         (
             'body = "nail"\nat = 0.5',
             'body = "suit"\nat = 0.3',
-            'wrenches.push.at is 0.3: on the rod "suit" it must be a multiple of 1/4 (an '
-            "element's end).",
+            'wrenches.push.at is 0.3: on the rod "suit" it must be a multiple of 1/4 (an element '
+            "boundary).",
         ),
         (
             'body = "nail"\nat = 0.5',
             'body = "suit"\nat = "centroid"',
-            'wrenches.push.at is "centroid": only links have one, and "suit" is a rod.',
+            'wrenches.push.at is "centroid": only links support it, and "suit" is a rod.',
         ),
         (
             'body = "nail"\nat = 0.5',
@@ -444,12 +446,11 @@ def test_the_good_file_is_good() -> None:
             'length_bounds = "6 cm"',
             'design.length_bounds is "6 cm": write two lengths, such as ["6 cm", "14 cm"].',
         ),
-        # out of the plane
+        # planar models
         (
             'bend_y = "nodal_linear"',
             'bend_z = "nodal_linear"',
-            "bodies.suit.strain.bend_z leaves the x-z plane of a planar model: allowed are "
-            "bend_y, extend_x, shear_z.",
+            "bodies.suit.strain.bend_z is not planar: expected one of bend_y, extend_x, shear_z.",
         ),
         (
             'kind = "revolute", stiffness',
@@ -465,33 +466,31 @@ def test_the_good_file_is_good() -> None:
         (
             'kind = "revolute", stiffness = "0.04 N*m/rad", lower = "-5 deg", upper = "90 deg"',
             'kind = "spherical"',
-            'bodies.bone.joint.kind is "spherical": planar models have fixed, revolute, '
+            'bodies.bone.joint.kind is "spherical": planar models support fixed, revolute, '
             "prismatic and free joints.",
         ),
         (
             'length = "4 cm"',
             'length = "4 cm"\nplacement = { y = "1 cm" }',
-            'bodies.bone.placement.y is "1 cm": it must be zero in a planar model, which lies in '
-            "the x-z plane.",
+            'bodies.bone.placement.y is "1 cm": it must be zero in a planar (x-z) model.',
         ),
         (
             "lever = 1.0",
             "lever = { y = 0.5 }",
-            "actuators.chamber.lever.y is 0.5: it must be zero in a planar model, which lies in "
-            "the x-z plane.",
+            "actuators.chamber.lever.y is 0.5: it must be zero in a planar (x-z) model.",
         ),
         (
             "lever = 1.0",
             'path = { radius = "4 mm", turn = "2 rad" }',
-            "actuators.chamber.path is a helix, which leaves the x-z plane of a planar model.",
+            "actuators.chamber.path is a helix, which is not planar.",
         ),
-        # other kinds of value
-        ('name = "good"', "name = 3", "name is 3: text in quotes is needed."),
-        ("planar = true", 'planar = "yes"', 'planar is "yes": true or false is needed.'),
+        # values of the wrong type
+        ('name = "good"', "name = 3", "name is 3: expected a string in quotes."),
+        ("planar = true", 'planar = "yes"', 'planar is "yes": expected true or false.'),
         (
             'length = "4 cm"',
             'length = "4 cm"\nplacement = { z = "1 cm", reference = "underside" }',
-            'bodies.bone.placement.reference is "underside": only rods can be placed so.',
+            'bodies.bone.placement.reference is "underside": only rods support it.',
         ),
     ],
 )
@@ -506,7 +505,7 @@ def test_one_sentence(old: str, new: str, sentence: str) -> None:
 def test_no_bodies() -> None:
     assert (
         message('name = "x"\n[bodies]')
-        == "good.toml: bodies has too few entries (0): at least 1 are needed."
+        == "good.toml: bodies has too few entries (0): expected at least 1."
     )
     assert message('name = "x"') == "good.toml: bodies is missing."
 

@@ -1,4 +1,4 @@
-"""Whatever stands in a model file, it is a model or it is refused in one sentence."""
+"""Random model files are either valid or rejected with one sentence."""
 
 from __future__ import annotations
 

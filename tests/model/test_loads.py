@@ -1,4 +1,4 @@
-"""Forces as people write them."""
+"""Parsing of forces and loads."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_forces(force: object, expected: list[float]) -> None:
     assert forces(force).tolist() == expected  # type: ignore[arg-type]
 
 
-def test_fine_steps_hold_the_coarse_ones_exactly() -> None:
+def test_fine_steps_include_the_coarse_ones_exactly() -> None:
     assert set(forces("0:5:1")) <= set(forces("0:5:0.1"))
     assert len(forces("0:5:0.1")) == 51
 
@@ -50,8 +50,8 @@ NEWTON = 'write a force with its unit, such as "5 N"'
         ([0, float("nan")], "force[1] is nan: it must be a finite number."),
         ([float("inf")], "force[0] is inf: it must be a finite number."),
         (["0 N", "3 kg"], f'force[1] is "3 kg", which is not a force: {NEWTON}.'),
-        ([None], "force[0] is of type NoneType: a force in N is needed."),
-        ([True], "force[0] is true: a force in N is needed."),
+        ([None], "force[0] is of type NoneType: expected a force in N."),
+        ([True], "force[0] is true: expected a force in N."),
         ("", f'force is "", which is not a force: {NEWTON}.'),
         ("five", f'force is "five", which is not a force: {NEWTON}.'),
         ("5:0:1", 'force is "5:0:1": the forces of a path must not decrease.'),
@@ -69,18 +69,18 @@ def test_bad_forces(force: object, message: str) -> None:
     assert str(caught.value) == message
 
 
-def test_one_input_takes_a_plain_list() -> None:
+def test_a_single_input_accepts_a_list() -> None:
     assert loads([0, 1], ["chamber"]).tolist() == [[0.0], [1.0]]
 
 
-def test_several_inputs_are_named_and_held() -> None:
-    found = loads({"b": "0:2:1", "a": 3}, ["a", "b", "c"])
-    assert found.tolist() == [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 2.0, 0.0]]
+def test_several_inputs_are_named_and_single_values_held() -> None:
+    result = loads({"b": "0:2:1", "a": 3}, ["a", "b", "c"])
+    assert result.tolist() == [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 2.0, 0.0]]
 
 
-def test_no_input_takes_only_zeros() -> None:
+def test_a_model_without_inputs_accepts_only_zeros() -> None:
     assert loads([0, 0], []).shape == (2, 0)
-    with pytest.raises(InputError, match="a model that has no actuator: leave it out"):
+    with pytest.raises(InputError, match="the model has no actuator: leave it out"):
         loads([0, 1], [])
 
 
@@ -89,17 +89,17 @@ def test_no_input_takes_only_zeros() -> None:
     [
         (
             [0, 1],
-            'force must say which input it drives, of "left", "right": a table in Python, and '
+            'force must name its input, one of "left", "right": use a dict in Python, and '
             "left=0:5:1 on the command line.",
         ),
         (
             {"lfet": [0, 1]},
-            'unknown input "lfet" (did you mean "left"?): allowed are "left", "right".',
+            'unknown input "lfet" (did you mean "left"?): expected one of "left", "right".',
         ),
         (
             {"left": [0, 1, 2], "right": [0, 1]},
-            'force has 2 steps for "right" and 3 for another input: give as many for each, or one '
-            "to be held.",
+            'force has 2 steps for "right" and 3 for another input: give the same number for '
+            "each, or one to hold constant.",
         ),
     ],
 )

@@ -330,7 +330,7 @@ lever = -1.0
 """
     model = Model(parse(text))
     assert model.inputs == ("chamber", "lower")
-    with pytest.raises(InputError, match="force must say which input it drives"):
+    with pytest.raises(InputError, match="force must name its input"):
         model.equilibrium(force=[0, 1])
     path = model.equilibrium(force={"lower": "0:1:0.5"})
     assert path.loads.tolist() == [[0.0, 0.0], [0.0, 0.5], [0.0, 1.0]]

@@ -56,7 +56,8 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
         (
             'spheres = ["foot"]',
             'spheres = ["food"]',
-            'obstacles.floor.spheres names the unknown sphere group "food" (did you mean "foot"?)',
+            'obstacles.floor.spheres refers to the unknown sphere group "food" (did you mean '
+            '"foot"?)',
         ),
         ('spheres = ["foot"]', 'spheres = ["foot", "foot"]', "obstacles.floor.spheres names"),
         ('spheres = ["foot"]', "spheres = []", "obstacles.floor.spheres"),
@@ -66,7 +67,7 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
             "normal = [0, 1, 2]",
             "obstacles.floor.normal is [0.0, 1.0, 2.0]: in a planar model it must lie in",
         ),
-        ('kind = "half-space"', 'kind = "ball"', 'obstacles.floor.kind is "ball": allowed is'),
+        ('kind = "half-space"', 'kind = "ball"', 'obstacles.floor.kind is "ball": expected'),
         ('stiffness = "200 N/m"', 'stiffness = "0 N/m"', "obstacles.floor.stiffness is"),
         ('point = { z = "-2 cm" }', 'point = { y = "1 cm" }', "obstacles.floor.point.y is"),
     ],

@@ -131,9 +131,9 @@ def test_forces_are_those_on_the_joints(finger: Model) -> None:
 def test_an_arrow_for_every_place(finger: Model) -> None:
     path = finger.equilibrium([5])
     found = path.contact_forces()
-    pushes = read_scene(path).pushes
-    assert len(pushes) == len(set(found.first.tolist())) >= 2
-    total = sum((push.force for push in pushes), np.zeros(3))
+    arrows = read_scene(path).contact_arrows
+    assert len(arrows) == len(set(found.first.tolist())) >= 2
+    total = sum((arrow.force for arrow in arrows), np.zeros(3))
     np.testing.assert_allclose(total, -found.force.sum(axis=0), atol=1e-12)
 
 

@@ -17,7 +17,7 @@ from flexor.errors import InputError
     [
         (
             {"tolerence": 1e-9},
-            'unknown solver option "tolerence" (did you mean "tolerance"?): allowed are '
+            'unknown solver option "tolerence" (did you mean "tolerance"?): expected one of '
             '"tolerance", "max_iterations", "min_step", "max_displacement", '
             '"max_displacement_with_contact".',
         ),
@@ -26,25 +26,25 @@ from flexor.errors import InputError
             {"tolerance": float("nan")},
             "solver option tolerance is nan: it must be above 0 and at most 1.",
         ),
-        ({"tolerance": "fine"}, 'solver option tolerance is "fine": a number is needed.'),
+        ({"tolerance": "fine"}, 'solver option tolerance is "fine": expected a number.'),
         ({"min_step": -1}, "solver option min_step is -1: it must be above 0 and at most 1."),
         (
             {"max_iterations": -1},
-            "solver option max_iterations is -1: a whole number from 1 is needed.",
+            "solver option max_iterations is -1: expected an integer from 1.",
         ),
         (
             {"max_iterations": 2.5},
-            "solver option max_iterations is 2.5: a whole number from 1 is needed.",
+            "solver option max_iterations is 2.5: expected an integer from 1.",
         ),
         (
             {"max_iterations": float("inf")},
-            "solver option max_iterations is inf: a whole number from 1 is needed.",
+            "solver option max_iterations is inf: expected an integer from 1.",
         ),
         (
             {"max_displacement": 2e6},
             "solver option max_displacement is 2000000.0: it must be above 0 and at most 1e+06.",
         ),
-        ({"max_iterations": True}, "solver option max_iterations is true: a number is needed."),
+        ({"max_iterations": True}, "solver option max_iterations is true: expected a number."),
     ],
 )
 def test_one_sentence(option: dict[str, float], sentence: str) -> None:

@@ -24,7 +24,7 @@ def test_every_status_has_a_meaning_and_a_way_out() -> None:
 
 def test_every_status_is_in_the_documentation_and_in_the_help() -> None:
     method = (DOCS / "method.md").read_text(encoding="utf-8")
-    (section,) = re.findall(r"## How a load step can end\n(.*?)\n## ", method, flags=re.DOTALL)
+    (section,) = re.findall(r"## Status of a load step\n(.*?)\n## ", method, flags=re.DOTALL)
     assert re.findall(r"^\| `([\w-]+)` \|", section, flags=re.MULTILINE) == [*MEANINGS]
     said = simulate.__doc__ or ""
     assert all(f"`{status}`" in said for status in MEANINGS if status != "converged")

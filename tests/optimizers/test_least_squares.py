@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt: exact Jacobians, batches, bounds and bumps."""
+"""Levenberg-Marquardt: exact Jacobians, batches, bounds and local minima."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_rosenbrock_by_differences_and_by_its_jacobian() -> None:
     assert by_jacobian.evaluations < 0.5 * by_differences.evaluations
 
 
-def test_an_optimum_on_a_bound_is_that_of_scipy() -> None:
+def test_an_optimum_on_a_bound_agrees_with_scipy() -> None:
     lower, upper = LOWER, np.array([0.5, 0.2])
     for start in ([-1.2, -1.0], [0.5, 0.2], [-2.0, 0.2], [0.0, 0.0]):
         ours = LevenbergMarquardt().minimize(Rosenbrock(), lower, upper, start)
@@ -55,37 +55,38 @@ def test_an_optimum_on_a_bound_is_that_of_scipy() -> None:
         assert ours.value == pytest.approx(np.sqrt(2.0 * theirs.cost), rel=1e-7)
 
 
-def test_starts_descend_side_by_side_in_batches() -> None:
+def test_starts_are_batched() -> None:
     function = Rosenbrock()
     found = LevenbergMarquardt(starts=8).minimize(function, LOWER, UPPER, seed=2)
     assert function.batches[:3] == [8, 16, 8]
     assert found.value < 1e-6
 
 
-def test_a_bump_holds_it_which_the_paper_saw() -> None:
-    class Bumpy(Rosenbrock):
+def test_local_minima_trap_it_as_reported_in_the_paper() -> None:
+    class Multimodal(Rosenbrock):
         def residuals(self, x: np.ndarray) -> np.ndarray:
             return 3.0 + 0.5 * x + 0.3 * np.sin(25.0 * x)
 
     ends = [
-        LevenbergMarquardt().minimize(Bumpy(), LOWER, UPPER, seed=seed).value for seed in range(10)
+        LevenbergMarquardt().minimize(Multimodal(), LOWER, UPPER, seed=seed).value
+        for seed in range(10)
     ]
-    best = LevenbergMarquardt(starts=400).minimize(Bumpy(), LOWER, UPPER, seed=0).value
+    best = LevenbergMarquardt(starts=400).minimize(Multimodal(), LOWER, UPPER, seed=0).value
     assert np.ptp(ends) > 0.5
     assert best < min(ends) + 1e-9
 
 
 def test_differences_are_taken_inwards_at_the_upper_bound() -> None:
-    asked: list[np.ndarray] = []
+    requested: list[np.ndarray] = []
 
-    class Watched(Rosenbrock):
+    class Recording(Rosenbrock):
         def __call__(self, x: np.ndarray) -> np.ndarray:
-            asked.append(x)
+            requested.append(x)
             return super().__call__(x)
 
-    LevenbergMarquardt().minimize(Watched(), LOWER, UPPER, UPPER, budget=Budget(evaluations=3))
-    assert asked[0].tolist() == [UPPER.tolist()]
-    np.testing.assert_allclose(UPPER - asked[1], np.diag(1e-6 * (UPPER - LOWER)), rtol=1e-6)
+    LevenbergMarquardt().minimize(Recording(), LOWER, UPPER, UPPER, budget=Budget(evaluations=3))
+    assert requested[0].tolist() == [UPPER.tolist()]
+    np.testing.assert_allclose(UPPER - requested[1], np.diag(1e-6 * (UPPER - LOWER)), rtol=1e-6)
 
 
 def test_a_parameter_whose_difference_fails_is_held() -> None:

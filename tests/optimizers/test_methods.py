@@ -1,4 +1,4 @@
-"""Every method on functions whose minima are known, rough and broken ones included."""
+"""Every method on functions with known minima, including rough and failing ones."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from flexor.errors import InputError
 from flexor.optimizers import Budget, Progress, SearchResult
 
 METHODS = [name for name in optimizers.names() if name != "grid"]
-# Enough for every method, and not more than the slowest can afford.
+# Enough for every method to converge; less for the slowest one.
 BUDGET = {"surrogate": Budget(evaluations=60)}
 
 
 class Bowl:
-    """The norm of a vector, least 1 where each parameter is at its place; fails if asked to."""
+    """The norm of a vector, with minimum 1 at `place`; optionally fails for x_0 > `fails`."""
 
     def __init__(self, k: int, fails: float | None = None) -> None:
         self.place = np.linspace(0.3, -0.7, k)
@@ -66,7 +66,7 @@ def name(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.mark.parametrize("k", [1, 2, 4])
-def test_a_smooth_bowl_is_solved(name: str, k: int) -> None:
+def test_a_smooth_bowl_is_minimised(name: str, k: int) -> None:
     found = minimum(name, Bowl(k))
     assert found.value == pytest.approx(1.0, abs=1e-3)
     # The value is flat at its minimum: sqrt(2 * 1e-3) away it has risen by no more than that.
@@ -74,7 +74,7 @@ def test_a_smooth_bowl_is_solved(name: str, k: int) -> None:
     assert found.value == Bowl(k)(found.design[None])[0]
 
 
-def test_an_optimum_on_the_bounds_is_found_within_them(name: str) -> None:
+def test_an_optimum_on_the_bounds_is_found_without_leaving_them(name: str) -> None:
     function = Bowl(2)
     function.place = np.array([3.0, -9.0])
     found = minimum(name, function)
@@ -86,8 +86,8 @@ def test_an_optimum_on_the_bounds_is_found_within_them(name: str) -> None:
     assert np.all((designs >= lower) & (designs <= upper))
 
 
-def searched(name: str) -> str:
-    """Hash of everything a method asks for."""
+def request_hash(name: str) -> str:
+    """Return a hash of all designs that a method requests."""
     function = Bowl(11 if name == "cma-es" else 3)
     minimum(name, function, budget=Budget(evaluations=40 if name == "surrogate" else 300))
     return hashlib.sha256(np.concatenate(function.asked).tobytes()).hexdigest()
@@ -96,16 +96,16 @@ def searched(name: str) -> str:
 def test_same_seed_same_search_in_this_process_and_in_another() -> None:
     names = [name for name in METHODS if name in optimizers.available()]
     np.random.seed(1)
-    first = {name: searched(name) for name in names}
+    first = {name: request_hash(name) for name in names}
     np.random.seed(2)  # a method must not depend on numpy's global state
-    again = {name: searched(name) for name in reversed(names)}
+    again = {name: request_hash(name) for name in reversed(names)}
     assert again == first
     program = (
         "import importlib.util as u\n"
         f"spec = u.spec_from_file_location('here', {str(Path(__file__))!r})\n"
         "here = u.module_from_spec(spec)\n"
         "spec.loader.exec_module(here)\n"
-        f"print({{name: here.searched(name) for name in {names!r}}})\n"
+        f"print({{name: here.request_hash(name) for name in {names!r}}})\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     ran = subprocess.run(
@@ -123,20 +123,20 @@ def test_another_seed_is_another_search(name: str) -> None:
 
 
 @pytest.mark.parametrize("limit", [1, 7, 30])
-def test_the_budget_is_kept_to_the_design_and_nothing_asked_twice(name: str, limit: int) -> None:
-    function, told = Bowl(3), list[Progress]()
-    found = minimum(name, function, budget=Budget(evaluations=limit), progress=told.append)
+def test_the_budget_is_exact_and_no_design_is_evaluated_twice(name: str, limit: int) -> None:
+    function, reports = Bowl(3), list[Progress]()
+    found = minimum(name, function, budget=Budget(evaluations=limit), progress=reports.append)
     designs = np.concatenate(function.asked)
     assert len(designs) == len(np.unique(designs, axis=0)) == found.evaluations <= limit
-    if name != "levenberg-marquardt":  # which may be done before
+    if name != "levenberg-marquardt":  # may converge earlier
         assert found.evaluations == limit
         assert found.reason == f"the budget of {limit} evaluations is spent"
-    assert (told[-1].evaluations, told[-1].value) == (found.evaluations, found.value)
+    assert (reports[-1].evaluations, reports[-1].value) == (found.evaluations, found.value)
     assert np.all(np.diff(found.improvement_values) < 0)
     assert found.improvement_values[-1] == found.value
 
 
-def test_the_search_begins_at_the_start_to_the_last_digit(name: str) -> None:
+def test_the_first_design_is_bitwise_the_start(name: str) -> None:
     function = Bowl(3)
     start = np.array([0.1, 0.2, 1.0 / 3.0])
     lower, upper = box(3)
@@ -148,8 +148,8 @@ def test_the_search_begins_at_the_start_to_the_last_digit(name: str) -> None:
         optimizers.method(name).minimize(function, lower, upper, start=start + 9.0)
 
 
-def test_failed_designs_are_left_alone(name: str) -> None:
-    # Half of the box fails; the optimum lies at a distance from it.
+def test_failing_designs_are_avoided(name: str) -> None:
+    # Half of the box fails; the optimum lies well outside it.
     lower, upper = box(2)
     function = Bowl(2, fails=0.6)
     search_ = optimizers.method(name)
@@ -163,17 +163,17 @@ def test_failed_designs_are_left_alone(name: str) -> None:
 
 
 @pytest.mark.parametrize("failing", [np.inf, np.nan])
-def test_a_desert_is_survived(name: str, failing: float) -> None:
+def test_a_search_in_which_every_design_fails_ends(name: str, failing: float) -> None:
     function = Bowl(2, fails=-9.0)
     lower, upper = box(2)
 
-    class Desert(Bowl):
+    class AlwaysFailing(Bowl):
         def __call__(self, x: np.ndarray) -> np.ndarray:
             return np.full(len(x), failing)
 
     with np.errstate(all="raise", under="ignore"):
         found = optimizers.method(name).minimize(
-            Desert(2, fails=-9.0), lower, upper, [0.1, 0.2], 1, Budget(evaluations=100)
+            AlwaysFailing(2, fails=-9.0), lower, upper, [0.1, 0.2], 1, Budget(evaluations=100)
         )
     assert found.value == np.inf
     assert found.design.tolist() == [0.1, 0.2]
@@ -181,7 +181,7 @@ def test_a_desert_is_survived(name: str, failing: float) -> None:
     assert function.asked == []
 
 
-def test_a_plateau_is_survived(name: str) -> None:
+def test_a_search_on_a_plateau_ends(name: str) -> None:
     lower, upper = box(2)
 
     class Plateau(Bowl):
@@ -205,22 +205,22 @@ def test_a_search_without_a_budget_ends_by_itself(name: str) -> None:
     assert found.value == pytest.approx(1.0, abs=1e-3)
 
 
-def test_progress_may_stop_it_and_the_error_passes_through(name: str) -> None:
-    told: list[Progress] = []
+def test_an_exception_from_the_progress_callback_propagates(name: str) -> None:
+    reports: list[Progress] = []
 
     def stop(at: Progress) -> None:
-        told.append(at)
+        reports.append(at)
         if at.evaluations > 5:
             raise KeyboardInterrupt
 
     lower, upper = box(4)
     with pytest.raises(KeyboardInterrupt):
         optimizers.method(name).minimize(Bowl(4), lower, upper, seed=1, progress=stop)
-    assert np.all(np.diff([at.iteration for at in told]) >= 0)
-    assert all(at.detail for at in told)
+    assert np.all(np.diff([at.iteration for at in reports]) >= 0)
+    assert all(at.detail for at in reports)
 
 
-def test_an_error_of_the_function_passes_through(name: str) -> None:
+def test_an_exception_from_the_function_propagates(name: str) -> None:
     class Broken(Bowl):
         def __call__(self, x: np.ndarray) -> np.ndarray:
             if len(self.asked) == 2:
@@ -232,7 +232,7 @@ def test_an_error_of_the_function_passes_through(name: str) -> None:
         optimizers.method(name).minimize(Broken(2), lower, upper, seed=1)
 
 
-def test_global_methods_leave_a_local_minimum(name: str) -> None:
+def test_global_methods_escape_a_local_minimum(name: str) -> None:
     if name in ("pattern-search", "pattern-search+polish", "levenberg-marquardt", "mads"):
         pytest.skip("a local method")
 
@@ -247,9 +247,9 @@ def test_global_methods_leave_a_local_minimum(name: str) -> None:
     assert found.value == pytest.approx(-1.0, abs=1e-2)
 
 
-def test_seconds_stop_it(name: str) -> None:
+def test_a_time_budget_stops_the_search(name: str) -> None:
     if name == "surrogate":
-        pytest.skip("one of its rounds may take that long")
+        pytest.skip("a single iteration may take that long")
     lower, upper = box(11)
     options = {"starts": 500} if name in ("pattern-search", "levenberg-marquardt") else {}
     found = optimizers.method(name, **options).minimize(
@@ -259,7 +259,7 @@ def test_seconds_stop_it(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: optimizers.method("genetic-algoritm"), 'did you mean "genetic-algorithm"?'),
         (lambda: optimizers.method("cma-es", popsize=3), 'unknown option of cma-es "popsize"'),
@@ -272,7 +272,7 @@ def test_seconds_stop_it(name: str) -> None:
         ),
         (lambda: optimizers.method("direct", local=2), "must be 1 (yes) or 0 (no), got 2"),
         (lambda: optimizers.method("direct", side=0), "between 0 and 1"),
-        (lambda: optimizers.method("annealing", iterations=0.5), "must be a whole number"),
+        (lambda: optimizers.method("annealing", iterations=0.5), "must be an integer"),
         (lambda: optimizers.method("lm", difference=0), "above 0 and at most 0.1"),
         (lambda: optimizers.method("grid", columns=3), "columns of grid must be a list"),
         (lambda: optimizers.method("grid", points=1), "at least 2"),
@@ -282,15 +282,15 @@ def test_seconds_stop_it(name: str) -> None:
         ),
         (
             lambda: optimizers.method("lm").minimize(lambda x: x[:, 0], *box(1)),
-            "one number for each design, not a vector",
+            "least squares needs one that is the norm of a vector",
         ),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(call, said: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(InputError) as refusal:
+def test_invalid_input_is_rejected_with_one_sentence(call, message: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError) as error:
         call()
-    assert said in str(refusal.value)
-    assert str(refusal.value).endswith(".")
+    assert message in str(error.value)
+    assert str(error.value).endswith(".")
 
 
 @pytest.mark.parametrize("missing", ["mads", "surrogate"])
@@ -306,15 +306,15 @@ def test_a_missing_library_is_named_with_its_install_command(
     assert missing in optimizers.names()
 
 
-def test_an_option_that_is_no_number_is_not_quoted_at_length() -> None:
-    with pytest.raises(InputError, match=r"option starts of .* must be a whole number") as refusal:
+def test_a_long_invalid_option_value_is_truncated_in_the_message() -> None:
+    with pytest.raises(InputError, match=r"option starts of .* must be an integer") as error:
         optimizers.method("bfgs", starts=[0] * 1000)
-    assert len(str(refusal.value)) < 200
+    assert len(str(error.value)) < 200
 
 
 @pytest.mark.parametrize("value", [float("inf"), float("nan"), 2.5, "3", None])
-def test_an_option_that_is_no_whole_number_is_refused(value: Any) -> None:
-    with pytest.raises(InputError, match=r"option starts of .* must be a whole number"):
+def test_a_non_integer_option_is_rejected(value: Any) -> None:
+    with pytest.raises(InputError, match=r"option starts of .* must be an integer"):
         optimizers.method("pattern-search", starts=value)
 
 
@@ -324,7 +324,7 @@ def test_aliases_and_spellings() -> None:
     assert optimizers.method("ps", starts=2).name == "pattern-search"
 
 
-def test_a_grid_is_evaluated_in_order_with_the_rest_at_the_start() -> None:
+def test_a_grid_is_evaluated_in_order_with_other_parameters_at_the_start() -> None:
     function = Bowl(3)
     lower, upper = box(3)
     start = np.array([0.1, 1.0 / 3.0, 0.7])

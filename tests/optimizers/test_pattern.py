@@ -1,4 +1,4 @@
-"""Pattern search on functions whose minima are known, rough and broken ones included."""
+"""Pattern search on functions with known minima, including rough and failing ones."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def same(one: SearchResult, other: SearchResult) -> bool:
     )
 
 
-def test_quadratic_is_solved_to_the_mesh() -> None:
+def test_quadratic_is_minimised_to_the_mesh_tolerance() -> None:
     found = PatternSearch().minimize(quadratic, LOWER, UPPER, start=[1.9, 1.9])
     np.testing.assert_allclose(found.design, [0.3, -0.7], atol=1e-5)
     assert found.value == quadratic(found.design[None])[0]
@@ -52,7 +52,7 @@ def test_an_optimum_on_a_bound_is_reached_exactly() -> None:
     assert found.design.tolist() == [0.06, 0.012]
 
 
-def test_no_design_outside_the_bounds_and_none_twice() -> None:
+def test_no_design_outside_the_bounds_or_evaluated_twice() -> None:
     asked: list[np.ndarray] = []
 
     def watch(x: np.ndarray) -> np.ndarray:
@@ -94,7 +94,7 @@ def test_the_mesh_doubles_on_success_and_halves_on_failure() -> None:
     assert meshes == [0.125, 0.25, 0.5, 0.5, 0.25, 0.125]
 
 
-def test_same_seed_same_search_and_another_seed_another() -> None:
+def test_the_search_depends_on_the_seed_only() -> None:
     search, few = PatternSearch(starts=4), Budget(evaluations=1000)
     one = search.minimize(rosenbrock, LOWER, UPPER, seed=5, budget=few)
     two = search.minimize(rosenbrock, LOWER, UPPER, seed=5, budget=few)
@@ -103,7 +103,7 @@ def test_same_seed_same_search_and_another_seed_another() -> None:
     assert not same(one, other)
 
 
-def test_equal_neighbours_are_decided_by_the_seed_alone() -> None:
+def test_ties_between_neighbours_are_broken_by_the_seed() -> None:
     def ridge(x: np.ndarray) -> np.ndarray:
         return -np.abs(x).sum(axis=1)
 
@@ -131,7 +131,7 @@ def test_more_starts_escape_a_local_minimum() -> None:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_failed_designs_are_walked_around(bad: float) -> None:
+def test_failing_designs_are_avoided(bad: float) -> None:
     def holes(x: np.ndarray) -> np.ndarray:
         cells = np.floor(x * 7.3).astype(int).sum(axis=1)
         return np.where(cells % 5 == 2, bad, quadratic(x))
@@ -141,17 +141,17 @@ def test_failed_designs_are_walked_around(bad: float) -> None:
     assert found.value < 0.05
 
 
-def test_a_plateau_and_a_desert_end_at_the_mesh_tolerance() -> None:
+def test_a_search_on_a_plateau_or_with_only_failures_ends_at_the_mesh_tolerance() -> None:
     flat = PatternSearch().minimize(lambda x: np.zeros(len(x)), LOWER, UPPER, [0.1, 0.2])
     assert flat.design.tolist() == [0.1, 0.2]
     assert flat.reason == "the mesh is below 1e-06"
-    desert = PatternSearch().minimize(lambda x: np.full(len(x), np.nan), LOWER, UPPER, [0.1, 0.2])
-    assert desert.value == np.inf
-    assert desert.design.tolist() == [0.1, 0.2]
-    assert len(desert.improvement_values) == 0
+    failed = PatternSearch().minimize(lambda x: np.full(len(x), np.nan), LOWER, UPPER, [0.1, 0.2])
+    assert failed.value == np.inf
+    assert failed.design.tolist() == [0.1, 0.2]
+    assert len(failed.improvement_values) == 0
 
 
-def test_a_start_that_fails_is_left_for_any_that_does_not() -> None:
+def test_the_search_recovers_from_a_failing_start() -> None:
     def corner(x: np.ndarray) -> np.ndarray:
         return np.where(x[:, 0] > 0.5, np.inf, quadratic(x))
 
@@ -159,7 +159,7 @@ def test_a_start_that_fails_is_left_for_any_that_does_not() -> None:
     assert found.value < 0.02
 
 
-def test_budget_of_evaluations_is_kept_to_the_design() -> None:
+def test_the_evaluation_budget_is_exact() -> None:
     for limit in (1, 7, 30):
         calls = []
 
@@ -167,56 +167,56 @@ def test_budget_of_evaluations_is_kept_to_the_design() -> None:
             calls.append(len(x))
             return rosenbrock(x)
 
-        told: list[Progress] = []
+        reports: list[Progress] = []
         found = PatternSearch().minimize(
-            counting, LOWER, UPPER, [-1.2, 1.0], 0, Budget(evaluations=limit), told.append
+            counting, LOWER, UPPER, [-1.2, 1.0], 0, Budget(evaluations=limit), reports.append
         )
-        assert (told[-1].evaluations, told[-1].remaining) == (limit, 0)
-        assert told[-1].value == found.value
+        assert (reports[-1].evaluations, reports[-1].remaining) == (limit, 0)
+        assert reports[-1].value == found.value
         assert sum(calls) == found.evaluations == limit
         assert found.reason == f"the budget of {limit} evaluations is spent"
 
 
-def test_budget_of_time_stops_the_search() -> None:
+def test_a_time_budget_stops_the_search() -> None:
     found = PatternSearch(tolerance=1e-300).minimize(
         rosenbrock, LOWER, UPPER, [-1.2, 1.0], budget=Budget(seconds=0.05)
     )
     assert found.reason == "the budget of 0.05 s is spent"
 
 
-def test_progress_is_told_and_may_stop_the_search() -> None:
-    told: list[Progress] = []
+def test_progress_is_reported_and_may_stop_the_search() -> None:
+    reports: list[Progress] = []
 
     def progress(at: Progress) -> None:
-        told.append(at)
+        reports.append(at)
         if at.iteration == 5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         PatternSearch().minimize(quadratic, LOWER, UPPER, [1.9, 1.9], progress=progress)
-    assert [at.iteration for at in told] == list(range(6))
-    assert told[0].evaluations == 1
-    assert told[0].design.tolist() == [1.9, 1.9]
-    assert np.all(np.diff([at.value for at in told]) <= 0)
-    assert told[1].detail.startswith("mesh ")
+    assert [at.iteration for at in reports] == list(range(6))
+    assert reports[0].evaluations == 1
+    assert reports[0].design.tolist() == [1.9, 1.9]
+    assert np.all(np.diff([at.value for at in reports]) <= 0)
+    assert reports[1].detail.startswith("mesh ")
 
 
-def test_what_remains_on_a_plateau_is_foretold() -> None:
-    told: list[Progress] = []
+def test_remaining_evaluations_on_a_plateau_are_predicted() -> None:
+    reports: list[Progress] = []
     done = PatternSearch(starts=2).minimize(
-        lambda x: np.zeros(len(x)), LOWER, UPPER, [[0.1, 0.2], [0.7, -0.3]], progress=told.append
+        lambda x: np.zeros(len(x)), LOWER, UPPER, [[0.1, 0.2], [0.7, -0.3]], progress=reports.append
     )
-    foretold = [at.evaluations + (at.remaining or 0) for at in told]
-    assert foretold == [done.evaluations] * len(told)
+    predicted = [at.evaluations + (at.remaining or 0) for at in reports]
+    assert predicted == [done.evaluations] * len(reports)
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: method("patern-search"), 'did you mean "pattern-search"?'),
         (lambda: method("pattern-search", start=3), 'did you mean "starts"?'),
         (lambda: method("pattern-search", starts=0), "starts of pattern-search must be at least 1"),
-        (lambda: method("pattern-search", starts=1.5), "must be a whole number, got 1.5"),
+        (lambda: method("pattern-search", starts=1.5), "must be an integer, got 1.5"),
         (lambda: method("pattern-search", tolerance="x"), "must be a number, got 'x'"),
         (lambda: method("pattern-search", initial_mesh=float("nan")), "above 0 and at most 1"),
         (lambda: Budget(evaluations=0), "at least 1 evaluation"),
@@ -228,13 +228,13 @@ def test_what_remains_on_a_plateau_is_foretold() -> None:
         (lambda: PatternSearch().minimize(quadratic, LOWER, UPPER, [0.0]), "a start has 2 numbers"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(call, said: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(InputError) as refusal:
+def test_invalid_input_is_rejected_with_one_sentence(call, message: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError) as error:
         call()
-    assert said in str(refusal.value)
+    assert message in str(error.value)
 
 
-def test_methods_are_made_by_name_with_options() -> None:
+def test_methods_are_constructed_by_name_with_options() -> None:
     assert method("Pattern_Search", starts=8.0, tolerance=1e-4) == PatternSearch(
         starts=8, tolerance=1e-4
     )

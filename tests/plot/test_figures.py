@@ -6,11 +6,11 @@ import pytest
 from flexor.errors import InputError
 from flexor.plot import arrows
 from flexor.plot.designs_figure import Design, draw_designs
-from flexor.plot.path_figure import MOST_IN_LEGEND, draw_path
-from flexor.plot.scene import Push, Scene
+from flexor.plot.path_figure import MAX_LEGEND_ENTRIES, draw_path
+from flexor.plot.scene import ContactArrow, Scene
 from flexor.plot.style import COLUMN, save, shades
 
-from .made import scene
+from .synthetic import scene
 
 FLEXION = np.linspace(0.0, 1.2, 6)
 SCENES = [scene(flexion, 1.1 * flexion) for flexion in FLEXION]
@@ -42,9 +42,9 @@ def test_everything_lies_inside_the_axes() -> None:
         assert left < x.min() and x.max() < right and bottom < z.min() and z.max() < top
 
 
-def test_arrows_share_one_scale_and_a_round_key() -> None:
+def test_arrows_share_one_scale_and_the_key_is_round() -> None:
     cm_per_newton, key = arrows.scale([scene(0.5, 3.7)])
-    assert cm_per_newton * 3.7 == pytest.approx(arrows.LONGEST)
+    assert cm_per_newton * 3.7 == pytest.approx(arrows.MAX_LENGTH)
     assert key == 2.0
     assert arrows.scale([scene(0.5)]) == (0.0, 0.0)
 
@@ -53,20 +53,21 @@ def test_arrow_ends_where_the_force_acts() -> None:
     import matplotlib.quiver
 
     acting = Scene(
-        rods=scene(0.3).rods, pushes=[Push(np.array([0.05, 0.0, 0.01]), np.array([0.0, 0.0, -2.0]))]
+        rods=scene(0.3).rods,
+        contact_arrows=[ContactArrow(np.array([0.05, 0.0, 0.01]), np.array([0.0, 0.0, -2.0]))],
     )
     axes = draw_path([acting], [5.0], planar_model=True).axes[0]
     arrow = next(c for c in axes.collections if isinstance(c, matplotlib.quiver.Quiver))
     np.testing.assert_allclose(arrow.get_offsets(), [[5.0, 1.0]])
     assert arrow.pivot == "tip"
-    np.testing.assert_allclose([arrow.U[0], arrow.V[0]], [0.0, -arrows.LONGEST])
+    np.testing.assert_allclose([arrow.U[0], arrow.V[0]], [0.0, -arrows.MAX_LENGTH])
 
 
-def test_a_long_path_names_only_some_loads() -> None:
+def test_the_legend_of_a_long_path_lists_some_loads() -> None:
     many = [scene(flexion) for flexion in np.linspace(0.0, 1.0, 51)]
     figure = draw_path(many, np.linspace(0.0, 5.0, 51), planar_model=True)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert len(labels) <= MOST_IN_LEGEND + 1
+    assert len(labels) <= MAX_LEGEND_ENTRIES + 1
     assert {"0 N", "5 N"} <= set(labels)
 
 
@@ -79,7 +80,7 @@ def test_spatial_path_has_equal_scales() -> None:
     np.testing.assert_allclose(aspect / aspect[0], spans / spans[0])
 
 
-def test_designs_share_limits_and_state_their_bending() -> None:
+def test_designs_share_limits_and_titles_state_the_bending() -> None:
     designs = [
         Design("default", SCENES[0], SCENES[1], 0.0, 5.0, 0.43),
         Design("optimum", SCENES[0], SCENES[5], 0.0, 5.0, 1.43),
@@ -92,7 +93,7 @@ def test_designs_share_limits_and_state_their_bending() -> None:
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-def test_the_same_picture_is_the_same_file(tmp_path, ending: str) -> None:
+def test_files_are_reproducible(tmp_path, ending: str) -> None:
     files = []
     for name in "ab":
         figure = draw_path(SCENES, range(6), planar_model=True)
@@ -110,12 +111,12 @@ def test_shades_run_from_light_to_dark() -> None:
 @pytest.mark.parametrize(
     ("name", "words"), [("picture.jpeg", "must end in .png"), ("no/where/a.png", "no folder")]
 )
-def test_a_file_that_cannot_be_written_is_refused(tmp_path, name: str, words: str) -> None:
+def test_a_file_that_cannot_be_written_is_rejected(tmp_path, name: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         save(draw_path(SCENES, range(6), planar_model=True), tmp_path / name)
 
 
-def test_drawing_leaves_matplotlib_as_it_was() -> None:
+def test_drawing_does_not_change_matplotlib_settings() -> None:
     import matplotlib
 
     before = dict(matplotlib.rcParams)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from flexor.plot.outline import band, capsule, refine, tube
 
-from .made import rod_frames
+from .synthetic import rod_frames
 
 coordinate = st.floats(-0.2, 0.2)
 radius = st.floats(0.001, 0.05)
@@ -36,7 +36,7 @@ def test_capsule_of_equal_discs_is_a_stadium() -> None:
 
 
 @given(st.tuples(coordinate, coordinate), st.tuples(coordinate, coordinate), radius, radius)
-def test_capsule_holds_both_discs_and_no_more(a, b, r_a, r_b) -> None:
+def test_capsule_is_the_convex_hull_of_both_discs(a, b, r_a, r_b) -> None:
     a, b = np.array(a), np.array(b)
     outline = capsule(a, b, r_a, r_b, arc_points=200)
     np.testing.assert_allclose(outline[0], outline[-1], atol=1e-12)
@@ -54,14 +54,14 @@ def test_capsule_of_a_disc_inside_another_is_the_larger_circle() -> None:
     np.testing.assert_allclose(np.hypot(*outline.T), 0.01)
 
 
-def test_tube_around_an_axis_keeps_its_distance() -> None:
+def test_tube_has_constant_distance_from_its_axis() -> None:
     s = np.linspace(0.0, 1.0, 5)[:, None]
     x, y, z = tube(s * [[1.0, 0.0, 0.0]], 0.0 * s + [[0.0, 2.0, 0.0]], 0.0 * s + [[0.0, 0.0, 3.0]])
     np.testing.assert_allclose((y / 2.0) ** 2 + (z / 3.0) ** 2, 1.0)
     np.testing.assert_allclose(x, np.repeat(s, x.shape[1], axis=1))
 
 
-def test_refined_frames_stay_on_the_circle_they_are_of() -> None:
+def test_refined_frames_of_an_arc_stay_on_its_circle() -> None:
     coarse = rod_frames(0.1, 30.0, (0.0, 0.0), points=9)
     fine, station = refine(coarse, between=5)
     assert len(fine) == 41

@@ -1,4 +1,4 @@
-"""The reader of scenes, on a state whose places and forces are written down by hand."""
+"""Conversion to scenes, for a state with known frames and forces."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexor.model import ContactForces
 from flexor.model.schema import Actuator, Link, Rod
 from flexor.plot.reading import read_scene
 
-from .made import rod_frames
+from .synthetic import rod_frames
 
 HEIGHT = np.array([0.012, 0.010, 0.009, 0.0085, 0.008])
 FRAMES = rod_frames(0.1, 5.0, (0.0, 0.03), points=5)
@@ -19,7 +19,7 @@ LINK_FRAMES = np.stack([np.eye(4), np.eye(4)])
 LINK_FRAMES[1, 0, 3] = 0.045
 
 
-def made_path(lever: float = 1.0, section: object = "circular"):
+def synthetic_path(lever: float = 1.0, section: object = "circular"):
     rod = {
         "kind": "rod",
         "length": "10 cm",
@@ -58,8 +58,8 @@ def made_path(lever: float = 1.0, section: object = "circular"):
     )
 
 
-def test_bodies_are_where_the_engine_puts_them() -> None:
-    read = read_scene(made_path())
+def test_bodies_have_the_frames_of_the_engine() -> None:
+    read = read_scene(synthetic_path())
     (rod,) = read.rods
     every = slice(None, None, (len(rod.frames) - 1) // (len(FRAMES) - 1))
     np.testing.assert_allclose(rod.frames[every], FRAMES, atol=1e-12)
@@ -70,26 +70,26 @@ def test_bodies_are_where_the_engine_puts_them() -> None:
     assert (link.radius_base, link.radius_tip) == (0.02, 0.01)
 
 
-def test_a_wide_section_is_as_wide_as_its_ratio_says() -> None:
-    (rod,) = read_scene(made_path(section={"kind": "elliptic", "ratio": 2.5})).rods
+def test_the_width_of_a_section_follows_its_ratio() -> None:
+    (rod,) = read_scene(synthetic_path(section={"kind": "elliptic", "ratio": 2.5})).rods
     np.testing.assert_allclose(rod.half_width, 2.5 * rod.half_height)
 
 
 def test_a_chamber_on_the_surface_runs_along_the_dorsal_edge() -> None:
-    (line,) = read_scene(made_path()).lines
+    (line,) = read_scene(synthetic_path()).lines
     every = slice(None, None, (len(line.points) - 1) // (len(FRAMES) - 1))
     edge = FRAMES[:, :3, 3] + HEIGHT[:, None] * FRAMES[:, :3, 2]
     np.testing.assert_allclose(line.points[every], edge, atol=1e-12)
     assert line.label == "chamber"
 
 
-def test_a_lever_beyond_the_surface_is_drawn_on_it_and_named() -> None:
-    (line,) = read_scene(made_path(lever=4.4875)).lines
-    np.testing.assert_allclose(line.points, read_scene(made_path()).lines[0].points)
+def test_a_lever_beyond_the_surface_is_drawn_on_it_and_labelled() -> None:
+    (line,) = read_scene(synthetic_path(lever=4.4875)).lines
+    np.testing.assert_allclose(line.points, read_scene(synthetic_path()).lines[0].points)
     assert line.label == "chamber (acts at 4.49 S)"
 
 
-def test_forces_on_one_sphere_of_the_limb_become_one_arrow_into_it() -> None:
-    (push,) = read_scene(made_path()).pushes
-    np.testing.assert_allclose(push.force, [0.0, 0.0, -4.0])
-    assert push.point[0] == pytest.approx(0.001)
+def test_forces_on_one_sphere_of_the_limb_are_summed() -> None:
+    (arrow,) = read_scene(synthetic_path()).contact_arrows
+    np.testing.assert_allclose(arrow.force, [0.0, 0.0, -4.0])
+    assert arrow.point[0] == pytest.approx(0.001)

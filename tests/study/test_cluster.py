@@ -197,7 +197,7 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
     assert said.out == ""
     assert said.err.splitlines() == [
         f'error: the cluster "{address}" was lost: its scheduler no longer answers.',
-        "Every design evaluated so far is kept. To go on:",
+        "Every design evaluated so far is saved. To resume:",
         "  flexor landscape --resume 'l s'",
     ]
     with pytest.raises(ClusterError, match=r"was lost: its scheduler no longer answers\.$"):

@@ -185,8 +185,8 @@ def test_study_in_memory_and_in_a_folder_are_the_same(analytic: ModuleType, tmp_
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("finger.toml", "L", "bending"), "model is 'finger.toml': a Model is needed"),
-        ((None, "L", "bending"), "model is None: a Model is needed"),
+        (("finger.toml", "L", "bending"), "model is 'finger.toml': expected a Model"),
+        ((None, "L", "bending"), "model is None: expected a Model"),
         (("model", None, "bending"), "parameter set is None: a name"),
         (("model", "L", len), "objective is <built-in function len>: a name or an objective"),
     ],

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 type Planar<'m> = Continuation<'m, SE2, 3, 2>;
 
 const TARGET: BorderedTarget =
-    BorderedTarget { tolerance: 1e-11, negligible_step: 1e-13, max_iterations: 60 };
+    BorderedTarget { tolerance: 1e-10, negligible_step: 1e-12, max_iterations: 60 };
 
 /// One coordinate has a value.
 struct Held(usize, f64);

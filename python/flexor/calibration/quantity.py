@@ -10,8 +10,8 @@ from pydantic_core import PydanticCustomError
 
 from flexor.errors import InputError
 from flexor.model import units
-from flexor.model.fault import shown
 from flexor.model.units import Dimension
+from flexor.model.validation import describe
 
 # In this order: N*m/rad and N*m are one dimension.
 _KINDS = (
@@ -65,7 +65,7 @@ def parse_quantity(value: object, kind: Dimension | None, place: str) -> tuple[f
     """
     if kind is None:
         if not isinstance(value, (int, float)) or isinstance(value, bool):
-            raise InputError(f"{place} is {shown(value)}: a plain number is needed.")
+            raise InputError(f"{place} is {describe(value)}: a plain number is needed.")
         if not math.isfinite(value):
             raise InputError(f"{place} is {float(value)!r}: it must be a finite number.")
         return float(value), Unit()
@@ -89,4 +89,4 @@ def infer_quantity(value: object, place: str) -> tuple[float, Unit]:
             continue
         return parse_quantity(value, kind, place)
     example = 'such as "30 kPa", or a plain number for what has none'
-    raise InputError(f"{place} is {shown(value)}: write a value with its unit, {example}.")
+    raise InputError(f"{place} is {describe(value)}: write a value with its unit, {example}.")

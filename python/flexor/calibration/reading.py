@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from flexor.calibration.schema import TargetsFile
 from flexor.errors import InputError, shortened
-from flexor.model.fault import sentence
 from flexor.model.toml import tables
+from flexor.model.validation import first_error
 
 _ENTRY = re.compile(r"(?P<kind>target|constant)\[(?P<index>\d+)\]")
 
@@ -63,7 +63,7 @@ def parse(text: str, source: str) -> TargetsFile:
     try:
         return TargetsFile.model_validate(document)
     except ValidationError as error:
-        path, tail = sentence(error, document)
+        path, tail = first_error(error, document)
     path = shortened(_named(path, document), 200)
     raise InputError(f"{source}: {path} {tail}." if path else f"{source} {tail}.")
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Choice, Count, Name, Table, Text
+from flexor.model.validation import describe, field_error
 
 QUANTITIES = ("bending", "angle", "tip-force", "contacts", "x", "y", "z", "rotation", "optimum")
 _OF = {
@@ -22,7 +22,7 @@ _OF = {
 
 def _pair(value: object) -> object:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise fault(f'is {shown(value)}: write two values, such as ["10 kPa", "10 MPa"]')
+        raise field_error(f'is {describe(value)}: write two values, such as ["10 kPa", "10 MPa"]')
     return value
 
 
@@ -35,8 +35,8 @@ def _at(value: object) -> object:
     if number and 0.0 <= value <= 1.0:  # type: ignore[operator]
         return float(value)  # type: ignore[arg-type]
     if value not in ("base", "tip"):
-        allowed = 'allowed are "base", "tip" or a fraction from 0 to 1'
-        raise fault(f"is {shown(value)}: {allowed}")
+        allowed = 'expected one of "base", "tip" or a fraction from 0 to 1'
+        raise field_error(f"is {describe(value)}: {allowed}")
     return value
 
 
@@ -90,19 +90,23 @@ class Target(Table):
     def _check(self) -> Target:
         needs = _OF.get(self.observable)
         if needs is not None and self.of is None:
-            raise fault(f'is missing: "{self.observable}" needs {needs}', path="of")
+            raise field_error(f'is missing: "{self.observable}" needs {needs}', path="of")
         if needs is None and self.of is not None:
-            raise fault(f'is "{self.of}": "{self.observable}" is of the whole model', path="of")
+            raise field_error(
+                f'is "{self.of}": "{self.observable}" is of the whole model', path="of"
+            )
         optimum = self.observable == "optimum"
         if self.parameters is None and (optimum or self.design is not None):
             what = "an optimum" if optimum else "a design"
-            raise fault(f'is missing: {what} is of a parameter set, such as "L+R01"', "parameters")
+            raise field_error(
+                f'is missing: {what} is of a parameter set, such as "L+R01"', "parameters"
+            )
         if optimum and self.design is not None:
-            raise fault("is given, but an optimum looks for the design itself", path="design")
+            raise field_error("is given, but an optimum looks for the design itself", path="design")
         if self.parameters is not None and not optimum and self.design is None:
-            raise fault("is missing: give the values of the parameters", path="design")
+            raise field_error("is missing: give the values of the parameters", path="design")
         if self.tolerance is None and self.weight != "held-out":
-            raise fault('is missing: write it with its unit or as "1 %"', path="tolerance")
+            raise field_error('is missing: write it with its unit or as "1 %"', path="tolerance")
         return self
 
 
@@ -125,11 +129,11 @@ class TargetsFile(Table):
     @model_validator(mode="after")
     def _check(self) -> TargetsFile:
         if not self.target:
-            raise fault("has no [[target]]: give at least one value to be met")
+            raise field_error("has no [[target]]: give at least one value to be met")
         if all(target.weight == "held-out" for target in self.target):
-            raise fault("has held-out targets only: at least one must be hard or soft")
+            raise field_error("has held-out targets only: at least one must be hard or soft")
         if not self.constant:
-            raise fault("has no [[constant]]: give at least one that is to be found")
+            raise field_error("has no [[constant]]: give at least one that is to be found")
         for kind in ("constant", "target"):
             _check_different([entry.name for entry in getattr(self, kind)], kind)
         return self
@@ -138,4 +142,4 @@ class TargetsFile(Table):
 def _check_different(names: list[str], kind: str) -> None:
     for index, name in enumerate(names):
         if name in names[:index]:
-            raise fault(f"has the name {shown(name)} twice", path=f"{kind}[{index}]")
+            raise field_error(f"has the name {describe(name)} twice", path=f"{kind}[{index}]")

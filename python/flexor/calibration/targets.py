@@ -167,7 +167,7 @@ def _design(target: Target, system: System, place: str) -> tuple[Array | None, P
     for label in target.design:
         if label not in chosen.labels:
             what = unknown_name(f"parameter of {chosen.name}", label, chosen.labels)
-            raise InputError(f"{place}.design has the {what}.")
+            raise InputError(f"{place}.design has an {what}.")
     for label in chosen.labels:
         if label not in target.design:
             raise InputError(f"{place}.design.{label} is missing: {chosen.name} has it.")

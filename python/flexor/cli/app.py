@@ -1,4 +1,4 @@
-"""The command line as a whole: which commands there are, and how they end."""
+"""The command-line application: its commands and exit codes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from flexor.cli import (
     sets,
     simulate,
 )
-from flexor.cli.console import complain
+from flexor.cli.console import print_error
 from flexor.cli.studies import LOST
 from flexor.errors import ClusterError, InputError
 
@@ -32,7 +32,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-# A new command is one file and one line here.
+# One line per command.
 app.command("simulate")(simulate.simulate)
 app.command("optimize")(optimize.optimize)
 app.command("landscape")(landscape.landscape)
@@ -45,16 +45,16 @@ app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)
 
 
-# What a disk or a folder refuses, and no code can mend.
-_OF_THE_DISK = tuple(
+# Errors of the file system, reported without a traceback.
+_FILE_SYSTEM_ERRORS = tuple(
     getattr(errno, name)
     for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS", "EACCES", "EPERM", "EIO")
     if hasattr(errno, name)
 )
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         import flexor
 
         print(f"flexor {flexor.__version__}")
@@ -75,37 +75,37 @@ def root(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and leave with its exit code.
+    """Run the command line and exit.
 
     Parameters
     ----------
     arguments : list of str, optional
-        What follows `flexor`; by default what the shell gave.
+        Arguments after `flexor`; by default those of the process.
 
     Notes
     -----
-    Exit codes: 0 done, 1 done but something did not work out (a load step without equilibrium), 2
-    input that cannot be used, 3 the cluster was lost on the way, 130 interrupted.
+    Exit codes: 0 success; 1 completed with failures (such as a load step without equilibrium);
+    2 invalid input; 3 cluster lost; 130 interrupted.
     """
     try:
         code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
-        complain(str(error))
+        print_error(str(error))
         code = 2
     except OSError as error:
-        if error.errno not in _OF_THE_DISK:
+        if error.errno not in _FILE_SYSTEM_ERRORS:
             raise
         where = f'"{error.filename}"' if error.filename else "a file"
-        complain(f"{where} cannot be written or read: {(error.strerror or str(error)).lower()}.")
+        print_error(f"{where} cannot be written or read: {(error.strerror or str(error)).lower()}.")
         code = 2
     except ClusterError as error:
-        complain(str(error))
+        print_error(str(error))
         code = LOST
     except typer.TyperException as error:
-        said = error.format_message()
-        complain(said if said.endswith((".", "?")) else f"{said}.")
+        message = error.format_message()
+        print_error(message if message.endswith((".", "?")) else f"{message}.")
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        complain("interrupted.")
+        print_error("interrupted.")
         code = 130
     sys.exit(code if isinstance(code, int) else 0)

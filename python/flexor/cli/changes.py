@@ -1,4 +1,4 @@
-"""Model files with some fields changed on the command line."""
+"""Loading models with fields overridden on the command line."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ if TYPE_CHECKING:
 
 
 def load_changed(model: str, constants: str | None, changes: list[str]) -> Model:
-    """Load a model with some of its fields changed.
+    """Load a model with some fields overridden.
 
     Parameters
     ----------
     model : str
         Model file or preset.
     constants : str or None
-        Which set of constants to use, if not the file's own choice.
+        Set of constants to use instead of the file's own choice.
     changes : list of str
-        Such as `["exosuit.length=8 cm"]`.
+        Overrides, such as `["exosuit.length=8 cm"]`.
 
     Returns
     -------
     Model
-        The changed model.
+        The modified model.
 
     Raises
     ------
     InputError
-        If there is no such model or field, or the value cannot be used.
+        If the model or a field does not exist, or a value is invalid.
     """
     from flexor.model import load
 

@@ -1,4 +1,4 @@
-"""`flexor compare`: every search method from the same starts, seeds and budget."""
+"""`flexor compare`: benchmark search methods with equal starts, seeds and budget."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from flexor.cli.changes import load_changed
 from flexor.cli.comparison_progress import ComparisonBar
 from flexor.cli.console import err, out
 from flexor.cli.evaluation import executor_if
-from flexor.cli.options import Cluster, Constants, JudgedForce, ModelUnlessResumed, Set
+from flexor.cli.options import Cluster, Constants, EvaluationForce, OptionalModel, Set
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted, refuse_settled, save_figure
+from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError, InputError
 
@@ -28,62 +28,68 @@ if TYPE_CHECKING:
 
 def compare(
     context: typer.Context,
-    model: ModelUnlessResumed = None,
+    model: OptionalModel = None,
     parameters: Annotated[
         str | None,
         typer.Option(
-            "--parameters", "-p", help="Sets, such as `L,R01,L+R01`; the paper's seven by default."
+            "--parameters",
+            "-p",
+            help="Parameter sets, such as `L,R01,L+R01`; the paper's seven by default.",
         ),
     ] = None,
     objective: Annotated[
-        str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
+        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
     ] = "bending",
     methods: Annotated[
         str | None,
         typer.Option(
             "--methods",
             "-m",
-            help="Methods, such as `pattern-search,cma-es` (see `flexor methods`); by default "
-            "all that are installed, without grid and surrogate.",
+            help="Methods, such as `pattern-search,cma-es` (see `flexor methods`); by default all "
+            "installed methods except grid and surrogate.",
         ),
     ] = None,
-    seeds: Annotated[int, typer.Option(help="So many searches of each, each from its start.")] = 10,
-    budget: Annotated[int, typer.Option(help="Designs that each search may evaluate.")] = 500,
-    force: JudgedForce = None,
+    seeds: Annotated[
+        int, typer.Option(help="Number of searches per method and set, each with its own seed.")
+    ] = 10,
+    budget: Annotated[int, typer.Option(help="Maximum number of designs per search.")] = 500,
+    force: EvaluationForce = None,
     folder: Annotated[
         FilePath | None,
-        typer.Option("--out", help="The folder to make; one in `studies/` by default."),
+        typer.Option("--out", help="Output folder; by default a new one in `studies/`."),
     ] = None,
     resume: Annotated[
         FilePath | None, typer.Option(help="Resume the comparison in this folder.")
     ] = None,
     workers: Annotated[
         int,
-        typer.Option(min=0, help="Searches at a time; 0 for one per core, or thread of a cluster."),
+        typer.Option(
+            min=0, help="Concurrent searches; 0 for one per core, or per thread of the cluster."
+        ),
     ] = 0,
     cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
-        FilePath | None, typer.Option(help="Draw the profiles into this PNG, SVG or PDF as well.")
+        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+        bool, typer.Option("--json", help="Print a JSON object instead of the table.")
     ] = False,
 ) -> int:
-    """Compare search methods: every one from the same starts, seeds and budget on each set.
+    """Compare search methods with the same starts, seeds and budget on each parameter set.
 
-    A search counts as a success once it has 99 % of the gain of the best design known of its set,
-    gains being measured from the model's own exosuit. The table says what each method's searches
-    ended at, how many succeeded, and how many evaluations that took: in the median of those that
-    did (`to 1 %`), and to be expected if a search that ends without is begun anew (`expected`).
+    A search succeeds when it reaches 99 % of the improvement of the best known design of its set
+    over the model's own exosuit. The table lists the best and the median final value of each
+    method, its success rate, the median number of evaluations of successful searches (`to 1 %`)
+    and the expected number with restarts of unsuccessful ones (`expected`).
 
-    Finished searches are kept in the folder and running ones recorded, so a comparison can be
-    interrupted (Ctrl-C) and resumed. At the end the folder has `comparison.csv`, `searches.csv`
-    and the performance and data profiles (`profiles.png`, `profiles.svg`).
+    All evaluations are recorded in the folder, so a comparison can be interrupted (Ctrl-C) and
+    resumed. The completed folder contains `comparison.csv`, `searches.csv` and the performance and
+    data profiles (`profiles.png`, `profiles.svg`).
 
-    For example:
-
+    Examples
+    --------
     * `flexor compare finger`
     * `flexor compare finger -p R01,L+R01 -m pattern-search,cma-es --seeds 20 --budget 1000`
     * `flexor compare --resume studies/finger-bending-comparison`
@@ -95,16 +101,16 @@ def compare(
 
         writable(plot)
     if model is None and resume is None:
-        raise InputError("give a MODEL, or --resume FOLDER to go on with a comparison.")
+        raise InputError("give a MODEL, or --resume FOLDER to resume a comparison.")
     if resume is not None and (folder is not None or model is not None):
-        raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+        raise InputError("--resume takes only the folder: omit MODEL and --out.")
     if resume is not None:
-        refuse_settled(context, resume, "workers", "cluster", "plot", "as_json")
+        reject_fixed_options(context, resume, "workers", "cluster", "plot", "as_json")
     began, place = time.monotonic(), resume
     try:
         with executor_if(cluster) as executor, ComparisonBar() as progress:
             if resume is not None:
-                found = comparison.resume_comparison(
+                result = comparison.resume_comparison(
                     resume, progress=progress, executor=executor, workers=workers
                 )
             else:
@@ -112,8 +118,8 @@ def compare(
                 from flexor.model import forces
 
                 loaded = load_changed(model, constants, changes or [])
-                place = folder or free_folder(loaded.name, objective, "comparison")
-                found = comparison.compare(
+                place = folder or new_folder(loaded.name, objective, "comparison")
+                result = comparison.compare(
                     loaded,
                     comparison.PAPER_SETS if parameters is None else parameters,
                     objective,
@@ -129,19 +135,19 @@ def compare(
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor compare --resume", error)
     assert place is not None
-    files = _keep(found, place, plot)
+    files = _keep(result, place, plot)
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(found, seconds, place, files), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds, place, files), allow_nan=False))
     else:
-        _tell(found, seconds, files)
+        _print_summary(result, seconds, files)
     return 0
 
 
-def _tell(found: MethodComparison, seconds: float, files: list[FilePath]) -> None:
+def _print_summary(result: MethodComparison, seconds: float, files: list[FilePath]) -> None:
     headings = ("", "best", "median", "success", "to 1 %", "expected", "time")
-    for name in found.sets:
-        summaries = [found.summary(name, method) for method in found.methods]
+    for name in result.sets:
+        summaries = [result.summary(name, method) for method in result.methods]
         rows = [
             (
                 each.method,
@@ -154,18 +160,19 @@ def _tell(found: MethodComparison, seconds: float, files: list[FilePath]) -> Non
             )
             for each in sorted(summaries, key=_rank)
         ]
-        first, best = found.reference[name], found.best_known(name)
+        first, best = result.reference[name], result.best_known(name)
         out.print(
-            f"{name}: objective {found.objective.name} {number(first, 5)} for the model's own "
-            f"exosuit, {number(best, 5)} for the best design known",
+            f"{name}: objective {result.objective.name} {number(first, 5)} for the model's own "
+            f"exosuit, {number(best, 5)} for the best known design",
             markup=False,
             soft_wrap=True,
         )
         show((name, *headings[1:]), rows)
-    searches = len(found.runs)
+    searches = len(result.runs)
     out.print(
-        f"{searches} searches of at most {found.budget} designs each, {len(found.seeds)} for each "
-        f"method and set, in {duration(seconds)}.",
+        f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per "
+        "method and "
+        f"set, in {duration(seconds)}.",
         markup=False,
         soft_wrap=True,
     )
@@ -181,14 +188,14 @@ def _count(evaluations: float) -> str:
     return f"{evaluations:.0f}" if math.isfinite(evaluations) else "-"
 
 
-def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> list[FilePath]:
+def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> list[FilePath]:
     from dataclasses import asdict
 
     from flexor import plot
     from flexor.store import write_text
 
-    summaries = [asdict(each) for each in found.summaries()]
-    searches = found.table()
+    summaries = [asdict(each) for each in result.summaries()]
+    searches = result.table()
     rows = [
         dict(zip(searches, row, strict=True))
         for row in zip(*(column.tolist() for column in searches.values()), strict=True)
@@ -201,7 +208,7 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
         writer.writerows(lines)
         write_text(file, target.getvalue())
     with err.status("drawing the profiles"):
-        figure = plot.profiles(found)
+        figure = plot.profiles(result)
         files += save_figure(figure, place, "profiles")
         if also is not None:
             files.append(plot.save(figure, also))
@@ -209,7 +216,7 @@ def _keep(found: MethodComparison, place: FilePath, also: FilePath | None) -> li
 
 
 def _as_json(
-    found: MethodComparison, seconds: float, place: FilePath, files: list[FilePath]
+    result: MethodComparison, seconds: float, place: FilePath, files: list[FilePath]
 ) -> dict[str, Any]:
     """Return every summary, and for each set the best design (SI) and the target."""
     from dataclasses import asdict
@@ -218,21 +225,22 @@ def _as_json(
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     return {
-        "objective": found.objective.name,
-        "budget": found.budget,
-        "seeds": list(found.seeds),
+        "objective": result.objective.name,
+        "budget": result.budget,
+        "seeds": list(result.seeds),
         "sets": {
             name: {
-                "reference": plain(found.reference[name]),
-                "best": plain(found.best_known(name)),
-                "design": found.best(name).result.design.tolist(),
-                "method": found.best(name).method,
-                "target": plain(found.target(name)),
+                "reference": plain(result.reference[name]),
+                "best": plain(result.best_known(name)),
+                "design": result.best(name).result.design.tolist(),
+                "method": result.best(name).method,
+                "target": plain(result.target(name)),
             }
-            for name in found.sets
+            for name in result.sets
         },
         "summaries": [
-            {key: plain(value) for key, value in asdict(each).items()} for each in found.summaries()
+            {key: plain(value) for key, value in asdict(each).items()}
+            for each in result.summaries()
         ],
         "seconds": seconds,
         "folder": str(place),

@@ -1,4 +1,4 @@
-"""The live line of a running comparison."""
+"""Live progress of a running comparison."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 
 class ComparisonBar(LiveLine):
-    """Shows searches done, designs per second and the time left, while in use."""
+    """Shows completed searches, designs per second and the remaining time."""
 
     def __init__(self) -> None:
         super().__init__("first searches")
         self._before: int | None = None
 
     def __call__(self, at: ComparisonProgress) -> None:
-        """Take in where the comparison stands."""
+        """Update the line with the state of the comparison."""
         if self._before is None:
-            self._before = at.done  # of an earlier run: they say nothing about the time left
+            self._before = at.done  # from an earlier run; excluded from the time estimate
         parts = [f"{at.done} of {at.total} searches"]
         if at.rate:
             parts.append(f"{at.rate:,.0f} designs/s")

@@ -1,4 +1,4 @@
-"""Where the commands write: results to stdout, progress and complaints to stderr."""
+"""Output streams of the commands: results to stdout, progress and errors to stderr."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 
-def complain(sentence: str) -> None:
-    """Print one sentence after `error:` to stderr, without markup or wrapping.
+def print_error(sentence: str) -> None:
+    """Print an error message to stderr, without markup or wrapping.
 
     Parameters
     ----------
     sentence : str
-        What is wrong; line breaks become spaces.
+        The message; line breaks become spaces.
     """
     err.print(f"error: {' '.join(sentence.split())}", markup=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""Where the commands evaluate: threads of this process, or a cluster."""
+"""Executors selected on the command line: local threads or a cluster."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ if TYPE_CHECKING:
 
 @contextmanager
 def executor_for(threads: int, cluster: str | None) -> Iterator[Executor]:
-    """Use what `--threads` and `--cluster` ask for.
+    """Provide the executor selected by `--threads` and `--cluster`.
 
     Parameters
     ----------
     threads : int
-        Of this process; 0 for one per core.
+        Number of threads of this process; 0 for one per core.
     cluster : str or None
         Address of a cluster to use instead.
 
     Yields
     ------
     Executor
-        While it can be used.
+        The executor, for the duration of the context.
 
     Raises
     ------
     InputError
-        If the cluster cannot be used, or both are given.
+        If the cluster is not available, or both are given.
     """
     from flexor.study import Threads
 
     if threads and cluster is not None:
-        raise InputError("--threads is of this process and --cluster of others: give one of them.")
+        raise InputError("--threads and --cluster exclude each other: give one of them.")
     with executor_if(cluster) as found:
         yield Threads(threads) if found is None else found
 
 
 @contextmanager
 def executor_if(cluster: str | None) -> Iterator[Executor | None]:
-    """Use the cluster at an address, if there is one.
+    """Connect to the cluster at an address, if one is given.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ def executor_if(cluster: str | None) -> Iterator[Executor | None]:
     Yields
     ------
     Executor or None
-        The cluster while it can be used; None for an address of None.
+        The cluster, for the duration of the context; None without an address.
 
     Raises
     ------
     InputError
-        If the cluster cannot be used.
+        If the cluster is not available.
     """
     if cluster is None:
         yield None
@@ -69,13 +69,13 @@ def executor_if(cluster: str | None) -> Iterator[Executor | None]:
 
     with err.status(f"connecting to {cluster}"):
         executor = Cluster(cluster)
-    _quieten()
+    _silence_logging()
     with executor:
         yield executor
 
 
-def _quieten() -> None:
-    """Have the library log nothing between our lines: what happens is said in sentences."""
+def _silence_logging() -> None:
+    """Suppress the logs of Dask; errors are reported as exceptions."""
     for name in logging.getLogger().manager.loggerDict:
         if name.split(".")[0] in ("distributed", "tornado"):
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)

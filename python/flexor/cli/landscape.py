@@ -15,15 +15,15 @@ from flexor.cli.evaluation import executor_for
 from flexor.cli.options import (
     Cluster,
     Constants,
-    JudgedForce,
-    ModelUnlessResumed,
+    EvaluationForce,
+    OptionalModel,
     Parameters,
     Set,
     StudyFolder,
     Threads,
 )
 from flexor.cli.progress import duration
-from flexor.cli.studies import free_folder, interrupted, refuse_settled, save_figure
+from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
 from flexor.cli.table import number
 from flexor.errors import ClusterError, InputError
 
@@ -35,30 +35,32 @@ if TYPE_CHECKING:
 
 def landscape(
     context: typer.Context,
-    model: ModelUnlessResumed = None,
+    model: OptionalModel = None,
     parameters: Parameters = "R01",
     objective: Annotated[
-        str, typer.Option("--objective", "-o", help="What is evaluated (see `flexor sets`).")
+        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
     ] = "bending",
-    grid: Annotated[int, typer.Option(help="Points along each axis.")] = 81,
+    grid: Annotated[int, typer.Option(help="Number of points per axis.")] = 81,
     axes: Annotated[
         str | None,
         typer.Option(
-            help="The one or two parameters to vary, such as `R_0,R_1`; the others stay at the "
-            "start. Needed if the set has more than two."
+            help="One or two parameters to vary, such as `R_0,R_1`; the others are fixed at the "
+            "start. Required if the set has more than two."
         ),
     ] = None,
     start: Annotated[
         str | None,
-        typer.Option(help="Where the others stay, such as `L=8 cm`; the model's own by default."),
+        typer.Option(
+            help="Values of the fixed parameters, such as `L=8 cm`; the model's own by default."
+        ),
     ] = None,
-    force: JudgedForce = None,
+    force: EvaluationForce = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
             "--study",
-            help="Lay the way of this study (a folder of `flexor optimize`) over the landscape; "
-            "may be repeated.",
+            help="Overlay the search path of this study (a folder of `flexor optimize`); may be "
+            "repeated.",
         ),
     ] = None,
     folder: StudyFolder = None,
@@ -70,22 +72,22 @@ def landscape(
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
-        FilePath | None, typer.Option(help="Draw into this PNG, SVG or PDF as well.")
+        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of sentences.")
+        bool, typer.Option("--json", help="Print a JSON object instead of text.")
     ] = False,
 ) -> int:
-    """Evaluate an objective on a grid over one or two parameters, and draw it.
+    """Evaluate and plot an objective on a grid over one or two parameters.
 
-    Every design that is evaluated is kept in the study folder at once, so a landscape can be
-    interrupted (Ctrl-C) and resumed. At the end the folder has the arrays (`landscape.npz`), a row
-    for each design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): in
-    perspective and from above, with the minimum of the grid, the designs that snap on their way
-    and those that failed.
+    Every evaluated design is recorded immediately in the study folder, so a landscape can be
+    interrupted (Ctrl-C) and resumed. The completed folder contains the arrays (`landscape.npz`),
+    a row per design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): a
+    surface and a contour plot with the minimum of the grid, the designs that snap and those that
+    failed.
 
-    For example:
-
+    Examples
+    --------
     * `flexor landscape finger --parameters R01 --objective f_b`
     * `flexor landscape finger -p L+R01 --axes L,R_1 --start "R_0=0.7 cm" --grid 41`
     * `flexor landscape finger -p L --grid 201 --constants printed --out studies/length`
@@ -100,12 +102,12 @@ def landscape(
 
         writable(plot)
     if model is None and resume is None:
-        raise InputError("give a MODEL, or --resume FOLDER to go on with a landscape.")
+        raise InputError("give a MODEL, or --resume FOLDER to resume a landscape.")
     if resume is not None and (folder is not None or model is not None):
-        raise InputError("--resume needs only the folder: give no MODEL and no --out with it.")
+        raise InputError("--resume takes only the folder: omit MODEL and --out.")
     if resume is not None:
-        refuse_settled(context, resume, "searches", "threads", "cluster", "plot", "as_json")
-    ways = [(each, studies.Study.open(each)) for each in searches or []]
+        reject_fixed_options(context, resume, "searches", "threads", "cluster", "plot", "as_json")
+    overlays = [(each, studies.Study.open(each)) for each in searches or []]
     began, place = time.monotonic(), resume
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
@@ -120,9 +122,9 @@ def landscape(
                 loaded = load_changed(model, constants, changes or [])
                 settings = _settings(loaded, parameters, axes, grid, start, force)
                 chosen = settings["parameters"]
-                for each, way in ways:
-                    _check_same_set(each, way, chosen)
-                place = folder or free_folder(loaded.name, chosen.name, objective, "landscape")
+                for each, search in overlays:
+                    _check_same_set(each, search, chosen)
+                place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
                 study = studies.optimize(
                     loaded,
                     objective=objective,
@@ -133,15 +135,17 @@ def landscape(
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)
-    found = Landscape.of(study)
+    result = Landscape.of(study)
     seconds = time.monotonic() - began
-    for each, way in ways:
-        _check_same_set(each, way, study.problem.parameters)
-    files = _keep(found, [SearchPath.from_study(way, each.name) for each, way in ways], plot)
+    for each, search in overlays:
+        _check_same_set(each, search, study.problem.parameters)
+    files = _keep(
+        result, [SearchPath.from_study(search, each.name) for each, search in overlays], plot
+    )
     if as_json:
-        print(json.dumps(_as_json(found, seconds, files), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds, files), allow_nan=False))
     else:
-        _tell(found, seconds, files)
+        _print_summary(result, seconds, files)
     return 0
 
 
@@ -165,54 +169,54 @@ def _settings(
     }
 
 
-def _check_same_set(folder: FilePath, way: Study, chosen: ParameterSet) -> None:
-    theirs = way.problem.parameters
-    if theirs.labels != chosen.labels:
+def _check_same_set(folder: FilePath, search: Study, chosen: ParameterSet) -> None:
+    searched = search.problem.parameters
+    if searched.labels != chosen.labels:
         raise InputError(
-            f'--study "{folder}" searched {theirs.name} ({", ".join(theirs.labels)}), '
+            f'--study "{folder}" searched {searched.name} ({", ".join(searched.labels)}), '
             f"but the landscape is of {chosen.name} ({', '.join(chosen.labels)})."
         )
 
 
-def _keep(found: Landscape, paths: list[SearchPath], also: FilePath | None) -> list[FilePath]:
+def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> list[FilePath]:
     from flexor import plot
 
-    place = found.study.folder
+    place = result.study.folder
     assert place is not None
-    files = found.save(place)
+    files = result.save(place)
     with err.status("drawing the landscape"):
-        figure = plot.landscape(found, paths)
+        figure = plot.landscape(result, paths)
         files += save_figure(figure, place, "landscape")
         if also is not None:
             files.append(plot.save(figure, also))
     return files
 
 
-def _tell(found: Landscape, seconds: float, files: list[FilePath]) -> None:
-    objective, failed = found.problem.objective, int(found.failed.sum())
-    size = " × ".join(str(n) for n in found.value.shape)
+def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
+    objective, failed = result.problem.objective, int(result.failed.sum())
+    size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
-    if failed < found.value.size:
-        best = found.minimum
+    if failed < result.value.size:
+        best = result.minimum
         at = ", ".join(
             f"{label} = {number(value / scale)}{'' if unit == '1' else ' ' + unit}"
             for label, value, scale, unit in zip(
-                found.problem.parameters.labels,
+                result.problem.parameters.labels,
                 best.vector.tolist(),
-                found.problem.parameters.scale.tolist(),
-                found.problem.parameters.units,
+                result.problem.parameters.scale.tolist(),
+                result.problem.parameters.units,
                 strict=True,
             )
         )
-        said = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
-        sentences.append(f"The best of them is {at}: {said}.")
-        minima, snap = len(found.local_minima()), _share(float((found.events > 0).mean()))
+        value = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
+        sentences.append(f"Minimum of the grid at {at}: {value}.")
+        minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
-            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap "
-            f"on their way, {_share(float(found.failed.mean()))} fail."
+            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
+            f"{_share(float(result.failed.mean()))} fail."
         )
     else:
-        sentences.append(f"Every design failed: {found.reason.flat[0]}.")
+        sentences.append(f"All designs failed: {result.reason.flat[0]}.")
     for sentence in sentences:
         out.print(sentence, markup=False, soft_wrap=True)
     for file in files:
@@ -223,24 +227,24 @@ def _share(part: float) -> str:
     return "none" if part == 0.0 else f"{100.0 * part:.2g} %"
 
 
-def _as_json(found: Landscape, seconds: float, files: list[FilePath]) -> dict[str, Any]:
+def _as_json(result: Landscape, seconds: float, files: list[FilePath]) -> dict[str, Any]:
     """Return parameters in SI, `value` and `bending` [rad] of the minimum, and counts."""
     minimum = None
-    if not found.failed.all():
-        best = found.minimum
+    if not result.failed.all():
+        best = result.minimum
         minimum = {"parameters": best.parameters, "value": best.value, "bending": best.bending}
     return {
-        "parameters": found.problem.parameters.name,
-        "objective": found.problem.objective.name,
+        "parameters": result.problem.parameters.name,
+        "objective": result.problem.objective.name,
         "axes": {
-            label: axis.tolist() for label, axis in zip(found.labels, found.axes, strict=True)
+            label: axis.tolist() for label, axis in zip(result.labels, result.axes, strict=True)
         },
         "minimum": minimum,
-        "local_minima": len(found.local_minima()),
-        "designs": int(found.value.size),
-        "snapping": int((found.events > 0).sum()),
-        "failed": int(found.failed.sum()),
+        "local_minima": len(result.local_minima()),
+        "designs": int(result.value.size),
+        "snapping": int((result.events > 0).sum()),
+        "failed": int(result.failed.sum()),
         "seconds": seconds,
-        "folder": str(found.study.folder),
+        "folder": str(result.study.folder),
         "files": [str(file) for file in files],
     }

@@ -14,15 +14,15 @@ from flexor.cli.evaluation import executor_for
 from flexor.cli.options import (
     Cluster,
     Constants,
-    JudgedForce,
-    ModelUnlessResumed,
+    EvaluationForce,
+    OptionalModel,
     Parameters,
     Seed,
     Set,
     StudyFolder,
     Threads,
 )
-from flexor.cli.studies import free_folder, interrupted, refuse_settled
+from flexor.cli.studies import interrupted, new_folder, reject_fixed_options
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -31,30 +31,34 @@ if TYPE_CHECKING:
 
 def optimize(
     context: typer.Context,
-    model: ModelUnlessResumed = None,
+    model: OptionalModel = None,
     parameters: Parameters = "L+R01",
     objective: Annotated[
-        str, typer.Option("--objective", "-o", help="What is wanted (see `flexor sets`).")
+        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
     ] = "bending",
     method: Annotated[
-        str, typer.Option(help="How to search (see `flexor methods`).")
+        str, typer.Option(help="Search method (see `flexor methods`).")
     ] = "pattern-search",
     options: Annotated[
         list[str] | None,
         typer.Option(
-            "--option", metavar="KEY=VALUE", help="An option of the method, such as `starts=8`."
+            "--option",
+            metavar="KEY=VALUE",
+            help="Option of the method, such as `starts=8`; may be repeated.",
         ),
     ] = None,
     start: Annotated[
         list[str] | None,
         typer.Option(
-            help="Where to begin: `random`, values in the set's order such as `10 cm, 0.7 cm, "
-            "0.8 cm`, or `R_0=0.7 cm`; may be repeated. The model's own exosuit by default."
+            help="Starting design: `random`, values in the order of the set such as `10 cm, "
+            "0.7 cm, 0.8 cm`, or `R_0=0.7 cm`; may be repeated. By default the model's exosuit."
         ),
     ] = None,
-    force: JudgedForce = None,
+    force: EvaluationForce = None,
     seed: Seed = 0,
-    budget: Annotated[int | None, typer.Option(help="Evaluate at most so many designs.")] = None,
+    budget: Annotated[
+        int | None, typer.Option(help="Maximum number of designs to evaluate.")
+    ] = None,
     folder: StudyFolder = None,
     resume: Annotated[
         FilePath | None, typer.Option(help="Resume the study in this folder.")
@@ -64,28 +68,28 @@ def optimize(
     constants: Constants = None,
     changes: Set = None,
     plot: Annotated[
-        FilePath | None, typer.Option(help="Draw both designs into this PNG, SVG or PDF as well.")
+        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
     show: Annotated[
-        bool, typer.Option("--open", help="Open the figure at the end, where there is a desktop.")
+        bool, typer.Option("--open", help="Open the figure when done, if there is a display.")
     ] = False,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of table and figure.")
+        bool, typer.Option("--json", help="Print a JSON object instead of the table and figure.")
     ] = False,
 ) -> int:
     """Optimise a design for an objective.
 
-    Every design that is evaluated is kept in the study folder at once, so a study can be
-    interrupted (Ctrl-C) at any moment and resumed; resumed studies end as if never interrupted.
+    Every evaluated design is recorded immediately in the study folder, so a study can be
+    interrupted (Ctrl-C) at any time and resumed with the same final result.
 
-    For example:
-
+    Examples
+    --------
     * `flexor optimize finger --parameters L+R01 --objective bending`
     * `flexor optimize finger -p RLP --option starts=8 --budget 5000`
     * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
     * `flexor optimize --resume studies/press`
 
-    In the JSON object parameters are in SI units and angles in rad.
+    The JSON object uses SI units, with angles in rad.
     """
     from flexor import study as studies
     from flexor.cli import outcome
@@ -96,11 +100,13 @@ def optimize(
 
         writable(plot)
     if model is None and resume is None:
-        raise InputError("give a MODEL to optimise, or --resume FOLDER to go on with a study.")
+        raise InputError("give a MODEL to optimise, or --resume FOLDER to resume a study.")
     if resume is not None and folder is not None:
-        raise InputError("--out makes a new study and --resume goes on with one: give one of them.")
+        raise InputError("--out and --resume exclude each other: give one of them.")
     if resume is not None and model is None:
-        refuse_settled(context, resume, "budget", "threads", "cluster", "plot", "show", "as_json")
+        reject_fixed_options(
+            context, resume, "budget", "threads", "cluster", "plot", "show", "as_json"
+        )
     began = time.monotonic()
     place = resume
     try:
@@ -114,7 +120,7 @@ def optimize(
                 place = (
                     resume
                     or folder
-                    or free_folder(loaded.name, settings["parameters"].name, objective)
+                    or new_folder(loaded.name, settings["parameters"].name, objective)
                 )
                 study = studies.optimize(
                     loaded,
@@ -133,7 +139,7 @@ def optimize(
     if as_json:
         print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
     else:
-        outcome.tell(study, seconds, resumed=resume is not None)
+        outcome.print_summary(study, seconds, resumed=resume is not None)
     if plot is not None or not as_json:
         outcome.draw(study, plot, quiet=as_json)
     if show:

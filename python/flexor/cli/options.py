@@ -1,4 +1,4 @@
-"""Arguments and options that several commands have."""
+"""Arguments and options shared by several commands."""
 
 from __future__ import annotations
 
@@ -9,40 +9,41 @@ import typer
 
 Model = Annotated[
     str,
-    typer.Argument(
-        metavar="MODEL", help="A model file, or the name of a preset (see `flexor presets`)."
-    ),
+    typer.Argument(metavar="MODEL", help="Model file, or name of a preset (see `flexor presets`)."),
 ]
-ModelUnlessResumed = Annotated[
+OptionalModel = Annotated[
     str | None,
-    typer.Argument(metavar="[MODEL]", help="A model file or preset; not needed to resume."),
+    typer.Argument(metavar="[MODEL]", help="Model file or preset; omit with --resume."),
 ]
 Parameters = Annotated[
-    str, typer.Option("--parameters", "-p", help="What may change (see `flexor sets`).")
+    str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
-JudgedForce = Annotated[
-    str | None, typer.Option(help="Forces in N, as for `simulate`; judged at the last.")
+EvaluationForce = Annotated[
+    str | None,
+    typer.Option(help="Forces in N, as for `simulate`; the objective is evaluated at the last."),
 ]
 StudyFolder = Annotated[
     Path | None,
-    typer.Option("--out", help="The study folder to make; one in `studies/` by default."),
+    typer.Option("--out", help="Study folder; by default a new one in `studies/`."),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Threads = Annotated[
-    int, typer.Option(min=0, help="Threads; 0 for one per core. Results do not depend on it.")
+    int, typer.Option(min=0, help="Number of threads; 0 for one per core. Does not affect results.")
 ]
 Cluster = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Evaluate on a Dask cluster, such as `tcp://HOST:8786`; `local:4` starts four workers "
-        "here. Results do not depend on it.",
+        help="Evaluate on a Dask cluster, such as `tcp://HOST:8786`; `local:4` starts four local "
+        "workers. Does not affect results.",
     ),
 ]
 Constants = Annotated[
-    str | None, typer.Option(help="The file's set of constants to use, such as `printed`.")
+    str | None, typer.Option(help="Set of constants of the file to use, such as `printed`.")
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a field of the file; may be repeated."),
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Override a field of the file; may be repeated."
+    ),
 ]

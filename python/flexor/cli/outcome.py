@@ -1,4 +1,4 @@
-"""What a finished search is told in: a table, a sentence, a figure, a JSON object."""
+"""Output of a finished optimisation: summary, figure and JSON."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 
 _CAVEATS = {
-    "snapped": "The path to the optimum snaps: the slopes are those of the branch it ends on.",
-    "contact-threshold": "A sphere just touches at the optimum: the slopes hold on one side only.",
-    "nearly-singular": "The optimum is nearly unstable: its slopes hold for tiny changes only.",
-    "no-equilibrium": "The optimum has no equilibrium, and no slopes.",
+    "snapped": "The optimum is reached through a snap: sensitivities hold on the final branch.",
+    "contact-threshold": "A contact is about to open or close: sensitivities are one-sided.",
+    "nearly-singular": "The optimum is nearly unstable: sensitivities hold for tiny changes only.",
+    "no-equilibrium": "The optimum has no equilibrium, and hence no sensitivities.",
 }
 
 
-def tell(study: Study, seconds: float, resumed: bool = False) -> None:
-    """Print the start beside the optimum, the gain, and what it took.
+def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
+    """Print start and optimum side by side, the improvement, and the cost.
 
     Parameters
     ----------
     study : Study
-        A study whose search has ended.
+        A completed study.
     seconds : float
-        How long it took [s].
+        Elapsed time [s].
     resumed : bool
-        Whether that is only the time since it was resumed.
+        Whether the time was measured since the study was resumed.
     """
     rows = []
     for line in study.comparison():
@@ -46,21 +46,21 @@ def tell(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    show(("", beginning(study), "optimum", "change"), rows)
-    out.print(_gain(study), markup=False, soft_wrap=True)
+    show(("", start_title(study), "optimum", "change"), rows)
+    out.print(_improvement(study), markup=False, soft_wrap=True)
     if math.isfinite(study.best.value) and study.problem.model.joints:
-        _tell_sensitivity(study.best.sensitivity)
+        _print_sensitivity(study.best.sensitivity)
     reason = study.finished or (study.result.reason if study.result else "")
     out.print(
-        f"{study.evaluations:,} designs in {'all, resumed for ' if resumed else ''}"
+        f"{study.evaluations:,} designs {'in total, resumed for' if resumed else 'in'} "
         f"{duration(seconds)}: {reason}.",
         markup=False,
         soft_wrap=True,
     )
 
 
-def beginning(study: Study) -> str:
-    """Return what to call the design that the search began from.
+def start_title(study: Study) -> str:
+    """Return the title of the starting design.
 
     Parameters
     ----------
@@ -72,21 +72,21 @@ def beginning(study: Study) -> str:
 
 
 def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
-    """Draw both designs into the study folder, and say where.
+    """Save a figure of both designs to the study folder, and print its path.
 
     Parameters
     ----------
     study : Study
-        A study whose search has ended.
+        A completed study.
     also : pathlib.Path or None
-        One more file to write the figure to.
+        Additional file for the figure.
     quiet : bool
-        Do not say where.
+        Do not print the paths.
     """
     from flexor import plot
 
-    with err.status("drawing both designs"):
-        figure = plot.designs(study.start.path, study.best.path, (beginning(study), "optimum"))
+    with err.status("drawing the designs"):
+        figure = plot.designs(study.start.path, study.best.path, (start_title(study), "optimum"))
         files = [plot.save(figure, also)] if also is not None else []
         if study.folder is not None:
             files += save_figure(figure, study.folder, "designs")
@@ -99,14 +99,14 @@ def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
 
 
 def as_json(study: Study, seconds: float) -> dict[str, Any]:
-    """Return the outcome as one JSON object.
+    """Return the result as a JSON object.
 
     Parameters
     ----------
     study : Study
-        A study whose search has ended.
+        A completed study.
     seconds : float
-        How long it took [s].
+        Elapsed time [s].
 
     Returns
     -------
@@ -136,8 +136,8 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
     }
 
 
-def _tell_sensitivity(found: Sensitivity) -> None:
-    """Print what a small change of each parameter does to the optimum."""
+def _print_sensitivity(found: Sensitivity) -> None:
+    """Print the effect of a small change of each parameter on the optimum."""
     rows = []
     for k, (label, step) in enumerate(zip(found.labels, found.steps, strict=True)):
         slope = float(found.joint_angles[:, k].sum() * found.step[k])
@@ -147,17 +147,17 @@ def _tell_sensitivity(found: Sensitivity) -> None:
         ]
         force = number(float(found.tip_force[k] * found.step[k]), 2)
         rows.append((f"{label} + {step}", _signed(math.degrees(slope)), force, *off))
-    names = ("slope", "bending", "tip force / N", "if less by it", "if more by it")
+    names = ("sensitivity", "bending", "tip force / N", "if decreased", "if increased")
     show(names, rows)
     if found.regularity != "regular":
         out.print(_CAVEATS[found.regularity], markup=False, soft_wrap=True)
 
 
 def _sensitivity(found: Sensitivity) -> dict[str, Any]:
-    """Return for each parameter, per SI unit, derivatives at the optimum at the last load.
+    """Return the derivatives with respect to each parameter, per SI unit, at the last load.
 
-    `joint_angles` [rad], `tip_force` [N], `value` of the objective, and `loss` [rad], the largest
-    loss of bending if it is off by `step` either way; besides, `regularity`.
+    `joint_angles` [rad], `tip_force` [N], `value` of the objective, `loss` [rad], the largest loss
+    of bending for a change by ± `step`, and `regularity`.
     """
     return {
         "regularity": found.regularity,
@@ -179,25 +179,25 @@ def _signed(degrees: float) -> str:
     return "0.0°" if float(text) == 0.0 else f"{text.replace('-', '−')}°"
 
 
-def _gain(study: Study) -> str:
-    start, best, first = study.start, study.best, beginning(study)
+def _improvement(study: Study) -> str:
+    start, best, first = study.start, study.best, start_title(study)
     force, objective = f"{study.problem.force[-1]:g} N", study.problem.objective
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
     if objective.quantity != "bending":
         return (
             f"At {force} the optimum's {objective.quantity} is {number(best.shown)} "
-            f"{objective.unit}, the {first}'s {number(start.shown)} {objective.unit}"
-            f"{_times(start.shown, best.shown)}."
+            f"{objective.unit}, that of the {first} {number(start.shown)} {objective.unit}"
+            f"{_ratio(start.shown, best.shown)}."
         )
     return (
         f"At {force} the optimum bends {_degrees(best.bending)}, "
-        f"the {first} {_degrees(start.bending)}{_times(start.bending, best.bending)}."
+        f"the {first} {_degrees(start.bending)}{_ratio(start.bending, best.bending)}."
     )
 
 
-def _times(start: float, best: float) -> str:
-    return f": {best / start:.2f} times as much" if start > 0.0 and best > start else ""
+def _ratio(start: float, best: float) -> str:
+    return f" ({best / start:.2f} times as much)" if start > 0.0 and best > start else ""
 
 
 def _degrees(angle: float) -> str:

@@ -1,4 +1,4 @@
-"""`flexor presets`: the model files that come with Flexor."""
+"""`flexor presets`: list the model files shipped with Flexor."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from flexor.cli.table import show
 
 
 def presets() -> None:
-    """List the model files that come with Flexor; their names stand for them everywhere."""
+    """List the model files shipped with Flexor, which can be referred to by name."""
     from flexor import model
 
     rows = []
@@ -16,4 +16,4 @@ def presets() -> None:
             f"{chosen} (default)" if chosen == file.use else chosen for chosen in file.constants
         ]
         rows.append((name, file.title, ", ".join(sets)))
-    show(("model", "what it is", "constants"), rows, left=3)
+    show(("model", "description", "constants"), rows, left=3)

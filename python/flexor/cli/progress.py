@@ -1,4 +1,4 @@
-"""The live line of a running search."""
+"""Live progress of a running search."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 
 class LiveLine:
-    """A line that is written anew with all news, in terminals only; gone at the end.
+    """A transient progress line, shown in terminals only.
 
     Parameters
     ----------
     first : str
-        What it says until the first news.
+        Initial text.
     """
 
     def __init__(self, first: str) -> None:
@@ -55,16 +55,16 @@ class LiveLine:
             self._bar.stop()
 
     def show(self, parts: Sequence[str], done: int, total: int | None, left: str) -> None:
-        """Write the line; it appears when this is first called.
+        """Update the line; it appears on the first call.
 
         Parameters
         ----------
         parts : sequence of str
-            What it says.
+            Parts of the text.
         done, total : int
-            Length of the bar; a total of None is not known.
+            Progress; a total of None is unknown.
         left : str
-            The time left, in words.
+            Remaining time.
         """
         if not err.is_interactive:
             return
@@ -77,14 +77,14 @@ class LiveLine:
 
 
 class SearchProgress(LiveLine):
-    """Shows best so far, evaluations, designs per second and the time left, while in use."""
+    """Shows the best value, evaluations, designs per second and the remaining time."""
 
     def __init__(self) -> None:
         super().__init__("first designs")
 
     def __call__(self, at: StudyProgress) -> None:
-        """Take in where the search stands."""
-        parts = ["every design failed so far"]
+        """Update the line with the state of the search."""
+        parts = ["all designs failed so far"]
         if at.best is not None:
             objective = at.best.problem.objective
             shown = f"{number(at.best.shown)} {objective.unit}".rstrip()
@@ -98,12 +98,12 @@ class SearchProgress(LiveLine):
 
 
 def duration(seconds: float) -> str:
-    """Return a time as people say it.
+    """Format a duration.
 
     Parameters
     ----------
     seconds : float
-        How long [s].
+        Duration [s].
     """
     if seconds < 10.0:
         return f"{seconds:.1f} s"

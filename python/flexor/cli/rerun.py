@@ -1,4 +1,4 @@
-"""`flexor rerun`: a study again from its folder, compared to the last bit."""
+"""`flexor rerun`: repeat a study from its folder and compare bitwise."""
 
 from __future__ import annotations
 
@@ -21,35 +21,35 @@ if TYPE_CHECKING:
 
 
 def rerun(
-    study: Annotated[FilePath, typer.Argument(metavar="STUDY", help="A study folder.")],
+    study: Annotated[FilePath, typer.Argument(metavar="STUDY", help="Study folder.")],
     folder: Annotated[
         FilePath | None,
-        typer.Option("--out", help="Keep the new study in this folder; not kept by default."),
+        typer.Option("--out", help="Save the new study to this folder; by default discarded."),
     ] = None,
     threads: Threads = 0,
     cluster: Cluster = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of sentences.")
+        bool, typer.Option("--json", help="Print a JSON object instead of text.")
     ] = False,
 ) -> int:
-    """Run a study again from its folder, and say whether every bit is the same.
+    """Repeat a study from its folder and check that the results are bit-identical.
 
-    A study folder holds all that decides its numbers: the model with its constants, the parameter
-    set with its bounds, objective, forces, method with its options, start, seed, solver options and
-    budget; and with what it was made: versions of Flexor, Python and the packages that compute, the
-    hash of the compiled engine, the system. This command does it all again without touching the
-    folder and compares designs, outcomes and derivatives in their order. A study that was
-    interrupted, or ended by time, is compared as far as it went.
+    A study folder contains everything that determines its results (model and constants, parameter
+    set and bounds, objective, forces, method and options, start, seed, solver options, budget)
+    and its provenance (versions of Flexor, Python and numerical packages, hash of the compiled
+    engine, system). This command repeats the study without modifying the folder and compares
+    designs, results and derivatives in order. A study that was interrupted, or stopped by a time
+    limit, is compared up to that point.
 
-    On the same machine with the same versions the answer is yes, with any number of threads; with
-    `--cluster` it tells whether other machines give the same bits. The exit code is then 0.
-    Otherwise it is 1: the first difference is shown, how far apart the values of the designs are
-    that both studies have, and which versions have changed.
+    On the same machine with the same versions the results are identical for any number of threads,
+    and the exit code is 0; with `--cluster` the command checks other machines. Otherwise the exit
+    code is 1, and the first difference, the largest deviation between the values of common designs
+    and the changed versions are printed.
 
-    For example:
-
-    * `flexor optimize finger -p R01 --out studies/r01` and then `flexor rerun studies/r01`
-    * `flexor rerun studies/r01 --out studies/r01-again`, to look at what has changed
+    Examples
+    --------
+    * `flexor optimize finger -p R01 --out studies/r01`, then `flexor rerun studies/r01`
+    * `flexor rerun studies/r01 --out studies/r01-again`, to inspect the differences
     * `flexor rerun studies/r01 --json`
     """
     from flexor import study as studies
@@ -57,70 +57,70 @@ def rerun(
     began = time.monotonic()
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
-            found = studies.rerun(study, into=folder, progress=progress, executor=executor)
+            result = studies.rerun(study, into=folder, progress=progress, executor=executor)
     except KeyboardInterrupt:
-        err.print(f"interrupted; {study} is as it was.", markup=False, soft_wrap=True)
+        err.print(f"interrupted; {study} is unchanged.", markup=False, soft_wrap=True)
         return 130
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(found, seconds), allow_nan=False))
+        print(json.dumps(_as_json(result, seconds), allow_nan=False))
     else:
-        _tell(found, seconds)
-    return 0 if found.same else 1
+        _print_summary(result, seconds)
+    return 0 if result.same else 1
 
 
-def _tell(found: Rerun, seconds: float) -> None:
-    count = f"{found.evaluations:,} designs"
-    if found.difference is None:
-        _say(f"The same to the last bit: {count} again in {duration(seconds)}.")
+def _print_summary(result: Rerun, seconds: float) -> None:
+    count = f"{result.evaluations:,} designs"
+    if result.difference is None:
+        _print(f"Bit-identical: {count} re-evaluated in {duration(seconds)}.")
     else:
-        _say(_first(found.difference))
-        _say(f"{_apart(found)} ({count} recorded, again in {duration(seconds)}).")
-    if found.changed:
-        rows = [(each.what, each.then or "not recorded", each.now) for each in found.changed]
+        _print(_first_difference(result.difference))
+        _print(f"{_deviation(result)} ({count} recorded, repeated in {duration(seconds)}).")
+    if result.changed:
+        rows = [(each.what, each.then or "not recorded", each.now) for each in result.changed]
         show(("changed", "then", "now"), rows, left=3)
-    elif not found.same:
-        _say("Versions and system are those of the study: the processor or its files differ.")
+    elif not result.same:
+        _print("Versions and system are unchanged: the processor or the study's files differ.")
 
 
-def _first(difference: Difference) -> str:
-    where = f"Evaluation {difference.evaluation:,}" if difference.evaluation else "The study"
+def _first_difference(difference: Difference) -> str:
+    where = f"evaluation {difference.evaluation:,}" if difference.evaluation else "the study"
     return (
-        f"{where} differs first: {difference.what} was {_short(difference.then)}, "
-        f"is now {_short(difference.now)}."
+        f"First difference: {where}, where {difference.what} was {_truncated(difference.then)} "
+        f"and is now {_truncated(difference.now)}."
     )
 
 
-def _apart(found: Rerun) -> str:
-    if not found.common:
-        return "No design was evaluated by both studies"
-    many = f"The values of the {found.common:,} designs that both evaluated"
-    if found.deviation == 0.0:
-        return f"{many} are the same"
-    if math.isinf(found.deviation):
-        return f"{many} differ: one failed in one study only"
-    return f"{many} differ by at most {found.deviation:.1e}"
+def _deviation(result: Rerun) -> str:
+    if not result.common:
+        return "The studies have no common designs"
+    values = f"The values of the {result.common:,} common designs"
+    if result.deviation == 0.0:
+        return f"{values} are identical"
+    if math.isinf(result.deviation):
+        return f"{values} differ: one failed in one study only"
+    return f"{values} differ by at most {result.deviation:.1e}"
 
 
-def _short(text: str) -> str:
+def _truncated(text: str) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-def _say(sentence: str) -> None:
+def _print(sentence: str) -> None:
     out.print(sentence, markup=False, soft_wrap=True)
 
 
-def _as_json(found: Rerun, seconds: float) -> dict[str, Any]:
-    """Return the verdict, the first difference, and what has changed."""
+def _as_json(result: Rerun, seconds: float) -> dict[str, Any]:
+    """Return the result, the first difference, and the changed versions."""
     from dataclasses import asdict
 
     return {
-        "same": found.same,
-        "evaluations": found.evaluations,
-        "difference": None if found.difference is None else asdict(found.difference),
-        "common": found.common,
-        "deviation": found.deviation if math.isfinite(found.deviation) else None,
-        "changed": [asdict(each) for each in found.changed],
+        "same": result.same,
+        "evaluations": result.evaluations,
+        "difference": None if result.difference is None else asdict(result.difference),
+        "common": result.common,
+        "deviation": result.deviation if math.isfinite(result.deviation) else None,
+        "changed": [asdict(each) for each in result.changed],
         "seconds": seconds,
-        "folder": None if found.study.folder is None else str(found.study.folder),
+        "folder": None if result.study.folder is None else str(result.study.folder),
     }

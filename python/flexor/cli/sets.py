@@ -1,4 +1,4 @@
-"""`flexor sets`: what can be optimised, and for what."""
+"""`flexor sets`: list parameter sets and objectives."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 from flexor.cli.console import out
 from flexor.cli.table import number, show
 
-MODEL_HELP = "Show the bounds and the start for this model file or preset."
+MODEL_HELP = "Model file or preset whose bounds and start to show."
 
 
 def sets(
@@ -17,7 +17,7 @@ def sets(
 ) -> None:
     """List the parameter sets with their bounds, the objectives and the methods.
 
-    Sets are joined with `+`: `flexor optimize finger --parameters L+R01`.
+    Combine sets with `+`: `flexor optimize finger --parameters L+R01`.
     """
     from flexor import design, objectives, optimizers
 
@@ -36,9 +36,9 @@ def sets(
             )
             unit = "" if chosen.units[i] == "1" else chosen.units[i]
             rows.append((name if i == 0 else "", label, unit, low, start, high))
-    headings = ("set", "parameter", "unit", "lowest", "start", "highest")
+    headings = ("set", "parameter", "unit", "lower", "start", "upper")
     show(headings, rows, left=3)
-    shown = [(name, objectives.objective(name)) for name in objectives.names()]
-    cells = [(name, f"{found.quantity} / {found.unit}") for name, found in shown]
-    show(("objective", "shown as"), cells, left=2)
+    available = [(name, objectives.objective(name)) for name in objectives.names()]
+    cells = [(name, f"{objective.quantity} / {objective.unit}") for name, objective in available]
+    show(("objective", "displayed as"), cells, left=2)
     out.print(f"methods: {', '.join(optimizers.names())}", markup=False)

@@ -1,4 +1,8 @@
+<<<<<<< HEAD
 """`flexor simulate`: follow a model's equilibrium as its actuation rises and falls."""
+=======
+"""`flexor simulate`: compute the equilibria of a model under increasing load."""
+>>>>>>> main
 
 from __future__ import annotations
 
@@ -25,8 +29,13 @@ def simulate(
         list[str] | None,
         typer.Option(
             metavar="FORCES",
+<<<<<<< HEAD
             help="Forces in N: `first:last:step`, values, or a list of both such as "
             "`0:5:1,5:0:1`; of a model with several inputs `NAME=FORCES`, repeated.",
+=======
+            help="Forces in N: `start:stop:step` or a list such as `0,1,2.5`. For a model with "
+            "several inputs: `NAME=FORCES`, repeated.",
+>>>>>>> main
         ),
     ] = None,
     start: Annotated[
@@ -48,25 +57,29 @@ def simulate(
     constants: Constants = None,
     changes: Set = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the table.")
+        bool, typer.Option("--json", help="Print a JSON object instead of the table.")
     ] = False,
     plot: Annotated[
         FilePath | None,
-        typer.Option(help="Draw every load step to scale into this PNG, SVG or PDF."),
+        typer.Option(help="Save a figure of every load step to this PNG, SVG or PDF file."),
     ] = None,
 ) -> int:
+<<<<<<< HEAD
     """Follow a model's equilibrium as its actuation rises and falls.
+=======
+    """Compute the equilibria of a model under increasing load.
+>>>>>>> main
 
-    Prints, for each force, the joint angles, the spheres in contact, the force of the exosuit's
-    tip, and whether the equilibrium is stable; then every snap on the way. The exit code is 1 if a
-    load step found no equilibrium; its state is then one of these, and what to do is said below the
-    table (`docs/method.md` has more):
+    Prints the joint angles, the number of spheres in contact, the tip force and the stability at
+    each force, followed by all snaps. The exit code is 1 if a load step does not converge; its
+    state is then one of the following, and a remedy is printed below the table (see also
+    `docs/method.md`):
 
-    * `iteration-limit`: too many iterations, mostly many snaps in a row
-    * `unstable`: an equilibrium from which some motion grows by itself
-    * `stalled`: forces do not balance, yet the energy cannot be lowered
-    * `diverged`: the energy is not finite, or no step could be found
-    * `invalid-design`: a length, radius, modulus or stiffness makes no sense
+    * `iteration-limit`: too many iterations, usually because of many successive snaps
+    * `unstable`: an unstable equilibrium under loads without a potential
+    * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
+    * `diverged`: the energy is not finite, or no acceptable step was found
+    * `invalid-design`: a length, radius, modulus or stiffness is invalid
     * `not-reached`: an earlier load step failed
 
     Examples
@@ -81,7 +94,7 @@ def simulate(
       `flexor simulate finger --start bent.json --force 4,3,2`
     * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`
 
-    In the JSON object every list has one entry per load step; angles are in rad, forces in N.
+    Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
     if plot is not None:
         from flexor.plot import writable
@@ -111,7 +124,7 @@ def report(path: Path) -> None:
     Parameters
     ----------
     path : Path
-        What to print.
+        The path.
     """
     import numpy as np
 
@@ -127,8 +140,8 @@ def report(path: Path) -> None:
         headings.append("sum / °")
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
-    touches = bool(path.model.file.contacts)
-    headings += [*(["contacts", "tip force / N"] if touches else []), "state", "events"]
+    has_contacts = bool(path.model.file.contacts)
+    headings += [*(["contacts", "tip force / N"] if has_contacts else []), "state", "events"]
     rows = []
     for step in range(len(path)):
         forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
@@ -139,7 +152,7 @@ def report(path: Path) -> None:
         for rod in tips:
             tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
             cells.append(", ".join(fixed(x) for x in tip))
-        if touches:
+        if has_contacts:
             cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
@@ -148,7 +161,7 @@ def report(path: Path) -> None:
     if len(failed):
         out.print(explained(failed[0]), markup=False, soft_wrap=True)
     for event in path.events:
-        out.print(_tell(event, path), markup=False, soft_wrap=True)
+        out.print(_describe_event(event, path), markup=False, soft_wrap=True)
 
 
 def _state(path: Path, step: int) -> str:
@@ -161,7 +174,7 @@ def _count(events: list[Event]) -> str:
     return ", ".join(event.kind.replace("_", " ") for event in events)
 
 
-def _tell(event: Event, path: Path) -> str:
+def _describe_event(event: Event, path: Path) -> str:
     turns = (
         f"{name.removesuffix('.theta')} {fixed(degrees(before))}° to {fixed(degrees(after))}°"
         for name, before, after in zip(

@@ -1,4 +1,4 @@
-"""Starting designs as people type them."""
+"""Parsing of starting designs."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ if TYPE_CHECKING:
     from flexor.design import ParameterSet
 
 _VALUE = re.compile(r"(?P<number>[^a-zA-Z]*(?:[eE][+-]?\d+)?)\s*(?P<unit>[a-zA-Z]*)")
-_ALIKE = ({"m", "cm", "mm"}, {"rad", "deg"}, {"1"})
+_COMPATIBLE = ({"m", "cm", "mm"}, {"rad", "deg"}, {"1"})
 
 
 def starts(texts: list[str], chosen: ParameterSet) -> list[list[float]] | str | None:
-    """Read the starting designs given to `--start`.
+    """Parse the values of `--start`.
 
     Parameters
     ----------
     texts : list of str
-        Each `random`, values in the order of the set's parameters such as `10 cm, 0.7 cm`, or
-        `label=value` pairs such as `R_0=0.7 cm`, the rest then being the set's own start. Numbers
-        without a unit are in the set's units.
+        Each is `random`, values in the order of the parameters such as `10 cm, 0.7 cm`, or
+        `label=value` pairs such as `R_0=0.7 cm`, with the other parameters at the set's default.
+        Numbers without a unit are in the set's display units.
     chosen : ParameterSet
-        Whose parameters they are.
+        The parameter set.
 
     Returns
     -------
     list of lists of float, str or None
-        Designs in SI units; `"random"`; or None if nothing was given.
+        Designs in SI units; `"random"`; or None if no start is given.
 
     Raises
     ------
     InputError
-        If one cannot be read.
+        If a design is invalid.
     """
     if not texts:
         return None
@@ -69,12 +69,12 @@ def _si(text: str, label: str, chosen: ParameterSet) -> float:
     own = chosen.units[chosen.labels.index(label)]
     match = _VALUE.fullmatch(text)
     unit = (match["unit"] if match else "") or own
-    allowed = next(alike for alike in _ALIKE if own in alike)
+    allowed = next(units for units in _COMPATIBLE if own in units)
     try:
         number = float(match["number"]) if match else math.nan
     except ValueError:
         number = math.nan
     if unit not in allowed or not math.isfinite(number):
         units = "" if own == "1" else f" in {', '.join(u for u in UNITS if u in allowed)}"
-        raise InputError(f'--start has {label} = "{text}": a finite number{units} is needed.')
+        raise InputError(f'--start has {label} = "{text}": expected a finite number{units}.')
     return number * UNITS[unit]

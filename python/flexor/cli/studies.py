@@ -1,4 +1,4 @@
-"""What the commands that make studies share: where they go, and what is said if interrupted."""
+"""Study folders, and messages on interruption, shared by several commands."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from flexor.cli.console import complain, err
+from flexor.cli.console import err, print_error
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -19,35 +19,35 @@ STUDIES = Path("studies")
 INTERRUPTED, LOST = 130, 3  # exit codes
 
 
-def free_folder(*words: str) -> Path:
-    """Return a folder in `studies/` that is named after words and does not exist yet.
+def new_folder(*words: str) -> Path:
+    """Return an unused folder name in `studies/`.
 
     Parameters
     ----------
     *words : str
-        Such as model, parameter set and objective.
+        Parts of the name, such as model, parameter set and objective.
     """
     name = re.sub(r"[^\w.+-]", "-", "-".join(words))
     names = [name, *(f"{name}-{count}" for count in range(2, 10_000))]
     return STUDIES / next(n for n in names if not (STUDIES / n).exists())
 
 
-def refuse_settled(context: typer.Context, resume: Path, *free: str) -> None:
-    """Refuse options whose values the folder that is resumed has already.
+def reject_fixed_options(context: typer.Context, resume: Path, *free: str) -> None:
+    """Reject options that are fixed by the study being resumed.
 
     Parameters
     ----------
     context : typer.Context
-        Of the command.
+        Context of the command.
     resume : Path
         The folder.
     *free : str
-        Parameters of the command that may be given all the same.
+        Parameters of the command that may be given.
 
     Raises
     ------
     InputError
-        If others stand in the command line.
+        If any other parameter is given on the command line.
     """
     given = []
     for parameter in context.command.params:
@@ -56,21 +56,21 @@ def refuse_settled(context: typer.Context, resume: Path, *free: str) -> None:
             given.append(max(parameter.opts, key=len))
     if given:
         raise InputError(
-            f'{" and ".join(given)} beside --resume: "{resume}" goes on as it was begun.'
+            f'{" and ".join(given)} cannot be changed: "{resume}" is resumed as it was begun.'
         )
 
 
 def interrupted(place: Path | None, command: str, error: BaseException) -> int:
-    """Say that a study has ended early and how to go on, and return the exit code.
+    """Report that a study was interrupted and how to resume it; return the exit code.
 
     Parameters
     ----------
     place : Path or None
-        The study folder, if it was made.
+        The study folder, if any.
     command : str
-        What resumes it, up to the folder.
+        The command that resumes it, without the folder.
     error : BaseException
-        What ended it.
+        The cause.
     """
     begun = place is not None and (place / "settings.json").exists()
     resuming = f"{command} {shlex.quote(str(place))}" if begun else None
@@ -78,26 +78,28 @@ def interrupted(place: Path | None, command: str, error: BaseException) -> int:
 
 
 def ended_early(error: BaseException, kept: str, command: str | None) -> int:
-    """Say that work has ended early and how to go on, and return the exit code.
+    """Report that work ended early and how to resume it; return the exit code.
 
     Parameters
     ----------
     error : BaseException
-        What ended it: an interruption, or the loss of a cluster.
+        The cause: an interruption, or the loss of a cluster.
     kept : str
-        Of what every one is kept.
+        What has been saved.
     command : str or None
-        What goes on with it; None if nothing was begun.
+        The command that resumes the work; None if there is nothing to resume.
     """
     lost = isinstance(error, ClusterError)
     if command is None:
-        complain(str(error) if lost else "interrupted before anything was computed.")
+        print_error(str(error) if lost else "interrupted before anything was computed.")
         return LOST if lost else INTERRUPTED
     if lost:
-        complain(str(error))
-    said = f"every {kept} is kept. To go on:\n  {command}"
+        print_error(str(error))
+    message = f"every {kept} is saved. To resume:\n  {command}"
     err.print(
-        said[0].upper() + said[1:] if lost else f"interrupted; {said}", markup=False, soft_wrap=True
+        message[0].upper() + message[1:] if lost else f"interrupted; {message}",
+        markup=False,
+        soft_wrap=True,
     )
     return LOST if lost else INTERRUPTED
 

@@ -1,4 +1,4 @@
-"""Tables in the terminal, in one look."""
+"""Tables in the terminal."""
 
 from __future__ import annotations
 
@@ -11,47 +11,47 @@ from flexor.cli.console import out
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> Table:
-    """Make a table.
+    """Create a table.
 
     Parameters
     ----------
     headings : sequence of str
-        One for each column; a unit after " / " goes onto a line of its own.
+        Column headings; a unit after " / " goes onto its own line.
     rows : iterable of sequences of str
         The cells.
     left : int
-        So many columns hold words and are aligned to the left. Where the terminal is narrow,
-        columns of words are folded; numbers are not.
+        Number of left-aligned text columns. In a narrow terminal columns of text are wrapped,
+        columns of numbers are not.
 
     Returns
     -------
     rich.table.Table
         Ready to print.
     """
-    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
+    result = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
     rows = [tuple(row) for row in rows]
     for column, heading in enumerate(headings):
-        made.add_column(
+        result.add_column(
             heading.replace(" / ", "\n"),
             justify="left" if column < left else "right",
             overflow="fold",
             no_wrap=column >= left and not any(_is_word(row[column]) for row in rows),
         )
     for row in rows:
-        made.add_row(*row)
-    return made
+        result.add_row(*row)
+    return result
 
 
 def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> None:
     """Print a table to stdout; see `table`.
 
-    Where not even the numbers fit, lines go on beyond the terminal's width: no digit is lost.
+    If the numbers do not fit, lines exceed the width of the terminal rather than being cropped.
     """
-    made = table(headings, rows, left=left)
-    least = out.measure(made, options=out.options.update(width=10_000)).minimum
-    if least > out.width:
-        made.width = least
-    out.print(made, crop=False)
+    result = table(headings, rows, left=left)
+    minimum = out.measure(result, options=out.options.update(width=10_000)).minimum
+    if minimum > out.width:
+        result.width = minimum
+    out.print(result, crop=False)
 
 
 def _is_word(cell: str) -> bool:
@@ -63,26 +63,26 @@ def _is_word(cell: str) -> bool:
 
 
 def fixed(value: float, decimals: int = 2) -> str:
-    """Return a number with so many decimals, without -0.
+    """Format a number with fixed decimals, without -0.
 
     Parameters
     ----------
     value : float
-        What to show.
+        The number.
     decimals : int
-        Digits behind the point.
+        Number of decimals.
     """
     text = f"{value:.{decimals}f}"
     return text.removeprefix("-") if float(text) == 0.0 else text
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number with so many significant digits, without trailing zeros or -0.
+    """Format a number to a number of significant digits, without trailing zeros or -0.
 
     Parameters
     ----------
     value : float
-        What to show.
+        The number.
     digits : int
         Significant digits.
     """

@@ -1,4 +1,4 @@
-"""Values as people type them on the command line."""
+"""Parsing of option values."""
 
 from __future__ import annotations
 
@@ -6,55 +6,55 @@ from flexor.errors import InputError
 
 
 def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
-    """Read `key=value` pairs.
+    """Parse `key=value` pairs.
 
     Parameters
     ----------
     option : str
-        Which option they were given to, for messages.
+        Name of the option, for messages.
     pairs : list of str
-        What was given, such as `["exosuit.length=8 cm"]`.
+        The pairs, such as `["exosuit.length=8 cm"]`.
     example : str
-        A pair that would be right, for messages.
+        A valid pair, for messages.
 
     Returns
     -------
     dict
-        Value as text by key.
+        Values as text by key.
 
     Raises
     ------
     InputError
-        If one has no key or no value, or a key comes twice.
+        If a pair has no key or no value, or a key is repeated.
     """
-    found: dict[str, str] = {}
+    result: dict[str, str] = {}
     for pair in pairs:
         key, equals, value = (part.strip() for part in pair.partition("="))
         if not (key and equals and value):
             raise InputError(f'{option} is "{pair}": give key=value, such as "{example}".')
-        if key in found:
-            raise InputError(f'{option} gives "{key}" twice: once is allowed.')
-        found[key] = value
-    return found
+        if key in result:
+            raise InputError(f'{option} sets "{key}" twice.')
+        result[key] = value
+    return result
 
 
 def loads(texts: list[str]) -> str | dict[str, str] | None:
-    """Read what was given to `--force`.
+    """Parse the values of `--force`.
 
     Parameters
     ----------
     texts : list of str
-        Nothing, one list of forces such as `["0:5:1"]`, or `["left=0:5:1", "right=2"]`.
+        Empty, one list of forces such as `["0:5:1"]`, or `["left=0:5:1", "right=2"]`.
 
     Returns
     -------
     str, dict or None
-        As `Model.equilibrium` takes it.
+        Argument of `Model.equilibrium`.
 
     Raises
     ------
     InputError
-        If there are several and one does not say its input, or an input comes twice.
+        If there are several values and one does not name its input, or an input is repeated.
     """
     if not texts:
         return None
@@ -89,29 +89,29 @@ def start_state(texts: list[str]) -> str | dict[str, str] | None:
 
 
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
-    """Read `key=number` pairs.
+    """Parse `key=number` pairs.
 
     Parameters
     ----------
     option : str
-        Which option they were given to, for messages.
+        Name of the option, for messages.
     pairs : list of str
-        What was given, such as `["starts=8"]`.
+        The pairs, such as `["starts=8"]`.
 
     Returns
     -------
     dict
-        Whole or other number by key.
+        Integers and floats by key.
 
     Raises
     ------
     InputError
-        If one is not a key with a number, or a key comes twice.
+        If a value is not a number, or a key is repeated.
     """
-    found: dict[str, int | float] = {}
+    result: dict[str, int | float] = {}
     for key, text in assignments(option, pairs, "starts=8").items():
         try:
-            found[key] = int(text) if text.lstrip("+-").isdigit() else float(text)
+            result[key] = int(text) if text.lstrip("+-").isdigit() else float(text)
         except ValueError:
-            raise InputError(f'{option} has {key} = "{text}": a number is needed.') from None
-    return found
+            raise InputError(f'{option} has {key} = "{text}": expected a number.') from None
+    return result

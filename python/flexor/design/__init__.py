@@ -1,4 +1,4 @@
-"""Parameter sets: plain maps from design parameters to the exosuit's geometry, with Jacobians."""
+"""Parameter sets: maps from design parameters to the exosuit's geometry, with Jacobians."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The published parameter sets (Table II of the paper), and finding a set by its name."""
+"""Registry of parameter sets, with the published ones (Table II of the paper)."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from flexor.design.space import PAPER, Space
 from flexor.design.union import union
 from flexor.errors import InputError, unknown_name
 
-Recipe = Callable[[Space], ParameterSet]
+Factory = Callable[[Space], ParameterSet]
 
 
 def length_set(space: Space = PAPER) -> ParameterSet:
-    """Set L: the length [m], within the space's bounds, from the rod's own."""
+    """Return set L: the length [m], starting at the rod's own."""
     low, high = space.length_bounds
     return ParameterSet(
         name="L",
@@ -34,7 +34,7 @@ def length_set(space: Space = PAPER) -> ParameterSet:
 
 
 def linear_set(space: Space = PAPER) -> ParameterSet:
-    """Set R01: base and tip radius [m] (10), within the space's bounds, from the rod's own."""
+    """Return set R01: base and tip radius [m] (10), starting at the rod's own."""
     low, high = space.radius_bounds
     return ParameterSet(
         name="R01",
@@ -49,12 +49,12 @@ def linear_set(space: Space = PAPER) -> ParameterSet:
 
 
 def sine_cosine_set(space: Space = PAPER) -> ParameterSet:
-    """Set Rsc: frequencies A, B and phases phi_A, phi_B [rad] (11).
+    """Return set Rsc: frequencies A, B and phases phi_A, phi_B [rad] (11).
 
-    The paper gives neither bounds nor start. Frequencies run over -4 to 4 (two full waves; the
-    published optimum is A = -2, B = -0.5), phases over a full turn. The set cannot reproduce the
-    taper of Table I: its amplitude is R_0/20. The start keeps the base radius R_0 and falls
-    steadily to 0.9 R_0 at the tip, the longest way towards Table I that the set can go.
+    The paper states neither bounds nor a start. Here the frequencies range from -4 to 4 (two full
+    waves; the published optimum is A = -2, B = -0.5) and the phases over a full turn. With its
+    amplitude of R_0/20 the set cannot reproduce the taper of Table I. The start decreases
+    monotonically from the base radius R_0 to 0.9 R_0 at the tip, the closest the set gets to it.
     """
     return ParameterSet(
         name="Rsc",
@@ -69,12 +69,12 @@ def sine_cosine_set(space: Space = PAPER) -> ParameterSet:
 
 
 def legendre_set(space: Space = PAPER) -> ParameterSet:
-    """Set RLP: ten Legendre coefficients a_0 ... a_9 (12).
+    """Return set RLP: ten Legendre coefficients a_0 ... a_9 (12).
 
-    The paper gives no bounds; its optimum has five coefficients at exactly 1. Here a_0 runs over
-    0 to 1 (the constant part 0 to 2 cm; below it the whole surface would be at the minimum radius)
-    and the others over -1 to 1, which holds the published optimum and Table I. The start is the
-    rod's own straight surface, a_0 = R_0/2 and a_1 = 3 (R_1 - R_0)/2 in cm.
+    The paper states no bounds; five coefficients of its optimum are exactly 1. Here a_0 ranges
+    from 0 to 1 (a constant part of 0 to 2 cm; negative values clamp the whole surface to the
+    minimum radius) and the others from -1 to 1, which includes the published optimum and Table I.
+    The start is the rod's own linear taper, a_0 = R_0/2 and a_1 = 3 (R_1 - R_0)/2 in cm.
     """
     count = 10
     lower, start = np.full(count, -1.0), np.zeros(count)
@@ -93,7 +93,7 @@ def legendre_set(space: Space = PAPER) -> ParameterSet:
     )
 
 
-_RECIPES: dict[str, Recipe] = {
+_FACTORIES: dict[str, Factory] = {
     "L": length_set,
     "R01": linear_set,
     "Rsc": sine_cosine_set,
@@ -102,40 +102,40 @@ _RECIPES: dict[str, Recipe] = {
 
 
 def names() -> tuple[str, ...]:
-    """Names that `parameter_set` knows; any of them may be joined with ``+``."""
-    return tuple(_RECIPES)
+    """Return the names of the sets; they can be combined with ``+``."""
+    return tuple(_FACTORIES)
 
 
-def register(name: str, recipe: Recipe) -> None:
-    """Make a set known by name, so that texts such as ``"L+mine"`` find it.
+def register(name: str, factory: Factory) -> None:
+    """Register a set under a name, so that expressions such as ``"L+mine"`` can refer to it.
 
     Parameters
     ----------
     name : str
         Letters, digits and underscores.
-    recipe : callable
-        From the model's design space to the set.
+    factory : callable
+        Maps the model's design space to the set.
 
     Raises
     ------
     InputError
-        If the name is taken or contains other signs.
+        If the name is taken or contains other characters.
     """
     if not name.replace("_", "").isalnum():
         raise InputError(f"parameter set name {name!r}: letters, digits and underscores only.")
-    if _plain(name) in {_plain(known) for known in _RECIPES}:
-        raise InputError(f"a parameter set named {name!r} exists already.")
-    _RECIPES[name] = recipe
+    if _normalized(name) in {_normalized(existing) for existing in _FACTORIES}:
+        raise InputError(f"a parameter set named {name!r} already exists.")
+    _FACTORIES[name] = factory
 
 
 def parameter_set(text: str | ParameterSet, space: Space = PAPER) -> ParameterSet:
-    """Find a parameter set by its name; one that is ready is returned.
+    """Look up a parameter set by name; a `ParameterSet` is returned unchanged.
 
     Parameters
     ----------
     text : str or ParameterSet
-        One name or several joined with ``+``, for example ``"L+R01"``; capitals, underscores and
-        commas within a name do not matter (``"R_LP"``, ``"R0,1"``).
+        One name or several joined with ``+``, for example ``"L+R01"``. Case, underscores and
+        commas are ignored (``"R_LP"``, ``"R0,1"``).
     space : Space
         The exosuit and the bounds of the search, usually ``model.design``.
 
@@ -147,25 +147,25 @@ def parameter_set(text: str | ParameterSet, space: Space = PAPER) -> ParameterSe
     Raises
     ------
     InputError
-        If a name is not known (the nearest is suggested), two sets change the same thing, or
-        neither a name nor a set is given.
+        If a name is unknown (the closest match is suggested), two sets change the same geometry,
+        or the argument is neither a name nor a set.
     """
     if isinstance(text, ParameterSet):
         return text
     if not isinstance(text, str):
         raise InputError(f'parameter set is {text!r}: a name such as "L+R01" or a set is needed.')
-    found = {_plain(name): recipe for name, recipe in _RECIPES.items()}
+    factories = {_normalized(name): factory for name, factory in _FACTORIES.items()}
     parts = []
     for word in text.split("+"):
-        recipe = found.get(_plain(word))
-        if recipe is None:
+        factory = factories.get(_normalized(word))
+        if factory is None:
             raise InputError(
                 unknown_name("parameter set", word.strip(), names())
-                + ', alone or joined as in "L+R01".'
+                + ', alone or combined as in "L+R01".'
             )
-        parts.append(recipe(space))
+        parts.append(factory(space))
     return parts[0] if len(parts) == 1 else union(*parts)
 
 
-def _plain(name: str) -> str:
-    return "".join(sign for sign in name if sign not in "_, ").casefold()
+def _normalized(name: str) -> str:
+    return "".join(character for character in name if character not in "_, ").casefold()

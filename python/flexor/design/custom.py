@@ -1,4 +1,4 @@
-"""A user's own surface as a parameter set: one function."""
+"""Parameter sets from a user-defined surface function."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from flexor.design.profile import Clamped, Profile
 from flexor.design.space import PAPER, Space
 from flexor.errors import InputError
 
-# Fourth-order central differences: with this step, as a fraction of the range of a variable, the
-# error of truncation and that of rounding are both about 1e-12 of a smooth surface.
+# Step of the fourth-order central differences as a fraction of a variable's range. For a smooth
+# surface the truncation and the rounding error are then both about 1e-12.
 STEP = 1e-3
 _OFFSETS = np.array([-2.0, -1.0, 1.0, 2.0])
 _WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
@@ -28,17 +28,17 @@ ProfileFunction = Callable[[FloatArray, FloatArray], ProfileResult]
 class FunctionProfile:
     """A `Profile` from a function of one design.
 
-    What the functions leave out is found by fourth-order central differences of step ``STEP``
-    (of X, and of each parameter's range). Nothing is evaluated outside X in [0, 1].
+    Derivatives that are not given are computed by fourth-order central differences with step
+    ``STEP`` (of X, and of each parameter's range). X stays within [0, 1].
 
     Attributes
     ----------
     function : callable
         ``function(p (k,), X (m,))`` -> S (m,) [m], or the pair S, dS/dX.
     derivative : callable or None
-        The same for the derivative: dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp.
+        ``derivative(p, X)`` -> dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp.
     span : (k,) array
-        Range of each parameter, the scale of its differences.
+        Range of each parameter, which scales its differences.
     """
 
     function: ProfileFunction
@@ -46,39 +46,39 @@ class FunctionProfile:
     span: FloatArray
 
     def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """S and dS/dX [m], each (n, m)."""
+        """Return S and dS/dX [m], each (n, m)."""
         return self._batch(lambda design: self._with_slope(self.function, design, X, (X.size,)), p)
 
     def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """dS/dp and d(dS/dX)/dp, each (n, m, k)."""
-        given = self.derivative
-        if given is not None:
+        """Return dS/dp and d(dS/dX)/dp, each (n, m, k)."""
+        derivative = self.derivative
+        if derivative is not None:
             shape = (X.size, p.shape[1])
-            return self._batch(lambda design: self._with_slope(given, design, X, shape), p)
+            return self._batch(lambda design: self._with_slope(derivative, design, X, shape), p)
         return self._batch(lambda design: self._differences(design, X), p)
 
     def _batch(
-        self, one: Callable[[FloatArray], tuple[FloatArray, FloatArray]], p: FloatArray
+        self, evaluate: Callable[[FloatArray], tuple[FloatArray, FloatArray]], p: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        pairs = [one(design) for design in p]
+        pairs = [evaluate(design) for design in p]
         return np.stack([pair[0] for pair in pairs]), np.stack([pair[1] for pair in pairs])
 
     def _with_slope(
         self, function: ProfileFunction, design: FloatArray, X: FloatArray, shape: tuple[int, ...]
     ) -> tuple[FloatArray, FloatArray]:
-        """Evaluate a function and, if it gives no slope, difference it in X."""
-        found = function(design, X)
-        if isinstance(found, tuple):
-            return _shaped(found[0], shape), _shaped(found[1], shape)
-        radius = _shaped(found, shape)
-        # The stencil slides inwards at the ends, so its weights depend on the point.
+        """Evaluate a function; if it returns no slope, compute it by differences in X."""
+        result = function(design, X)
+        if isinstance(result, tuple):
+            return _checked(result[0], shape), _checked(result[1], shape)
+        radius = _checked(result, shape)
+        # The stencil is shifted inwards at the ends, so its weights depend on the point.
         centre = np.clip(X, 2 * STEP, 1 - 2 * STEP)
         nodes = STEP * np.arange(-2.0, 3.0)
         points = centre[:, None] + nodes
-        around = function(design, points.ravel())
-        if isinstance(around, tuple):
-            raise InputError("the surface function gave a slope at some points and not at others.")
-        values = _shaped(around, (points.size, *shape[1:])).reshape(*points.shape, *shape[1:])
+        samples = function(design, points.ravel())
+        if isinstance(samples, tuple):
+            raise InputError("the surface function returned a slope in some calls only.")
+        values = _checked(samples, (points.size, *shape[1:])).reshape(*points.shape, *shape[1:])
         weights = _slope_weights((X - centre) / STEP) / STEP
         slope = np.zeros(shape)
         for node in range(nodes.size):
@@ -91,16 +91,16 @@ class FunctionProfile:
         slope = np.zeros_like(radius)
         for i, span in enumerate(self.span):
             for offset, weight in zip(_OFFSETS, _WEIGHTS, strict=True):
-                moved = design.copy()
-                moved[i] += offset * STEP * span
-                value = self._with_slope(self.function, moved, X, (X.size,))
+                shifted = design.copy()
+                shifted[i] += offset * STEP * span
+                value = self._with_slope(self.function, shifted, X, (X.size,))
                 radius[:, i] += weight / (STEP * span) * value[0]
                 slope[:, i] += weight / (STEP * span) * value[1]
         return radius, slope
 
 
 def _slope_weights(t: FloatArray) -> FloatArray:
-    """Weights (m, 5) of the derivative at t of the quartic through the nodes -2 ... 2."""
+    """Return the weights (m, 5) for the derivative at t of the quartic on the nodes -2 ... 2."""
     nodes = np.arange(-2.0, 3.0)
     weights = np.zeros((t.size, nodes.size))
     for j, node in enumerate(nodes):
@@ -110,12 +110,12 @@ def _slope_weights(t: FloatArray) -> FloatArray:
     return weights
 
 
-def _shaped(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+def _checked(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != shape:
         raise InputError(
-            f"a surface function must give an array of shape {shape} here, "
-            f"it gave one of shape {array.shape}."
+            f"the surface function must return an array of shape {shape}, "
+            f"got one of shape {array.shape}."
         )
     return array
 
@@ -133,39 +133,38 @@ def custom(
     minimum_radius: float | None = None,
     rod: Space = PAPER,
 ) -> ParameterSet:
-    """Make a parameter set from one function that describes the surface of the exosuit.
+    """Create a parameter set from a function that describes the surface of the exosuit.
 
     Parameters
     ----------
     name : str
         Name of the set.
     labels : sequence of k str
-        Names of its parameters.
+        Names of the parameters.
     lower, upper, start : (k,) array
         Bounds and starting design, SI.
     profile : callable
-        ``profile(p, X)`` with one design p (k,) and points X (m,) in [0, 1] gives S (m,) [m], or
-        the pair S, dS/dX. Without the slope, fourth-order differences in X supply it.
+        ``profile(p, X)``, for one design p (k,) and points X (m,) in [0, 1], returns S (m,) [m] or
+        the pair S, dS/dX. A missing slope is computed by fourth-order differences in X.
     jacobian : callable, optional
-        ``jacobian(p, X)`` gives dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp. Without it,
-        fourth-order central differences in p supply both.
+        ``jacobian(p, X)`` returns dS/dp (m, k) or the pair dS/dp, d(dS/dX)/dp. By default both are
+        computed by fourth-order central differences in p.
     units : sequence of k str, optional
         Display units: "1", "m", "cm", "mm", "rad" or "deg". Default "1".
     minimum_radius : float, optional
-        The surface is held at this radius [m] where the function falls below it; the rod's minimum
-        radius by default.
+        Lower limit of the surface radius [m]; the rod's minimum radius by default.
     rod : Space
-        The exosuit whose length is used; `flexor.optimize` replaces it by its model's.
+        The exosuit whose length is used; `flexor.optimize` substitutes that of its model.
 
     Returns
     -------
     ParameterSet
-        To be used as it is, or with the length: ``union(parameter_set("L"), custom(...))``.
+        Combine it with the length by ``union(parameter_set("L"), custom(...))``.
 
     Raises
     ------
     InputError
-        If labels, units, bounds and start do not fit together.
+        If labels, units, bounds and start are inconsistent.
     """
     low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
     minimum = rod.minimum_radius if minimum_radius is None else minimum_radius

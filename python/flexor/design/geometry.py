@@ -1,4 +1,4 @@
-"""Geometry of a batch of designs, as the engine reads it, and its derivative."""
+"""Geometry of a batch of designs in the engine's format, and its derivative."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Legendre:
     count: int = 10
 
     def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """S and dS/dX [m], each (n, m)."""
+        """Return S and dS/dX [m], each (n, m)."""
         radius_basis, slope_basis = self._basis(X)
         radius = np.zeros((p.shape[0], X.size))
         slope = np.zeros_like(radius)
@@ -36,7 +36,7 @@ class Legendre:
         return radius, slope
 
     def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """dS/dp and d(dS/dX)/dp, each (n, m, count); the profile is linear in its parameters."""
+        """Return dS/dp and d(dS/dX)/dp, each (n, m, count); both are constant in p."""
         shape = (p.shape[0], X.size, self.count)
         radius_basis, slope_basis = self._basis(X)
         return (
@@ -45,7 +45,7 @@ class Legendre:
         )
 
     def _basis(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Scaled P_n(X) and P_n'(X) [m], each (count, m)."""
+        """Return the scaled P_n(X) and P_n'(X) [m], each (count, m)."""
         scale = CENTIMETRE * 2.0 / 3.0 ** np.arange(self.count)
         unit = np.eye(self.count)
         values = np.stack([legendre.legval(X, unit[n]) for n in range(self.count)])

@@ -1,4 +1,4 @@
-"""Set R01: the surface runs straight from base to tip radius (equation 10)."""
+"""Set R01: the surface tapers linearly from base to tip (equation 10)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Linear:
     """
 
     def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """S and dS/dX [m], each (n, m)."""
+        """Return S and dS/dX [m], each (n, m)."""
         base, taper = p[:, :1], p[:, 1:] - p[:, :1]
         return base + X * taper, np.repeat(taper, X.size, axis=1)
 
     def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """dS/dp and d(dS/dX)/dp, each (n, m, 2)."""
+        """Return dS/dp and d(dS/dX)/dp, each (n, m, 2)."""
         shape = (p.shape[0], X.size, 2)
         radius = np.stack((1.0 - X, X), axis=1)
         return (

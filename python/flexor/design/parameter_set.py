@@ -1,4 +1,4 @@
-"""A parameter set: named, bounded design parameters and their exact map to geometry."""
+"""Parameter sets: named, bounded design parameters and their map to geometry."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi /
 class ParameterSet:
     """Design parameters p in R^k and the map p -> geometry of the exosuit.
 
-    A set changes the length, the surface, or both; what it leaves alone is the rod's own.
+    A set changes the length, the surface, or both; anything else is taken from the rod.
 
     Attributes
     ----------
     name : str
-        As written on the command line, for example ``"L+R01"``.
+        Name on the command line, for example ``"L+R01"``.
     labels : tuple of k str
         For example ``("L", "R_0", "R_1")``.
     units : tuple of k str
@@ -34,11 +34,11 @@ class ParameterSet:
     lower, upper, start : (k,) arrays
         Bounds and starting design, SI.
     length_column : int or None
-        Which parameter is the length L; None leaves the length alone.
+        Index of the length L; None if the set does not change the length.
     profile : Profile or None
-        Surface S(X; p); None leaves the surface alone.
+        Surface S(X; p); None if the set does not change the surface.
     rod : Space
-        The exosuit whose length and surface are used where the set has none of its own.
+        The exosuit that supplies the length or the surface if the set does not change it.
     """
 
     name: str
@@ -52,12 +52,13 @@ class ParameterSet:
     rod: Space = PAPER
 
     def __post_init__(self) -> None:
-        """Check that the pieces fit.
+        """Check consistency.
 
         Raises
         ------
         InputError
-            If labels, units, bounds and start differ in number, repeat or are not in order.
+            If labels, units, bounds and start differ in number, labels repeat, or bounds are not
+            in order.
         """
         count = len(self.labels)
         for field in ("lower", "upper", "start"):
@@ -98,7 +99,7 @@ class ParameterSet:
         return np.array([UNITS[unit] for unit in self.units])
 
     def geometry(self, p: ArrayLike, X: ArrayLike) -> Geometry:
-        """Geometry of n designs at m points.
+        """Compute the geometry of n designs at m points.
 
         Parameters
         ----------
@@ -115,7 +116,7 @@ class ParameterSet:
         Raises
         ------
         InputError
-            If ``p`` has not k columns.
+            If ``p`` does not have k columns.
         """
         p, X = self._designs(p), np.asarray(X, dtype=np.float64)
         if self.length_column is None:
@@ -136,7 +137,7 @@ class ParameterSet:
         Raises
         ------
         InputError
-            If ``p`` has not k columns.
+            If ``p`` does not have k columns.
         """
         p, X = self._designs(p), np.asarray(X, dtype=np.float64)
         length = np.zeros(p.shape)
@@ -146,7 +147,7 @@ class ParameterSet:
         return GeometryJacobian(length, radius, slope)
 
     def on(self, rod: Space) -> ParameterSet:
-        """Return the same set for another exosuit's length and surface."""
+        """Return the same set for another exosuit."""
         return replace(self, rod=rod)
 
     def with_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> ParameterSet:
@@ -155,7 +156,7 @@ class ParameterSet:
         Raises
         ------
         InputError
-            If a label is not one of the set's or a lower bound is not below the upper one.
+            If a label is unknown or a lower bound is not below the upper one.
         """
         lower, upper = self.lower.copy(), self.upper.copy()
         for label, (low, high) in bounds.items():
@@ -169,30 +170,30 @@ class ParameterSet:
         return replace(self, start=np.asarray(start, dtype=np.float64))
 
     def check_inside(self, p: ArrayLike, what: str = "start") -> None:
-        """Refuse designs outside the bounds.
+        """Raise an error if a design is outside the bounds.
 
         Parameters
         ----------
         p : (k,) or (n, k) array
             Designs, SI.
         what : str
-            What to call them in the refusal.
+            What the designs are, for the message.
 
         Raises
         ------
         InputError
-            Naming the first parameter outside, its value and its bounds in display units.
+            Names the first parameter out of bounds, its value and its bounds in display units.
         """
         designs = self._designs(p)
         for design in designs:
             for i, value in enumerate(design):
                 if not self.lower[i] <= value <= self.upper[i]:
                     scale, unit = self.scale[i], self.units[i]
-                    shown = "" if unit == "1" else f" {unit}"
+                    suffix = "" if unit == "1" else f" {unit}"
                     raise InputError(
-                        f"{what} of {self.name}: {self.labels[i]} = {value / scale:g}{shown} is "
+                        f"{what} of {self.name}: {self.labels[i]} = {value / scale:g}{suffix} is "
                         f"outside its bounds {self.lower[i] / scale:g} to "
-                        f"{self.upper[i] / scale:g}{shown}."
+                        f"{self.upper[i] / scale:g}{suffix}."
                     )
 
     @property

@@ -13,21 +13,21 @@ from flexor.design.geometry import FloatArray
 class SineCosine:
     """S(X) = R_0 + R_0/20 (sin(A pi X + phi_A) + cos(B pi X + phi_B)) (11).
 
-    Parameters are [A, B, phi_A, phi_B] (frequencies in half waves per length, phases in rad). R_0
-    is not one of them (Table II): it is the base radius of the model's own exosuit, [m].
+    The parameters are [A, B, phi_A, phi_B] (frequencies in half waves per length, phases in rad).
+    R_0, the base radius of the model's exosuit [m], is not a parameter (Table II).
     """
 
     radius_base: float
 
     def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """S and dS/dX [m], each (n, m)."""
+        """Return S and dS/dX [m], each (n, m)."""
         sine, cosine, amplitude = self._waves(p, X)
         radius = self.radius_base + amplitude * (np.sin(sine) + np.cos(cosine))
         slope = (amplitude * np.pi) * (p[:, 0:1] * np.cos(sine) - p[:, 1:2] * np.sin(cosine))
         return radius, slope
 
     def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """dS/dp and d(dS/dX)/dp, each (n, m, 4)."""
+        """Return dS/dp and d(dS/dX)/dp, each (n, m, 4)."""
         sine, cosine, amplitude = self._waves(p, X)
         A, B = p[:, 0:1], p[:, 1:2]
         sin_a, cos_a, sin_b, cos_b = np.sin(sine), np.cos(sine), np.sin(cosine), np.cos(cosine)

@@ -1,4 +1,4 @@
-"""The rod that a parameter set changes, and the bounds within which it may."""
+"""The exosuit that a parameter set modifies, and the bounds of its parameters."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Protocol
 
 
 class Space(Protocol):
-    """What a parameter set needs to know of a model; a model file's ``[design]`` gives it.
+    """Design space of a model, from the ``[design]`` table of its file; all values in m.
 
-    All in m. The rod's own length and radii are the start of every search and stay as they are
-    where a set does not change them.
+    The rod's own length and radii are the default start of a search, and are kept where a set
+    does not change them.
     """
 
     @property
@@ -30,27 +30,27 @@ class Space(Protocol):
 
     @property
     def length_bounds(self) -> tuple[float, float]:
-        """Lowest and highest length of the search."""
+        """Bounds of the length."""
         ...
 
     @property
     def radius_bounds(self) -> tuple[float, float]:
-        """Lowest and highest base and tip radius of the search."""
+        """Bounds of the base and tip radius."""
         ...
 
     @property
     def minimum_radius(self) -> float:
-        """Thinnest surface that a general profile may have."""
+        """Lower limit of the radius of general profiles."""
         ...
 
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """A `Space` by numbers [m]; the defaults are the paper's.
+    """A `Space` with given values [m]; the defaults are the paper's.
 
-    Length and radii are those of Table I, 0.5 cm the minimum radius of its section II-B and
-    0.4-1.2 cm the range of its Fig. 4. It states no range of lengths: 6-14 cm holds the default
-    (10), every published optimum (7.97-10.8), and half to more than the whole of the finger (9.5).
+    Length and radii are from Table I, the minimum radius of 0.5 cm from section II-B and the
+    radius bounds from Fig. 4. The paper states no bounds of the length; 6-14 cm includes the
+    default (10), all published optima (7.97-10.8) and the length of the finger (9.5).
     """
 
     length: float = 0.10

@@ -1,4 +1,4 @@
-"""Union of parameter sets: L with any surface, or any other two that change different things."""
+"""Union of parameter sets that change different parts of the geometry."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from flexor.errors import InputError
 
 
 def union(*sets: ParameterSet) -> ParameterSet:
-    """Join sets into one whose parameters are theirs, in order.
+    """Combine sets into one that has the parameters of all, in order.
 
     Parameters
     ----------
     *sets : ParameterSet
-        At most one of them may change the length and at most one the surface.
+        At most one may change the length and at most one the surface.
 
     Returns
     -------
     ParameterSet
-        Named ``"first+second+..."``, on the rod of the first.
+        Named ``"first+second+..."``, for the rod of the first set.
 
     Raises
     ------
     InputError
-        If no set is given or two change the same thing.
+        If no set is given or two sets change the same part of the geometry.
     """
     if not sets:
         raise InputError("a union of parameter sets needs at least one set.")
@@ -36,11 +36,11 @@ def union(*sets: ParameterSet) -> ParameterSet:
     for part in sets:
         if part.length_column is not None:
             if length_column is not None:
-                raise InputError(f"parameter set {name}: two of its sets change the length.")
+                raise InputError(f"parameter set {name}: more than one set changes the length.")
             length_column = first + part.length_column
         if part.profile is not None:
             if profile is not None:
-                raise InputError(f"parameter set {name}: two of its sets change the surface.")
+                raise InputError(f"parameter set {name}: more than one set changes the surface.")
             profile = Columns(part.profile, first, first + part.size)
         first += part.size
     return replace(

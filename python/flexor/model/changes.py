@@ -1,4 +1,4 @@
-"""Changing single fields of a model file by their dotted path."""
+"""Overriding fields of a model file by dotted path."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
-from flexor.model.fault import shown
 from flexor.model.schema import ModelFile
-from flexor.model.toml import DEEPEST
+from flexor.model.toml import MAX_DEPTH
+from flexor.model.validation import describe
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -21,71 +21,71 @@ _NAMED = ("bodies", "contacts", "obstacles", "actuators", "springs", "wrenches",
 
 
 def changed(document: Document, path: str, value: object, source: str) -> dict[str, Any]:
-    """Return a document with another value in one place.
+    """Return a document with one field changed.
 
     Parameters
     ----------
     document
-        A model file as TOML has it.
+        A parsed model file.
     path
-        Dotted path such as ``"bodies.exosuit.length"``, or from the name of a thing on, such as
+        Dotted path such as ``"bodies.exosuit.length"``, or relative to a named entry, such as
         ``"exosuit.length"``.
     value
-        The value, or its text as it would stand in the file (``"8 cm"``, ``"0.3"``). Where sets of
-        constants give this field, it is changed in all of them.
+        The value, or its text in a model file (``"8 cm"``, ``"0.3"``). If sets of constants define
+        the field, it is changed in all of them.
     source
         The file's name, for messages.
 
     Raises
     ------
     InputError
-        If the path starts at nothing in the file.
+        If the path does not refer to the file's contents.
     """
     keys = path.split(".")
-    if len(keys) > DEEPEST:
-        raise InputError(f"{source}: {shown(path)} has more than {DEEPEST} parts: no field has.")
-    keys = _located(document, keys, source)
-    value = _typed(value) if isinstance(value, str) else value
+    if len(keys) > MAX_DEPTH:
+        raise InputError(f"{source}: {describe(path)} has more than {MAX_DEPTH} parts.")
+    keys = _resolve(document, keys, source)
+    value = _parse_value(value) if isinstance(value, str) else value
     result = _with(document, keys, value)
     sets = document.get("constants")
     if isinstance(sets, Mapping):
         result["constants"] = {
-            name: _with(values, keys, value) if _gives(values, keys) else values
+            name: _with(values, keys, value) if _defines(values, keys) else values
             for name, values in sets.items()
         }
     return result
 
 
-def _located(document: Document, keys: list[str], source: str) -> list[str]:
-    things: dict[str, str] = {}
+def _resolve(document: Document, keys: list[str], source: str) -> list[str]:
+    tables: dict[str, str] = {}
     for table in _NAMED:
         for name in document.get(table, {}):
-            things.setdefault(name, table)
+            tables.setdefault(name, table)
     if keys[0] not in ModelFile.model_fields:
-        if keys[0] not in things:
-            allowed = (*things, *ModelFile.model_fields)
+        if keys[0] not in tables:
+            allowed = (*tables, *ModelFile.model_fields)
             raise InputError(f"{source}: {unknown_name('field', keys[0], allowed)}.")
-        keys = [things[keys[0]], *keys]
+        keys = [tables[keys[0]], *keys]
     if keys[0] in ("constants", "use"):
         raise InputError(
-            f"{source}: {keys[0]} cannot be changed: choose a set of constants by name."
+            f"{source}: {keys[0]} cannot be changed: select a set of constants by name."
         )
     if keys[0] in _NAMED and len(keys) > 1 and keys[1] not in document.get(keys[0], {}):
         what = unknown_name("entry", keys[1], document.get(keys[0], {}))
-        raise InputError(f"{source}: {keys[0]} has the {what}.")
+        raise InputError(f"{source}: {keys[0]} has an {what}.")
     if keys[0] in _NAMED and len(keys) < 3:
-        raise InputError(f"{source}: {'.'.join(keys)} is a table: change its fields one by one.")
+        raise InputError(f"{source}: {'.'.join(keys)} is a table: change its fields individually.")
     return keys
 
 
 def _with(table: object, keys: Sequence[str], value: object) -> dict[str, Any]:
-    here = dict(table) if isinstance(table, Mapping) else {}
+    result = dict(table) if isinstance(table, Mapping) else {}
     first, rest = keys[0], keys[1:]
-    here[first] = _with(here.get(first), rest, value) if rest else value
-    return here
+    result[first] = _with(result.get(first), rest, value) if rest else value
+    return result
 
 
-def _gives(values: object, keys: Sequence[str]) -> bool:
+def _defines(values: object, keys: Sequence[str]) -> bool:
     for key in keys:
         if not isinstance(values, Mapping) or key not in values:
             return False
@@ -93,8 +93,8 @@ def _gives(values: object, keys: Sequence[str]) -> bool:
     return True
 
 
-def _typed(text: str) -> object:
-    """Read numbers, switches and tables as TOML does; the rest is text."""
+def _parse_value(text: str) -> object:
+    """Parse a TOML value; anything that is not TOML is text."""
     try:
         return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text
     except tomllib.TOMLDecodeError:

@@ -1,7 +1,7 @@
-"""Named sets of constants in a model file, one of which is in force.
+"""Named sets of constants in a model file, one of which is active.
 
-A set gives values to fields of the other tables (``constants.printed.contacts.c.stiffness``). All
-sets of a file give the same fields, so that changing from one to another leaves nothing behind.
+A set assigns values to fields of the other tables (``constants.printed.contacts.c.stiffness``).
+All sets of a file define the same fields, so that switching sets overrides all of them.
 """
 
 from __future__ import annotations
@@ -10,71 +10,69 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
-from flexor.model.fault import shown
+from flexor.model.validation import describe
 
 Document = Mapping[str, Any]
 
 
 def names(document: Document, source: str) -> tuple[str, ...]:
-    """Return the names of the sets of a document, after checking their form.
+    """Validate the sets of a document and return their names.
 
     Parameters
     ----------
     document
-        The file as TOML has it.
+        The parsed TOML file.
     source
         The file's name, for messages.
 
     Raises
     ------
     InputError
-        If a set gives fields to things that are not there, or not the same fields as the others.
+        If a set refers to a table that does not exist, or the sets define different fields.
     """
     sets = document.get("constants", {})
     if not isinstance(sets, Mapping):
-        raise InputError(f"{source}: constants is {shown(sets)}: a table of sets is needed.")
+        raise InputError(f"{source}: constants is {describe(sets)}: expected a table of sets.")
     for name, values in sets.items():
         if not isinstance(values, Mapping):
             raise InputError(
-                f"{source}: constants.{name} is {shown(values)}: a table of fields is needed."
+                f"{source}: constants.{name} is {describe(values)}: expected a table of fields."
             )
         _check_targets(document, name, values, source)
     fields = {name: set(leaves(values)) for name, values in sets.items()}
-    for name, given in fields.items():
-        for other, wanted in fields.items():
-            if missing := sorted(wanted - given):
+    for name, defined in fields.items():
+        for other, expected in fields.items():
+            if missing := sorted(expected - defined):
                 raise InputError(
                     f"{source}: constants.{name}.{missing[0]} is missing: all sets of constants "
-                    f"give the same fields, and constants.{other} gives this one."
+                    f"must define the same fields, and constants.{other} defines it."
                 )
     return tuple(sets)
 
 
-def choose(document: Document, wanted: str | None, source: str) -> str | None:
-    """Return the name of the set in force: the one wanted, or else the one the file says.
+def choose(document: Document, requested: str | None, source: str) -> str | None:
+    """Return the name of the active set: the requested one, or else that selected by the file.
 
     Parameters
     ----------
     document
-        The file as TOML has it.
-    wanted
-        A set asked for from outside.
+        The parsed TOML file.
+    requested
+        A set that overrides the file's choice.
     source
         The file's name, for messages.
 
     Raises
     ------
     InputError
-        If there is no such set, or the file has sets and nothing says which one.
+        If the set does not exist, or the file has sets and none is selected.
     """
     allowed = names(document, source)
-    chosen = wanted if wanted is not None else document.get("use")
+    chosen = requested if requested is not None else document.get("use")
     if chosen is None:
         if allowed:
             listed = " or ".join(f'"{name}"' for name in allowed)
-            raise InputError(
-                f"{source}: use is missing: say which constants are in force, {listed}."
-            )
+            raise InputError(f"{source}: use is missing: select a set of constants, {listed}.")
         return None
     if chosen not in allowed:
         raise InputError(f"{source}: {unknown_name('set of constants', str(chosen), allowed)}.")
@@ -82,14 +80,14 @@ def choose(document: Document, wanted: str | None, source: str) -> str | None:
 
 
 def applied(document: Document, chosen: str | None) -> dict[str, Any]:
-    """Return the document with the values of a set in their places.
+    """Return the document with the values of a set applied.
 
     Parameters
     ----------
     document
-        The file as TOML has it.
+        The parsed TOML file.
     chosen
-        The name of one of its sets, or None if it has none.
+        Name of a set, or None if the file has none.
     """
     if chosen is None:
         return dict(document)
@@ -97,21 +95,21 @@ def applied(document: Document, chosen: str | None) -> dict[str, Any]:
     return {**_merged(document, values), "use": chosen}
 
 
-def leaves(values: Document, above: str = "") -> Iterator[str]:
-    """Yield the dotted paths of the fields that a set gives.
+def leaves(values: Document, prefix: str = "") -> Iterator[str]:
+    """Yield the dotted paths of the fields that a set defines.
 
     Parameters
     ----------
     values
         The set, or a table within it.
-    above
-        Dotted path of that table, with its closing dot.
+    prefix
+        Dotted path of that table, with a trailing dot.
     """
     for key, value in values.items():
         if isinstance(value, Mapping) and value:
-            yield from leaves(value, f"{above}{key}.")
+            yield from leaves(value, f"{prefix}{key}.")
         else:
-            yield f"{above}{key}"
+            yield f"{prefix}{key}"
 
 
 def _check_targets(document: Document, name: str, values: Document, source: str) -> None:
@@ -120,21 +118,21 @@ def _check_targets(document: Document, name: str, values: Document, source: str)
     for table, entries in values.items():
         place = f"{source}: constants.{name}"
         if table not in tables:
-            raise InputError(f"{place} has the {unknown_name('table', table, tables)}.")
+            raise InputError(f"{place} has an {unknown_name('table', table, tables)}.")
         if not isinstance(entries, Mapping):
-            raise InputError(f"{place}.{table} is {shown(entries)}: a table is needed.")
+            raise InputError(f"{place}.{table} is {describe(entries)}: expected a table.")
         for entry in entries:
             if isinstance(entries[entry], Mapping) and entry not in document[table]:
                 what = unknown_name("key", entry, document[table])
-                raise InputError(f"{place}.{table} has the {what}.")
+                raise InputError(f"{place}.{table} has an {what}.")
 
 
-def _merged(base: Document, over: Document) -> dict[str, Any]:
+def _merged(base: Document, override: Document) -> dict[str, Any]:
     result = dict(base)
-    for key, value in over.items():
-        below = result.get(key)
-        if isinstance(value, Mapping) and isinstance(below, Mapping):
-            result[key] = _merged(below, value)
+    for key, value in override.items():
+        existing = result.get(key)
+        if isinstance(value, Mapping) and isinstance(existing, Mapping):
+            result[key] = _merged(existing, value)
         else:
             result[key] = value
     return result

@@ -1,4 +1,4 @@
-"""From a name or a file to a model."""
+"""Loading models by file or preset name."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def load(
     model
         Path of a model file, name of a preset (see `presets`), or a `ModelFile`.
     constants
-        Which of the file's sets of constants to put in force, if not the one it says.
+        Set of constants to use instead of the file's own choice.
     changes
-        Values to put in place of the file's, by dotted path such as ``"exosuit.length"``.
+        Values that override those of the file, by dotted path such as ``"exosuit.length"``.
 
     Raises
     ------
     InputError
-        If there is no such model, or the file does not describe one.
+        If the model does not exist or its file is invalid.
 
     Examples
     --------
@@ -46,14 +46,14 @@ def load(
     return Model(read(path, use=constants, changes=changes), source=str(path))
 
 
-def needed_model(given: Model) -> Model:
-    """Return what was given where a model is needed, or what behaves like one.
+def require_model(model: Model) -> Model:
+    """Return the argument if it is a model or behaves like one.
 
     Raises
     ------
     InputError
-        If it is something else, such as the name of a file.
+        If it is not, such as the name of a file.
     """
-    if not hasattr(given, "design"):
-        raise InputError(f"model is {given!r}: a Model is needed; flexor.load makes one.")
-    return given
+    if not hasattr(model, "design"):
+        raise InputError(f"model is {model!r}: expected a Model, as returned by flexor.load.")
+    return model

@@ -1,4 +1,4 @@
-"""The loads that a path steps through."""
+"""Parsing of the loads of a path."""
 
 from __future__ import annotations
 
@@ -11,29 +11,38 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from flexor.errors import InputError, unknown
-from flexor.model.fault import shown
 from flexor.model.units import FORCE
+from flexor.model.validation import describe
 
 Array = NDArray[np.float64]
 Forces = str | float | Sequence[float | str] | Array
-_MOST = 1_000_000
+_MAX_STEPS = 1_000_000
 
 
 def forces(force: Forces) -> Array:
-    """Read a list of forces.
+    """Parse a list of forces.
 
     Parameters
     ----------
     force
+<<<<<<< HEAD
         Numbers in N, texts with a unit (``"500 mN"``) and ranges ``"start:stop:step"`` such as
         ``"0:5:1"``, up or down, which include the stop; or one text of these with commas between
         them. A single value is a list of one. Forces may rise, fall and be negative; where a range
         begins as the entry before it ends, that force comes once.
+=======
+        Numbers in N, texts with a unit (``"500 mN"``), or a range ``"start:stop:step"`` such as
+        ``"0:5:1"``, which includes the stop. A single value is a list of one.
+>>>>>>> main
 
     Returns
     -------
     (steps,) array
+<<<<<<< HEAD
         The forces [N].
+=======
+        The forces [N], non-decreasing.
+>>>>>>> main
 
     Raises
     ------
@@ -63,13 +72,13 @@ def forces(force: Forces) -> Array:
 
 
 def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
-    """Read the loads of every input.
+    """Parse the loads of all inputs.
 
     Parameters
     ----------
     force
-        The forces of the only input, or a table of forces by the name of the input; inputs left
-        out stay at zero, and a single force is held through all steps.
+        Forces of the only input, or a mapping from input names to forces. Inputs that are left out
+        stay at zero, and a single force is held constant.
     inputs
         Names of the model's inputs.
 
@@ -81,7 +90,7 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
     Raises
     ------
     InputError
-        As for `forces`, and if names or numbers of steps do not fit.
+        As for `forces`; also if an input is unknown or the numbers of steps differ.
     """
     if not isinstance(force, Mapping):
         column = forces(force)
@@ -90,10 +99,10 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
         if not inputs and not column.any():
             return np.zeros((len(column), 0))
         if not inputs:
-            raise InputError("force is given to a model that has no actuator: leave it out.")
+            raise InputError("force is given, but the model has no actuator: leave it out.")
         listed = ", ".join(f'"{name}"' for name in inputs)
         raise InputError(
-            f"force must say which input it drives, of {listed}: a table in Python, and "
+            f"force must name its input, one of {listed}: use a dict in Python, and "
             f"{inputs[0]}=0:5:1 on the command line."
         )
     columns = {}
@@ -107,7 +116,7 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
         if len(column) not in (1, steps):
             raise InputError(
                 f'force has {len(column)} steps for "{name}" and {steps} for another input: '
-                "give as many for each, or one to be held."
+                "give the same number for each, or one to hold constant."
             )
         result[:, list(inputs).index(name)] = column
     return result
@@ -122,7 +131,7 @@ def _value(value: object, path: str) -> float:
         except PydanticCustomError as error:
             raise InputError(f"{path} {error.message()}.") from None
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(f"{path} is {shown(value)}: a force in N is needed.")
+        raise InputError(f"{path} is {describe(value)}: expected a force in N.")
     if not math.isfinite(value):
         raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
     return float(value)
@@ -133,17 +142,27 @@ def _range(text: str, path: str) -> list[float]:
     numbers = [_decimal(part) for part in parts]
     if len(numbers) == 2:
         numbers.append(Decimal(1))
-    finite = [number for number in numbers if number is not None and number.is_finite()]
+    finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
         raise InputError(f'{path} is "{text}": write start:stop:step in N, such as 0:5:1.')
     start, stop, step = finite
     if step <= 0:
+<<<<<<< HEAD
         raise InputError(f'{path} is "{text}": the step must be greater than zero.')
     steps = abs(stop - start) / step
     if steps >= _MOST:
         raise InputError(f'{path} is "{text}": a path has at most {_MOST:,} steps.')
     step = step.copy_sign(stop - start)
     # Decimal, so that 0:5:0.1 holds exactly the numbers that 0:5:1 holds.
+=======
+        raise InputError(f'force is "{text}": the step must be greater than zero.')
+    if stop < start:
+        raise InputError(f'force is "{text}": the forces of a path must not decrease.')
+    steps = (stop - start) / step
+    if steps >= _MAX_STEPS:
+        raise InputError(f'force is "{text}": a path has at most {_MAX_STEPS:,} steps.')
+    # Decimal, so that 0:5:0.1 contains exactly the numbers of 0:5:1.
+>>>>>>> main
     return [float(start + step * index) for index in range(int(steps) + 1)]
 
 

@@ -1,4 +1,4 @@
-"""Model files that come with Flexor, found by name."""
+"""Model files shipped with Flexor."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ def presets() -> tuple[str, ...]:
 
 
 def locate(model: str | os.PathLike[str]) -> pathlib.Path:
-    """Find the file of a model.
+    """Locate the file of a model.
 
     Parameters
     ----------
     model
-        The path of a model file, or the name of a preset. ``examples/NAME.toml`` also finds the
-        preset where no such folder is, so that what the documentation shows works everywhere.
+        Path of a model file, or name of a preset. ``examples/NAME.toml`` falls back to the preset
+        if there is no such file, so that the documented commands work in any directory.
 
     Raises
     ------
     InputError
-        If there is neither such a file nor such a preset.
+        If neither a file nor a preset is found.
     """
     path, text = pathlib.Path(model), os.fspath(model)
     if path.is_file():
@@ -39,6 +39,6 @@ def locate(model: str | os.PathLike[str]) -> pathlib.Path:
     if path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped:
         return _FOLDER / path.name
     if path.suffix == ".toml" or path.exists() or path.name != text:
-        what = "it is a folder" if path.is_dir() else "there is no such file"
-        raise InputError(f'cannot read the model file "{text}": {what}.')
+        why = "it is a folder" if path.is_dir() else "no such file"
+        raise InputError(f'cannot read the model file "{text}": {why}.')
     raise InputError(f"{unknown_name('preset', text, shipped)}, or the path of a model file.")

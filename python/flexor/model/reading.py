@@ -11,9 +11,9 @@ from pydantic import ValidationError
 from flexor.errors import InputError, shortened
 from flexor.model import constants
 from flexor.model.changes import changed
-from flexor.model.fault import sentence
 from flexor.model.schema import ModelFile
 from flexor.model.toml import check_depth, tables
+from flexor.model.validation import first_error
 
 
 def read(
@@ -26,19 +26,19 @@ def read(
     path
         The file.
     use
-        Which of its sets of constants to put in force, if not the one it says.
+        Set of constants to use instead of the file's own choice.
     changes
-        Values to put in place of the file's, by dotted path; see `flexor.model.changes`.
+        Values that override those of the file, by dotted path; see `flexor.model.changes`.
 
     Raises
     ------
     InputError
-        If it cannot be read, is not TOML, or does not describe a model.
+        If it cannot be read, is not valid TOML, or is not a valid model.
     """
     try:
         text = path.read_bytes().decode("utf-8")
     except UnicodeDecodeError as error:
-        why = f"byte {error.start} is not text in UTF-8"
+        why = f"byte {error.start} is not valid UTF-8"
         raise InputError(f'cannot read the model file "{path}": {why}.') from None
     except OSError as error:
         why = (error.strerror or str(error)).lower()
@@ -66,7 +66,7 @@ def parse(
     Raises
     ------
     InputError
-        If it is not TOML or does not describe a model.
+        If it is not valid TOML or not a valid model.
     """
     return check(tables(text, source), use=use, changes=changes, source=source)
 
@@ -77,7 +77,7 @@ def check(
     changes: Mapping[str, object] | None = None,
     source: str = "model",
 ) -> ModelFile:
-    """Check a model file as TOML has it, with each of its sets of constants.
+    """Validate a parsed model file with each of its sets of constants.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def check(
     Raises
     ------
     InputError
-        If it does not describe a model.
+        If it is not a valid model.
     """
     check_depth(document, source)
     for path, value in (changes or {}).items():
@@ -102,11 +102,11 @@ def check(
 
 
 def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> ModelFile:
-    whole = constants.applied(document, chosen)
+    complete = constants.applied(document, chosen)
     try:
-        return ModelFile.model_validate(whole)
+        return ModelFile.model_validate(complete)
     except ValidationError as error:
-        path, tail = sentence(error, whole)
+        path, tail = first_error(error, complete)
     if chosen is not None and path in constants.leaves(document["constants"][chosen]):
         path = f"constants.{chosen}.{path}"
     path = shortened(path, 200)

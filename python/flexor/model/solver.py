@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from flexor._engine import SOLVER_OPTIONS
 from flexor.errors import InputError, unknown
-from flexor.model.fault import shown
+from flexor.model.validation import describe
 
 
 def solver_options(options: Mapping[str, float]) -> dict[str, float]:
@@ -33,13 +33,13 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
         if name not in SOLVER_OPTIONS:
             raise unknown("solver option", name, SOLVER_OPTIONS)
         known = SOLVER_OPTIONS[name]
-        found = f"solver option {name} is {shown(value)}"
+        found = f"solver option {name} is {describe(value)}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"{found}: a number is needed.")
+            raise InputError(f"{found}: expected a number.")
         low, high, exclusive = known["minimum"], known["maximum"], known["exclusive"]
         inside = (low < value if exclusive else low <= value) and value <= high
         if known["integer"] and not (inside and value == int(value)):
-            raise InputError(f"{found}: a whole number from {low:g} is needed.")
+            raise InputError(f"{found}: expected an integer from {low:g}.")
         if not inside:
             start = f"above {low:g}" if exclusive else f"at least {low:g}"
             raise InputError(f"{found}: it must be {start} and at most {high:g}.")

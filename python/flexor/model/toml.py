@@ -1,4 +1,4 @@
-"""TOML as text, read into tables or refused in one sentence."""
+"""Parsing of TOML."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-# Tables within tables; no file that Flexor reads needs a third of them.
-DEEPEST = 30
+# Maximum nesting depth, far beyond that of any valid file.
+MAX_DEPTH = 30
 _POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
 
 
 def tables(text: str, source: str) -> dict[str, Any]:
-    """Read TOML.
+    """Parse TOML.
 
     Parameters
     ----------
@@ -32,49 +32,47 @@ def tables(text: str, source: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is not TOML, or nested more deeply than anything that Flexor reads.
+        If it is not valid TOML or nested too deeply.
     """
     try:
         document = tomllib.loads(text)
-    except ValueError as error:  # also numbers of more digits than Python reads
+    except ValueError as error:  # includes integers beyond Python's digit limit
         match = _POSITION.fullmatch(str(error))
         what, where = (match["what"], match["where"]) if match else (str(error), "somewhere")
         raise InputError(
             f"{source}: not valid TOML {where}: {what[0].lower()}{what[1:]}."
         ) from None
     except RecursionError:
-        raise InputError(f"{source}: not valid TOML: its tables are nested too deeply.") from None
+        raise InputError(f"{source}: not valid TOML: tables are nested too deeply.") from None
     check_depth(document, source)
     return document
 
 
 def check_depth(document: Mapping[str, Any], source: str) -> None:
-    """Refuse tables so deep that walking through them would exhaust Python's stack.
+    """Reject nesting so deep that recursion over it would exhaust the stack.
 
     Parameters
     ----------
     document
-        What was read.
+        The parsed file.
     source
         The file's name, for messages.
 
     Raises
     ------
     InputError
-        If they are nested more than ``DEEPEST`` times.
+        If they are nested more than ``MAX_DEPTH`` times.
     """
     level: list[Any] = [document]
-    for _ in range(DEEPEST):
-        level = [inner for each in level for inner in _inside(each)]
+    for _ in range(MAX_DEPTH):
+        level = [child for each in level for child in _children(each)]
         if not level:
             return
-    raise InputError(
-        f"{source}: its tables and lists are nested more than {DEEPEST} times: no field is so deep."
-    )
+    raise InputError(f"{source}: tables and lists are nested more than {MAX_DEPTH} levels deep.")
 
 
-def _inside(value: Any) -> list[Any]:
-    """Tables and lists directly in a value."""
+def _children(value: Any) -> list[Any]:
+    """Return the tables and lists directly contained in a value."""
     if isinstance(value, Mapping):
         value = value.values()
     elif not isinstance(value, Sequence) or isinstance(value, (str, bytes)):

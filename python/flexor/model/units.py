@@ -1,7 +1,7 @@
-"""Physical quantities as text with a unit, read into SI.
+"""Physical quantities given as text with a unit, converted to SI.
 
-Units exist only at this boundary: everything behind it computes with plain SI numbers. Decimal
-arithmetic converts, so that ``"1.16 cm"`` is exactly the number ``0.0116``.
+All other code uses plain SI numbers. The conversion uses decimal arithmetic, so that ``"1.16 cm"``
+is exactly ``0.0116``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from flexor.model.fault import fault, shown
+from flexor.model.validation import describe, field_error
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -35,23 +35,21 @@ _COMMON = (
 
 
 class Quantity(float):
-    """An SI number that remembers how it was written.
-
-    Writing a model file back then keeps the person's own units.
+    """An SI number that keeps its original text, so that a model file is written unchanged.
 
     Parameters
     ----------
     value
         The number in SI units.
     text
-        How it was written, such as ``"10 cm"``.
+        The original text, such as ``"10 cm"``.
     """
 
     __slots__ = ("text",)
     text: str
 
     def __new__(cls, value: float, text: str) -> Quantity:
-        """Make the number and attach its text."""
+        """Create the number and attach its text."""
         quantity = super().__new__(cls, value)
         quantity.text = text
         return quantity
@@ -62,16 +60,16 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A kind of quantity.
+    """A physical dimension.
 
     Parameters
     ----------
     name
-        What it is called in a sentence, with its article.
+        Its name with an article, for messages.
     unit
         Its SI unit.
     example
-        A value that a roboticist would write.
+        A typical value.
     """
 
     name: str
@@ -80,7 +78,7 @@ class Dimension:
 
     @property
     def hint(self) -> str:
-        """What to write, for the end of an error message."""
+        """Expected input, for the end of an error message."""
         return f'write {self.name} with its unit, such as "{self.example}"'
 
     def si(self, value: float) -> Quantity:
@@ -94,7 +92,7 @@ class Dimension:
         return Quantity(value, f"{repr(value).removesuffix('.0')} {self.unit}")
 
     def parse(self, value: object) -> Quantity:
-        """Read a quantity.
+        """Parse a quantity.
 
         Parameters
         ----------
@@ -114,17 +112,17 @@ class Dimension:
         if isinstance(value, Quantity):
             value = value.text
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            raise fault(f"is {shown(value)}, a number without a unit: {self.hint}")
+            raise field_error(f"is {describe(value)}, a number without a unit: {self.hint}")
         match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
         if match is None:
-            raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")
+            raise field_error(f"is {describe(value)}, which is not {self.name}: {self.hint}")
         assert isinstance(value, str)
         if not match["unit"]:
-            raise fault(f"is {shown(value)}, a number without a unit: {self.hint}")
+            raise field_error(f"is {describe(value)}, a number without a unit: {self.hint}")
         factor = self._factor(value, match["unit"])
         number = float(_EXACT.multiply(_EXACT.create_decimal(match["number"]), factor))
         if not math.isfinite(number):
-            raise fault(f"is {shown(value)}: it must be a finite number")
+            raise field_error(f"is {describe(value)}: it must be a finite number")
         return Quantity(number, " ".join(value.split()))
 
     def _factor(self, value: str, unit: str) -> Decimal:
@@ -132,18 +130,19 @@ class Dimension:
         if factor == "unknown":
             near = [common for common in _COMMON if common.lower() == unit.lower()]
             near += get_close_matches(unit[:60], _COMMON, n=1)
-            meant = f' (did you mean "{near[0]}"?)' if near else ""
-            raise fault(
-                f"is {shown(value)} with the unknown unit {shown(unit)}{meant}: {self.hint}"
+            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
+            raise field_error(
+                f"is {describe(value)} with the unknown unit {describe(unit)}{suggestion}: "
+                f"{self.hint}"
             )
         if factor == "other":
-            raise fault(f"is {shown(value)}, which is not {self.name}: {self.hint}")
+            raise field_error(f"is {describe(value)}, which is not {self.name}: {self.hint}")
         return factor
 
 
 @cache
 def _registry() -> UnitRegistry[Any]:
-    # Importing pint and reading its units takes a third of a second: only when first needed.
+    # Deferred: importing pint and reading its definitions takes a third of a second.
     from pint import UnitRegistry
 
     return UnitRegistry(non_int_type=Decimal)
@@ -158,21 +157,21 @@ def _factor(unit: str, si: str) -> Decimal | Literal["unknown", "other"]:
         factor = registry.Quantity(Decimal(1), registry.parse_units(unit)).to(si).magnitude
     except DimensionalityError:
         return "other"
-    except Exception:  # pint's parser raises many kinds, down to AssertionError, at odd text
+    except Exception:  # pint's parser raises all kinds, including AssertionError
         return "unknown"
     return Decimal(factor)
 
 
 @dataclass(frozen=True)
-class Of:
-    """Pydantic marker: a float read from text of this dimension, restricted in sign.
+class QuantityField:
+    """Pydantic annotation: a float parsed from text with a unit, restricted in sign.
 
     Parameters
     ----------
     dimension
-        The kind of quantity.
+        The dimension.
     sign
-        Which values are allowed.
+        The allowed sign.
     """
 
     dimension: Dimension
@@ -180,22 +179,22 @@ class Of:
 
     @property
     def hint(self) -> str:
-        """What to write, for the end of an error message."""
+        """Expected input, for the end of an error message."""
         return self.dimension.hint
 
     def read(self, value: object) -> Quantity:
-        """Read and check a quantity; see `Dimension.parse`."""
+        """Parse and check a quantity; see `Dimension.parse`."""
         quantity = self.dimension.parse(value)
         if self.sign == "positive" and not quantity > 0.0:
-            raise fault(f"is {shown(quantity.text)}: it must be greater than zero")
+            raise field_error(f"is {describe(quantity.text)}: it must be greater than zero")
         if self.sign == "non-negative" and quantity < 0.0:
-            raise fault(f"is {shown(quantity.text)}: it must not be negative")
+            raise field_error(f"is {describe(quantity.text)}: it must not be negative")
         return quantity
 
     def __get_pydantic_core_schema__(
         self, source: type[Any], handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """Tell pydantic to read with `read` and to write the text."""
+        """Validate with `read`; serialise as the original text."""
         return core_schema.no_info_plain_validator_function(
             self.read,
             serialization=core_schema.plain_serializer_function_ser_schema(lambda q: q.text),
@@ -214,20 +213,20 @@ MOMENT = Dimension("a moment", "N*m", "0.1 N*m")
 DENSITY = Dimension("a density", "kg/m^3", "1 g/cm^3")
 ACCELERATION = Dimension("an acceleration", "m/s^2", "-9.81 m/s^2")
 
-Length = Annotated[float, Of(LENGTH)]
-NonNegativeLength = Annotated[float, Of(LENGTH, "non-negative")]
-PositiveLength = Annotated[float, Of(LENGTH, "positive")]
-Angle = Annotated[float, Of(ANGLE)]
-PositiveAngle = Annotated[float, Of(ANGLE, "positive")]
-Curvature = Annotated[float, Of(CURVATURE)]
-PositiveModulus = Annotated[float, Of(MODULUS, "positive")]
-Stiffness = Annotated[float, Of(STIFFNESS, "non-negative")]
-PositiveStiffness = Annotated[float, Of(STIFFNESS, "positive")]
-PositiveStiffnessPerLength = Annotated[float, Of(STIFFNESS_PER_LENGTH, "positive")]
-AngularStiffness = Annotated[float, Of(ANGULAR_STIFFNESS, "non-negative")]
-PositiveAngularStiffness = Annotated[float, Of(ANGULAR_STIFFNESS, "positive")]
-Force = Annotated[float, Of(FORCE)]
-PositiveForce = Annotated[float, Of(FORCE, "positive")]
-Moment = Annotated[float, Of(MOMENT)]
-Density = Annotated[float, Of(DENSITY, "non-negative")]
-Acceleration = Annotated[float, Of(ACCELERATION)]
+Length = Annotated[float, QuantityField(LENGTH)]
+NonNegativeLength = Annotated[float, QuantityField(LENGTH, "non-negative")]
+PositiveLength = Annotated[float, QuantityField(LENGTH, "positive")]
+Angle = Annotated[float, QuantityField(ANGLE)]
+PositiveAngle = Annotated[float, QuantityField(ANGLE, "positive")]
+Curvature = Annotated[float, QuantityField(CURVATURE)]
+PositiveModulus = Annotated[float, QuantityField(MODULUS, "positive")]
+Stiffness = Annotated[float, QuantityField(STIFFNESS, "non-negative")]
+PositiveStiffness = Annotated[float, QuantityField(STIFFNESS, "positive")]
+PositiveStiffnessPerLength = Annotated[float, QuantityField(STIFFNESS_PER_LENGTH, "positive")]
+AngularStiffness = Annotated[float, QuantityField(ANGULAR_STIFFNESS, "non-negative")]
+PositiveAngularStiffness = Annotated[float, QuantityField(ANGULAR_STIFFNESS, "positive")]
+Force = Annotated[float, QuantityField(FORCE)]
+PositiveForce = Annotated[float, QuantityField(FORCE, "positive")]
+Moment = Annotated[float, QuantityField(MOMENT)]
+Density = Annotated[float, QuantityField(DENSITY, "non-negative")]
+Acceleration = Annotated[float, QuantityField(ACCELERATION)]

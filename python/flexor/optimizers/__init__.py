@@ -1,8 +1,8 @@
-"""Search: optimisers behind one interface, each in a file of its own."""
+"""Optimisers with a common interface, one per file."""
 
 from __future__ import annotations
 
-from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
 from flexor.optimizers.cached_evaluator import CachedEvaluator
 from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
 from flexor.optimizers.cma_es import CmaEs
@@ -36,7 +36,7 @@ from flexor.optimizers.surrogate import Surrogate
 __all__ = [
     "BatchFunction",
     "Budget",
-    "BudgetSpent",
+    "BudgetExhausted",
     "BudgetedEvaluator",
     "CachedEvaluator",
     "CmaEs",

@@ -22,7 +22,7 @@ from flexor.optimizers.interface import (
 )
 
 
-class BudgetSpent(Exception):
+class BudgetExhausted(Exception):
     """Raised to a search when its budget is spent; its text is the reason."""
 
 
@@ -69,7 +69,7 @@ class BudgetedEvaluator:
 
         Raises
         ------
-        BudgetSpent
+        BudgetExhausted
             Before the batch if no budget is left; after as much of it as the budget allows.
         """
         designs = normalized(designs)
@@ -91,7 +91,7 @@ class BudgetedEvaluator:
 
         Raises
         ------
-        BudgetSpent
+        BudgetExhausted
             As for values.
         """
         designs = normalized(designs)
@@ -108,11 +108,13 @@ class BudgetedEvaluator:
         ------
         InputError
             If the function has no vector.
-        BudgetSpent
+        BudgetExhausted
             As for values.
         """
         if not isinstance(self._function, VectorFunction):
-            raise InputError("what is minimised is one number for each design, not a vector.")
+            raise InputError(
+                "the objective is a scalar: least squares needs one that is the norm of a vector."
+            )
         self(designs)
         return np.asarray(self._function.residuals(designs), dtype=np.float64)
 
@@ -163,7 +165,7 @@ class BudgetedEvaluator:
         limit = self._budget.evaluations
         left = len(fresh) if limit is None else min(limit - self.evaluations, len(fresh))
         if left <= 0:
-            raise BudgetSpent(f"the budget of {limit} evaluations is spent")
+            raise BudgetExhausted(f"the budget of {limit} evaluations is spent")
         self._check_time()
         keys, rows = list(fresh), list(fresh.values())
         done = 0
@@ -179,7 +181,7 @@ class BudgetedEvaluator:
                 if done < left:
                     self._check_time()
         if left < len(fresh):
-            raise BudgetSpent(f"the budget of {limit} evaluations is spent")
+            raise BudgetExhausted(f"the budget of {limit} evaluations is spent")
 
     def _note(self, key: bytes, design: FloatArray, value: float) -> None:
         self._asked.add(key)
@@ -192,4 +194,4 @@ class BudgetedEvaluator:
     def _check_time(self) -> None:
         seconds = self._budget.seconds
         if seconds is not None and self.evaluations and time.monotonic() - self._began >= seconds:
-            raise BudgetSpent(f"the budget of {seconds:g} s is spent")
+            raise BudgetExhausted(f"the budget of {seconds:g} s is spent")

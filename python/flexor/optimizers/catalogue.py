@@ -1,4 +1,4 @@
-"""Finding a search method by its name."""
+"""Registry of the search methods."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexor.optimizers.cma_es import CmaEs
 from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
-from flexor.optimizers.extras import missing
+from flexor.optimizers.extras import missing_package
 from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
 from flexor.optimizers.grid import Grid
 from flexor.optimizers.interface import Search
@@ -26,118 +26,134 @@ from flexor.optimizers.surrogate import Surrogate
 
 @dataclass(frozen=True)
 class Entry:
-    """A method that is known by name.
+    """A registered method.
 
     Attributes
     ----------
-    recipe : type
+    factory : type
         A frozen dataclass whose fields are the method's options.
     title : str
-        As people write it, for figures and tables.
+        Display name, for figures and tables.
     aliases : tuple of str
-        Other names for it.
-    about : str
-        What it is, in a line.
+        Alternative names.
+    description : str
+        One-line description.
     """
 
-    recipe: Callable[..., Search]
+    factory: Callable[..., Search]
     title: str
     aliases: tuple[str, ...]
-    about: str
+    description: str
 
     @property
     def options(self) -> dict[str, Any]:
         """Options and their defaults."""
-        return {field.name: field.default for field in fields(self.recipe)}  # type: ignore[arg-type]
+        return {field.name: field.default for field in fields(self.factory)}  # type: ignore[arg-type]
 
 
-# One entry for each method.
 _METHODS: dict[str, Entry] = {
     "pattern-search": Entry(
-        PatternSearch, "pattern search", ("ps", "gps"), "the paper's PS: polls along every axis"
+        PatternSearch,
+        "pattern search",
+        ("ps", "gps"),
+        "the paper's PS: polls along the coordinate axes",
     ),
     "levenberg-marquardt": Entry(
         LevenbergMarquardt,
         "Levenberg-Marquardt",
         ("lm", "ls", "least-squares"),
-        "the paper's LS: least squares on the objective's vector; local",
+        "the paper's LS: local nonlinear least squares on the objective's residual vector",
     ),
     "multistart-bfgs": Entry(
         MultistartBfgs,
         "multi-start BFGS",
         ("bfgs", "l-bfgs-b"),
-        "quasi-Newton steps by the exact gradient, from several starts",
+        "local quasi-Newton searches with exact gradients from several starts",
     ),
     "pattern-search+polish": Entry(
         PolishedPattern,
         "polished pattern search",
         ("ps+polish", "polish"),
-        "pattern search on a coarse mesh, then descents by the exact gradient",
+        "coarse pattern search followed by local quasi-Newton searches with exact gradients",
     ),
     "genetic-algorithm": Entry(
-        GeneticAlgorithm, "genetic algorithm", ("ga",), "evolution by crossover and mutation"
+        GeneticAlgorithm, "genetic algorithm", ("ga",), "real-coded genetic algorithm"
     ),
     "differential-evolution": Entry(
-        DifferentialEvolution, "differential evolution", ("de",), "evolution by differences"
+        DifferentialEvolution,
+        "differential evolution",
+        ("de",),
+        "differential evolution, DE/rand/1/bin",
     ),
     "particle-swarm": Entry(
-        ParticleSwarm, "particle swarm", ("pso",), "a swarm drawn to the best it has found"
+        ParticleSwarm, "particle swarm", ("pso",), "particle swarm with adaptive coefficients"
     ),
     "cma-es": Entry(
-        CmaEs, "CMA-ES", ("cma", "cmaes"), "evolution that learns the valley, with restarts"
+        CmaEs,
+        "CMA-ES",
+        ("cma", "cmaes"),
+        "covariance matrix adaptation evolution strategy with restarts",
     ),
-    "direct": Entry(Direct, "DIRECT", (), "divides the box into ever smaller ones; no chance"),
+    "direct": Entry(Direct, "DIRECT", (), "dividing rectangles; deterministic"),
     "dual-annealing": Entry(
-        DualAnnealing, "dual annealing", ("annealing", "da"), "annealing with local searches"
+        DualAnnealing,
+        "dual annealing",
+        ("annealing", "da"),
+        "generalised simulated annealing with local searches",
     ),
-    "mads": Entry(Mads, "MADS", ("nomad",), "polls in ever more directions, quadratic models"),
+    "mads": Entry(Mads, "MADS", ("nomad",), "mesh adaptive direct search with quadratic models"),
     "surrogate": Entry(
-        Surrogate, "surrogate (EGO)", ("ego", "bayesian"), "Bayesian, for expensive models"
+        Surrogate,
+        "surrogate (EGO)",
+        ("ego", "bayesian"),
+        "Bayesian optimisation, for expensive models",
     ),
-    "grid": Entry(Grid, "grid", (), "every combination of evenly spaced values"),
+    "grid": Entry(Grid, "grid", (), "full-factorial grid"),
 }
 _ALIASES = {alias: name for name, entry in _METHODS.items() for alias in entry.aliases}
 
 
 def names() -> tuple[str, ...]:
-    """Names that `method` knows, besides their aliases."""
+    """Return the names of the methods, without aliases."""
     return tuple(_METHODS)
 
 
 def entries() -> dict[str, Entry]:
-    """Return what there is to know of each method, by name."""
+    """Return the registered methods by name."""
     return dict(_METHODS)
 
 
 def available() -> tuple[str, ...]:
-    """Names of the methods whose libraries are installed."""
-    return tuple(name for name in _METHODS if missing(name) is None)
+    """Return the names of the methods whose libraries are installed."""
+    return tuple(name for name in _METHODS if missing_package(name) is None)
 
 
 def canonical(name: str) -> str:
-    """Return the name of a method, given that or an alias of it in any spelling.
+    """Return the canonical name of a method, given its name or an alias.
+
+    Case, underscores and spaces are ignored.
 
     Raises
     ------
     InputError
-        If it is not known; the nearest is suggested.
+        If the method is unknown; the closest match is suggested.
     """
-    plain = name.strip().casefold().replace("_", "-").replace(" ", "-")
-    plain = _ALIASES.get(plain, plain)
-    if plain not in _METHODS:
+    key = name.strip().casefold().replace("_", "-").replace(" ", "-")
+    key = _ALIASES.get(key, key)
+    if key not in _METHODS:
         raise unknown("method", name.strip(), _METHODS)
-    return plain
+    return key
 
 
 def method(name: str, **options: Any) -> Search:
-    """Make a search by its name.
+    """Construct a search method by name.
 
     Parameters
     ----------
     name : str
         For example ``"pattern-search"``, or an alias such as ``"ps"``.
     **options
-        The method's options, for example ``starts=8``.
+        Options of the method, for example ``starts=8``.
 
     Returns
     -------
@@ -147,33 +163,33 @@ def method(name: str, **options: Any) -> Search:
     Raises
     ------
     InputError
-        If the method or an option is not known (the nearest is suggested), an option is not a
-        number in its range, or the method's library is not installed.
+        If the method or an option is unknown (the closest match is suggested), an option is
+        invalid, or the method's library is not installed.
     """
-    plain = canonical(name)
-    entry = _METHODS[plain]
-    kinds = {option: type(default) for option, default in entry.options.items()}
+    key = canonical(name)
+    entry = _METHODS[key]
+    types = {option: type(default) for option, default in entry.options.items()}
     for option, value in options.items():
-        if option not in kinds:
-            raise unknown(f"option of {plain}", option, kinds)
-        options[option] = _read(plain, option, value, kinds[option])
-    return entry.recipe(**options)
+        if option not in types:
+            raise unknown(f"option of {key}", option, types)
+        options[option] = _convert_option(key, option, value, types[option])
+    return entry.factory(**options)
 
 
-def _read(method: str, option: str, value: Any, wanted: type) -> Any:
-    refused = f"option {option} of {method} must be"
+def _convert_option(method: str, option: str, value: Any, target: type) -> Any:
+    prefix = f"option {option} of {method} must be"
     got = f"got {shortened(repr(value))}."
-    if wanted is tuple:
+    if target is tuple:
         if isinstance(value, (list, tuple)):
             return tuple(value)
-        raise InputError(f"{refused} a list, {got}")
-    if wanted is bool:
+        raise InputError(f"{prefix} a list, {got}")
+    if target is bool:
         if value in (0, 1):
             return bool(value)
-        raise InputError(f"{refused} 1 (yes) or 0 (no), {got}")
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and wanted is int:
-        number = isinstance(value, int) or value.is_integer()  # infinities and NaN are not
-    if not number:
-        raise InputError(f"{refused} {'a whole number' if wanted is int else 'a number'}, {got}")
-    return wanted(value)
+        raise InputError(f"{prefix} 1 (yes) or 0 (no), {got}")
+    valid = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if valid and target is int:
+        valid = isinstance(value, int) or value.is_integer()  # infinities and NaN are not
+    if not valid:
+        raise InputError(f"{prefix} {'an integer' if target is int else 'a number'}, {got}")
+    return target(value)

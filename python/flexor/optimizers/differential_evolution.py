@@ -1,4 +1,4 @@
-"""Differential evolution, of pymoo."""
+"""Differential evolution, from pymoo."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class DifferentialEvolution(Method):
     Attributes
     ----------
     population : int
-        Designs of each generation, the given starts among the first.
+        Population size; the first generation includes the given starts.
     crossover : float
-        Probability that a parameter is taken from the mutant.
+        Crossover probability.
     patience : int
-        It ends after so many generations without a better design.
+        Stop after this many generations without improvement.
     """
 
     population: int = 32
@@ -36,8 +36,8 @@ class DifferentialEvolution(Method):
             If one is out of its range.
         """
         check_population(self.name, self.population, self.patience, least=5)
-        inside = 0.0 < self.crossover <= 1.0
-        require(self.name, "crossover", self.crossover, inside, "above 0 and at most 1")
+        valid = 0.0 < self.crossover <= 1.0
+        require(self.name, "crossover", self.crossover, valid, "above 0 and at most 1")
 
     @property
     def name(self) -> str:
@@ -45,7 +45,7 @@ class DifferentialEvolution(Method):
         return "differential-evolution"
 
     def run(self, run: Run) -> str:
-        """Evolve until nothing better comes."""
+        """Evolve until no improvement is found."""
         from pymoo.algorithms.soo.nonconvex.de import DE
 
         algorithm = DE(

@@ -1,4 +1,4 @@
-"""DIRECT, of SciPy."""
+"""DIRECT, from SciPy."""
 
 from __future__ import annotations
 
@@ -11,29 +11,28 @@ from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
 
-# SciPy's code cannot hold more rectangles than it is told to expect.
-LARGEST = 200_000
+# SciPy allocates its rectangles in advance.
+MAX_EVALUATIONS = 200_000
 
 
 @dataclass(frozen=True)
 class Direct(Method):
     """Dividing rectangles (Jones 1993), locally biased by default (Gablonsky 2001).
 
-    Deterministic: the seed has no part in it and the start is only evaluated, so that the method
-    knows no less than the others. Designs are asked for one by one.
+    Deterministic: the seed has no effect. The start is evaluated, for a fair comparison with the
+    other methods, but not used. Designs are evaluated one at a time.
 
     Attributes
     ----------
     local : bool
-        The locally biased variant, better where there are few local minima.
+        Use the locally biased variant, better for problems with few local minima.
     side : float
-        It ends when the rectangle of the best design is smaller than this in all directions, as a
-        fraction of the ranges.
+        Stop when the sides of the best rectangle, as fractions of the ranges, are all below this.
     gain : float
-        A rectangle is divided only if it may improve the best value by more than this part of it
-        (Jones's epsilon); smaller is more local.
+        Minimal relative improvement that a rectangle must promise to be divided (Jones's
+        epsilon); smaller is more local.
     evaluations : int
-        It ends after about so many evaluations if no budget ends it before.
+        Approximate evaluation limit if no budget is given.
     """
 
     local: bool = True
@@ -51,8 +50,8 @@ class Direct(Method):
         """
         require(self.name, "side", self.side, 0.0 < self.side < 1.0, "between 0 and 1")
         require(self.name, "gain", self.gain, 0.0 < self.gain < 1.0, "between 0 and 1")
-        inside = 1 <= self.evaluations <= LARGEST
-        require(self.name, "evaluations", self.evaluations, inside, f"from 1 to {LARGEST}")
+        valid = 1 <= self.evaluations <= MAX_EVALUATIONS
+        require(self.name, "evaluations", self.evaluations, valid, f"from 1 to {MAX_EVALUATIONS}")
 
     @property
     def name(self) -> str:
@@ -60,7 +59,7 @@ class Direct(Method):
         return "direct"
 
     def run(self, run: Run) -> str:
-        """Divide until the rectangle is small."""
+        """Divide until the best rectangle is small."""
         from scipy.optimize import direct
 
         run.values(run.starts(1, np.random.default_rng(run.seed)))
@@ -68,11 +67,11 @@ class Direct(Method):
         def value(point: FloatArray) -> float:
             return float(run.values(point[None, :])[0])
 
-        def report(_: Any) -> None:
+        def callback(_: Any) -> None:
             run.step("dividing")
 
         k = run.size
-        found = direct(
+        result = direct(
             value,
             [(0.0, 1.0)] * k,
             locally_biased=self.local,
@@ -81,8 +80,8 @@ class Direct(Method):
             len_tol=self.side,
             maxfun=self.evaluations,
             maxiter=self.evaluations,
-            callback=report,
+            callback=callback,
         )
-        if "side length" in str(found.message):
+        if "side length" in str(result.message):
             return f"the best rectangle's sides are below {self.side:g}"
         return f"{run.function.evaluations} evaluations"

@@ -1,4 +1,4 @@
-"""Dual annealing, of SciPy."""
+"""Dual annealing, from SciPy."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ import numpy as np
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
-from flexor.optimizers.unit_box import finite
+from flexor.optimizers.unit_box import penalize_failures
 
-# Of the differences in the local searches, as a fraction of the ranges.
+# Finite-difference step of the local searches, as a fraction of the ranges.
 DIFFERENCE = 1e-6
-# Number of requested designs between two progress reports.
-TOLD = 50
+# Number of requested designs between progress reports.
+REPORT_INTERVAL = 50
 
 
 @dataclass(frozen=True)
 class DualAnnealing(Method):
-    """Generalised simulated annealing (Xiang 1997) with a local search from what it finds.
+    """Generalised simulated annealing (Xiang 1997) with local searches.
 
-    The annealing asks for designs one by one; the gradient of the local search (L-BFGS-B) is one
-    batch of differences.
+    The annealing evaluates designs one at a time; each finite-difference gradient of the local
+    search (L-BFGS-B) is one batch.
 
     Attributes
     ----------
     iterations : int
-        Of the annealing; each is two designs for each parameter and now and then a local search.
+        Annealing iterations; each takes two designs per parameter and possibly a local search.
     local : bool
-        Whether there are local searches.
+        Whether to run local searches.
     """
 
     iterations: int = 1000
@@ -52,21 +52,21 @@ class DualAnnealing(Method):
         return "dual-annealing"
 
     def run(self, run: Run) -> str:
-        """Anneal to the end."""
+        """Run all annealing iterations."""
         from scipy.optimize import dual_annealing
 
         random = np.random.default_rng(run.seed)
         starts = run.starts(1, random)
         start = starts[int(np.argmin(run.values(starts)))]
 
-        asked = itertools.count(1)
+        requests = itertools.count(1)
 
         def value(point: FloatArray) -> float:
-            if next(asked) % TOLD == 0:
+            if next(requests) % REPORT_INTERVAL == 0:
                 run.step("annealing")
-            return float(finite(run.values(point[None, :]))[0])
+            return float(penalize_failures(run.values(point[None, :]))[0])
 
-        def slope(point: FloatArray) -> FloatArray:
+        def gradient(point: FloatArray) -> FloatArray:
             steps = np.where(point + DIFFERENCE > 1.0, -DIFFERENCE, DIFFERENCE)
             around = run.values(np.concatenate((point[None, :], point + np.diag(steps))))
             rise = (
@@ -83,6 +83,6 @@ class DualAnnealing(Method):
             x0=start,
             rng=random,
             no_local_search=not self.local,
-            minimizer_kwargs={"method": "L-BFGS-B", "jac": slope, "bounds": box},
+            minimizer_kwargs={"method": "L-BFGS-B", "jac": gradient, "bounds": box},
         )
         return f"{self.iterations} iterations"

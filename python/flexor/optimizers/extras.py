@@ -1,4 +1,4 @@
-"""Methods whose libraries are extras: whether they are there, and how to get them."""
+"""Optional dependencies of the search methods."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from flexor.installing import install_command
 EXTRAS = {"mads": ("PyNomad", "PyNomadBBO"), "surrogate": ("egobox", "egobox")}
 
 
-def missing(method: str) -> str | None:
-    """Return the package that a method needs and is not installed, or None."""
+def missing_package(method: str) -> str | None:
+    """Return the package that a method needs and that is not installed, or None."""
     module, package = EXTRAS.get(method, ("", ""))
     return package if module and find_spec(module) is None else None
 
 
-def need(method: str) -> None:
-    """Refuse a method whose library is not installed.
+def require_installed(method: str) -> None:
+    """Raise an error if the library of a method is not installed.
 
     Raises
     ------
     InputError
-        With the command that installs it.
+        States the command that installs it.
     """
-    package = missing(method)
+    package = missing_package(method)
     if package is not None:
         raise InputError(
             f'method "{method}" needs the package {package}, which is not installed: '

@@ -1,4 +1,4 @@
-"""A genetic algorithm, of pymoo."""
+"""Genetic algorithm, from pymoo."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from flexor.optimizers.pymoo_loop import check_population, first_population, gen
 
 @dataclass(frozen=True)
 class GeneticAlgorithm(Method):
-    """Real-coded genetic algorithm: tournaments, simulated binary crossover, polynomial mutation.
+    """Real-coded genetic algorithm with tournament selection, SBX and polynomial mutation.
 
     Attributes
     ----------
     population : int
-        Designs of each generation, the given starts among the first.
+        Population size; the first generation includes the given starts.
     patience : int
-        It ends after so many generations without a better design.
+        Stop after this many generations without improvement.
     """
 
     population: int = 32
@@ -39,7 +39,7 @@ class GeneticAlgorithm(Method):
         return "genetic-algorithm"
 
     def run(self, run: Run) -> str:
-        """Evolve until nothing better comes."""
+        """Evolve until no improvement is found."""
         from pymoo.algorithms.soo.nonconvex.ga import GA
         from pymoo.operators.crossover.sbx import SBX
         from pymoo.operators.mutation.pm import PM

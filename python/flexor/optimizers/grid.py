@@ -1,4 +1,4 @@
-"""A grid: every combination of evenly spaced values, for landscapes."""
+"""Full-factorial grid, for landscapes."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
 
-LARGEST = 4_000_000
-# Designs of one batch, where the function does not work ahead: enough to keep every core busy, few
-# enough for a progress that moves.
+MAX_DESIGNS = 4_000_000
+# Batch size for functions that do not stream: large enough to keep every core busy, small enough
+# for regular progress reports.
 BATCH = 256
 
 
 @dataclass(frozen=True)
 class Grid(Method):
-    """Evaluates a grid over some of the parameters; the others stay at the start.
+    """Evaluate a grid over some of the parameters, with the others fixed at the start.
 
     Attributes
     ----------
     points : int
-        Along each of them, both bounds included.
+        Number of points per parameter, both bounds included.
     columns : tuple of int
-        Which parameters, by their place in the set; all of them by default.
+        Indices of the parameters to vary; all by default.
     """
 
     points: int = 81
@@ -48,7 +48,7 @@ class Grid(Method):
         return "grid"
 
     def run(self, run: Run) -> str:
-        """Evaluate every point, the last column fastest."""
+        """Evaluate every point; the last column varies fastest."""
         start = run.designs(run.starts(1, np.random.default_rng(run.seed))[:1])[0]
         designs = grid_designs(run.lower, run.upper, start, self.points, self.columns)
         for done in run.function.stream(designs, BATCH):
@@ -59,7 +59,7 @@ class Grid(Method):
 def grid_axes(
     lower: FloatArray, upper: FloatArray, points: int, columns: tuple[int, ...]
 ) -> list[FloatArray]:
-    """Return the values along each column of a grid, bounds included, (points,) each."""
+    """Return the grid values of each column, bounds included, (points,) each."""
     return [np.linspace(lower[i], upper[i], points) for i in columns or range(lower.size)]
 
 
@@ -70,16 +70,16 @@ def grid_designs(
     points: int,
     columns: tuple[int, ...],
 ) -> FloatArray:
-    """Return the designs of a grid, the last column fastest.
+    """Return the designs of a grid; the last column varies fastest.
 
     Parameters
     ----------
     lower, upper, start : (k,) arrays
-        Bounds, and the values of the parameters that do not vary.
+        Bounds, and the values of the fixed parameters.
     points : int
-        Along each column.
+        Number of points per column.
     columns : tuple of int
-        Which parameters vary; all of them if empty.
+        Indices of the parameters to vary; all if empty.
 
     Returns
     -------
@@ -89,14 +89,14 @@ def grid_designs(
     Raises
     ------
     InputError
-        If they are too many.
+        If the grid is too large.
     """
     axes = grid_axes(lower, upper, points, columns)
     count = points ** len(axes)
-    if count > LARGEST:
+    if count > MAX_DESIGNS:
         raise InputError(
             f"a grid of {points} points along {len(axes)} parameters has {count:.3g} designs: "
-            f"at most {LARGEST:,} are allowed."
+            f"at most {MAX_DESIGNS:,} are allowed."
         )
     designs = np.tile(start, (count, 1))
     for i, values in zip(

@@ -1,4 +1,4 @@
-"""What a search is: the interface behind which every optimiser lives."""
+"""The interface of the search methods."""
 
 from __future__ import annotations
 
@@ -13,83 +13,80 @@ from flexor.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
-# From n designs (n, k) to their values (n,); designs that failed have +inf.
+# Maps n designs (n, k) to their values (n,); +inf for designs that fail.
 BatchFunction = Callable[[FloatArray], FloatArray]
 
 
 @runtime_checkable
 class VectorFunction(Protocol):
-    """A batch function whose value is the norm of a vector, which least squares needs to see."""
+    """A batch function whose value is the norm of a residual vector, for least squares."""
 
     def __call__(self, designs: FloatArray) -> FloatArray:
-        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
         ...
 
     def residuals(self, designs: FloatArray) -> FloatArray:
-        """From n designs (n, k) to their vectors (n, r); NaN where a design failed.
+        """Map n designs (n, k) to their residual vectors (n, r); NaN for designs that fail.
 
         Raises
         ------
         InputError
-            If what is minimised is not the norm of a vector after all.
+            If the objective is not the norm of a vector.
         """
         ...
 
 
 @runtime_checkable
 class DifferentiableVectorFunction(VectorFunction, Protocol):
-    """A vector function that also knows its exact Jacobian; without it differences are taken."""
+    """A vector function with an exact Jacobian; without one, methods use finite differences."""
 
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
-        """From n designs (n, k) to the derivatives of their vectors, (n, r, k); NaN where failed.
+        """Map n designs (n, k) to their Jacobians (n, r, k); NaN for designs that fail.
 
-        It is asked only for designs whose vectors have been asked for before. None if there are
-        none after all.
+        Called only for designs whose vectors have been evaluated. None if not available.
         """
         ...
 
 
 @runtime_checkable
 class DifferentiableFunction(Protocol):
-    """A batch function that also knows its exact gradient; without it differences are taken."""
+    """A batch function with an exact gradient; without one, methods use finite differences."""
 
     def __call__(self, designs: FloatArray) -> FloatArray:
-        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
         ...
 
     def gradient(self, designs: FloatArray) -> FloatArray | None:
-        """From n designs (n, k) to the gradients of their values, (n, k); NaN where failed.
+        """Map n designs (n, k) to the gradients of their values (n, k); NaN for designs that fail.
 
-        It is asked only for designs whose values have been asked for before. None if there are
-        none after all.
+        Called only for designs whose values have been evaluated. None if not available.
         """
         ...
 
 
 @runtime_checkable
 class StreamingFunction(Protocol):
-    """A batch function that can work ahead while its first values are looked at."""
+    """A batch function that can evaluate ahead while its first values are processed."""
 
     def __call__(self, designs: FloatArray) -> FloatArray:
-        """From n designs (n, k) to their values (n,); +inf where a design failed."""
+        """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
         ...
 
     def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
-        """Yield the values of n designs (n, k) in order, some of them at a time."""
+        """Yield the values of n designs (n, k) in order, in chunks."""
         ...
 
 
 @dataclass(frozen=True)
 class Budget:
-    """When to stop a search that has not stopped by itself.
+    """Limits of a search.
 
     Attributes
     ----------
     evaluations : int or None
-        Distinct designs that may be evaluated.
+        Maximum number of distinct designs.
     seconds : float or None
-        Time that may pass. A search stopped by time is not repeatable; one stopped by
-        evaluations is.
+        Maximum wall time [s]. Unlike a limit on evaluations, it makes a search irreproducible.
     """
 
     evaluations: int | None = None
@@ -111,22 +108,22 @@ class Budget:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a search stands.
+    """State of a running search.
 
     Attributes
     ----------
     iteration : int
-        Iterations done.
+        Iterations completed.
     evaluations : int
         Distinct designs evaluated.
     design : (k,) array
         Best design so far.
     value : float
-        Its value; +inf while every design has failed.
+        Its value; +inf if every design has failed.
     detail : str
-        In the method's own words, for example ``"mesh 0.0625"``.
+        Method-specific state, for example ``"mesh 0.0625"``.
     remaining : int or None
-        Evaluations still to come if nothing better is found any more, where the method knows.
+        Remaining evaluations if no further improvement is found, where the method knows.
     """
 
     iteration: int
@@ -142,7 +139,7 @@ ProgressCallback = Callable[[Progress], None]
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found.
+    """Result of a search.
 
     Attributes
     ----------
@@ -155,11 +152,11 @@ class SearchResult:
     reason : str
         Why it stopped.
     improvement_evaluations : (i,) int array
-        After how many evaluations the best value improved.
+        Number of evaluations at each improvement of the best value.
     improvement_values : (i,) array
-        To what.
+        Best value after each improvement.
     improvement_designs : (i, k) array
-        By which design.
+        Best design after each improvement.
     """
 
     design: FloatArray
@@ -173,16 +170,16 @@ class SearchResult:
 
 
 class Search(Protocol):
-    """A method that minimises a batch function in a box.
+    """A method that minimises a batch function within bounds.
 
-    Implementations are frozen dataclasses whose fields are the method's options, and are
-    deterministic: the same arguments ask for the same designs in the same order, which is what
-    lets a study resume.
+    Implementations are frozen dataclasses whose fields are the method's options. They are
+    deterministic: the same arguments request the same designs in the same order, so that a study
+    can be resumed by replaying it.
     """
 
     @property
     def name(self) -> str:
-        """As written on the command line."""
+        """Name on the command line."""
         ...
 
     def minimize(
@@ -195,27 +192,27 @@ class Search(Protocol):
         budget: Budget | None = None,
         progress: ProgressCallback | None = None,
     ) -> SearchResult:
-        """Minimise.
+        """Minimise a function within bounds.
 
         Parameters
         ----------
         function : callable
-            From n designs (n, k) to values (n,).
+            Maps n designs (n, k) to values (n,).
         lower, upper : (k,) arrays
-            Bounds; no design outside them is asked for.
+            Bounds; no design outside them is requested.
         start : (k,) or (s, k) array, optional
-            One start or several; drawn from the seed by default.
+            One or several starting designs; random by default.
         seed : int
             Random seed.
         budget : Budget, optional
-            When to stop at the latest.
+            Limits of the search.
         progress : callable, optional
             Called after each iteration; may raise to stop the search.
 
         Returns
         -------
         SearchResult
-            Best design and how it was found.
+            Best design and history of the search.
 
         Raises
         ------
@@ -226,11 +223,11 @@ class Search(Protocol):
 
 
 def uses_gradients(search: Search) -> bool:
-    """Tell whether a search asks for gradients or Jacobians where there are some.
+    """Return whether a search uses gradients or Jacobians where available.
 
     Parameters
     ----------
     search : Search
-        It says so by an attribute ``gradients``.
+        Declares it by an attribute ``gradients``.
     """
     return bool(getattr(search, "gradients", False))

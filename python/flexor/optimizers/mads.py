@@ -1,4 +1,4 @@
-"""Mesh adaptive direct search, of NOMAD (an extra)."""
+"""Mesh adaptive direct search, from NOMAD (an extra)."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from typing import IO, Any
 
 import numpy as np
 
-from flexor.optimizers.extras import need
+from flexor.optimizers.extras import require_installed
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
 
-# NOMAD counts failed designs too; ours is the budget that counts.
+# The budget is enforced by BudgetedEvaluator, not by NOMAD.
 UNLIMITED = 10_000_000
 
 
 @dataclass(frozen=True)
 class Mads(Method):
-    """Mesh adaptive direct search (Audet and Dennis 2006) by its authors' NOMAD 4.
+    """Mesh adaptive direct search (Audet and Dennis 2006), as implemented in NOMAD 4.
 
-    Polls in directions that grow dense, and searches on quadratic models between polls. Each run
-    is a process of its own.
+    Polls along an asymptotically dense set of directions, with quadratic-model searches between
+    polls. Each run uses a separate process.
 
     Attributes
     ----------
     models : bool
-        Whether to search on quadratic models, which takes some milliseconds for each design.
+        Use quadratic models, which costs a few milliseconds per design.
     mesh : float
-        It ends when the mesh, as a fraction of the ranges, falls below this.
+        Stop when the mesh size, as a fraction of the ranges, falls below this.
     """
 
     models: bool = True
@@ -48,7 +48,7 @@ class Mads(Method):
             If one is out of its range or NOMAD is missing.
         """
         require(self.name, "mesh", self.mesh, 0.0 < self.mesh < 1.0, "between 0 and 1")
-        need(self.name)
+        require_installed(self.name)
 
     @property
     def name(self) -> str:
@@ -56,7 +56,7 @@ class Mads(Method):
         return "mads"
 
     def run(self, run: Run) -> str:
-        """Poll until the mesh is fine."""
+        """Poll until the mesh reaches its tolerance."""
         starts = run.starts(1, np.random.default_rng(run.seed))
         start = starts[int(np.argmin(run.values(starts)))]
         run.step("start")
@@ -69,41 +69,41 @@ class Mads(Method):
             f"BB_MAX_BLOCK_SIZE {max(2 * run.size, 2)}",
             "NB_THREADS_PARALLEL_EVAL 1",
         ]
-        # The simple search on models takes less than half the time of the default, for as much.
+        # The simple model search is more than twice as fast as the default and as effective.
         parameters += ["QUAD_MODEL_SEARCH no"] + (
             ["QUAD_MODEL_SEARCH_SIMPLE_MADS yes", "DIRECTION_TYPE ORTHO N+1 NEG"]
             if self.models
             else ["DIRECTION_TYPE ORTHO 2N"]
         )
-        with _process() as (process, complaints):
-            _say(process, {"start": start.tolist(), "parameters": parameters})
+        with _nomad_process() as (process, stderr):
+            _send(process, {"start": start.tolist(), "parameters": parameters})
             assert process.stdout is not None
             for line in process.stdout:
                 message = json.loads(line)
                 if "ended" in message:
                     return f"the mesh is below {self.mesh:g}"
                 values = run.values(np.array(message["points"]))
-                _say(process, [v if np.isfinite(v) else None for v in values.tolist()])
+                _send(process, [v if np.isfinite(v) else None for v in values.tolist()])
                 run.step("polling")
-            complaints.seek(0)
-            said = complaints.read().decode(errors="replace").strip()
-        raise RuntimeError(f"NOMAD ended before it was done: {said or 'it did not say why'}")
+            stderr.seek(0)
+            message = stderr.read().decode(errors="replace").strip()
+        raise RuntimeError(f"NOMAD exited unexpectedly: {message or 'no error message'}")
 
 
 @contextmanager
-def _process() -> Iterator[tuple[subprocess.Popen[str], IO[bytes]]]:
-    """Keep a NOMAD process, and what it writes to stderr, while in use."""
-    with tempfile.TemporaryFile() as complaints:
+def _nomad_process() -> Iterator[tuple[subprocess.Popen[str], IO[bytes]]]:
+    """Run a NOMAD process for the duration of the context; yield it and its stderr."""
+    with tempfile.TemporaryFile() as stderr:
         process = subprocess.Popen(
             [sys.executable, "-m", "flexor.optimizers.mads_process"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=complaints,
+            stderr=stderr,
             text=True,
             encoding="ascii",
         )
         try:
-            yield process, complaints
+            yield process, stderr
         finally:
             process.kill()
             for pipe in (process.stdin, process.stdout):
@@ -112,9 +112,9 @@ def _process() -> Iterator[tuple[subprocess.Popen[str], IO[bytes]]]:
             process.wait()
 
 
-def _say(process: subprocess.Popen[str], message: Any) -> None:
+def _send(process: subprocess.Popen[str], message: Any) -> None:
     assert process.stdin is not None
-    # If it is gone, that is seen where its answer is missing.
+    # A dead process is detected when its reply is missing.
     with suppress(BrokenPipeError):
         process.stdin.write(json.dumps(message) + "\n")
         process.stdin.flush()

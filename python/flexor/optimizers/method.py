@@ -1,4 +1,4 @@
-"""What the methods share: one way to run, to count, to report and to stop."""
+"""Base class of the methods: running, progress reports and stopping."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 from numpy.typing import ArrayLike
 
-from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -16,23 +16,24 @@ from flexor.optimizers.interface import (
 )
 from flexor.optimizers.unit_box import UnitBox
 
-# A method that has converged may go on asking for designs it has had already, for ever.
-IDLE = 100
+# A converged method may request cached designs indefinitely; stop it after this many iterations
+# without a new one.
+STAGNATION_LIMIT = 100
 
 
-class Idle(Exception):
-    """Raised to a method that no longer asks for anything new."""
+class Stagnated(Exception):
+    """Raised when a method has stopped requesting new designs."""
 
 
 class Run(UnitBox):
-    """One run of a method: evaluation in the unit box, and reporting.
+    """One run of a method: evaluation in the unit box and progress reports.
 
     Attributes
     ----------
     seed : int
         Random seed.
     iteration : int
-        Iterations done.
+        Iterations completed.
     """
 
     def __init__(
@@ -48,50 +49,51 @@ class Run(UnitBox):
         self.seed = seed
         self.iteration = 0
         self._progress = progress
-        self._idle_since = (0, 0)
+        self._last_new_design = (0, 0)
 
     def step(self, detail: str, remaining: int | None = None) -> None:
-        """End an iteration and report the progress of the search.
+        """Complete an iteration and report progress.
 
         Parameters
         ----------
         detail : str
-            In the method's own words.
+            Method-specific state.
         remaining : int, optional
-            Evaluations still to come if nothing better is found any more.
+            Remaining evaluations if no further improvement is found.
 
         Raises
         ------
-        Idle
-            If nothing new was asked for in the last ``IDLE`` iterations.
+        Stagnated
+            If no new design was requested in the last ``STAGNATION_LIMIT`` iterations.
         """
         self.report(detail, remaining)
         self.iteration += 1
-        if self.function.evaluations > self._idle_since[1]:
-            self._idle_since = (self.iteration, self.function.evaluations)
-        elif self.iteration - self._idle_since[0] >= IDLE:
-            raise Idle(f"nothing new to try in {IDLE} iterations")
+        if self.function.evaluations > self._last_new_design[1]:
+            self._last_new_design = (self.iteration, self.function.evaluations)
+        elif self.iteration - self._last_new_design[0] >= STAGNATION_LIMIT:
+            raise Stagnated(f"no new design in {STAGNATION_LIMIT} iterations")
 
     def report(self, detail: str, remaining: int | None = None) -> None:
-        """Report the progress of the search, within an iteration."""
+        """Report progress within an iteration."""
         if self._progress is not None and self.function.evaluations:
             self._progress(self.function.progress(self.iteration, detail, remaining))
 
 
 class Method(ABC):
-    """A search that is written as one procedure on a `Run`; see `flexor.optimizers.Search`.
+    """Base class of searches implemented as one procedure on a `Run`.
 
-    A method is a frozen dataclass whose fields are its options, all with defaults.
+    Subclasses are frozen dataclasses whose fields are the options, all with defaults. See
+    `flexor.optimizers.Search`.
     """
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """As written on the command line."""
+        """Name on the command line."""
 
     @abstractmethod
     def run(self, run: Run) -> str:
-        """Search until done and say why it ended."""
+        """Run the search and return the reason for stopping."""
 
     def minimize(
         self,
@@ -108,7 +110,7 @@ class Method(ABC):
         run = Run(evaluator, lower, upper, start, seed, progress)
         try:
             reason = self.run(run)
-        except (BudgetSpent, Idle) as spent:
-            reason = str(spent)
+        except (BudgetExhausted, Stagnated) as stop:
+            reason = str(stop)
         run.report(reason, 0)
         return evaluator.result(run.iteration, reason)

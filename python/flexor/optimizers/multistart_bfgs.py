@@ -1,4 +1,4 @@
-"""Bounded quasi-Newton descents from several starts."""
+"""Bounded quasi-Newton searches from several starts."""
 
 from __future__ import annotations
 
@@ -9,27 +9,28 @@ import numpy as np
 
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
-from flexor.optimizers.quasi_newton import descend
+from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
 class MultistartBfgs(Method):
     """L-BFGS-B (Byrd, Lu, Nocedal and Zhu 1995) from several starts, the best start first.
 
-    With the function's exact gradient each step costs one design, whatever the number of
-    parameters. A descent ends where the gradient vanishes or where the line search meets a break
-    of the landscape (a snap, a sphere that slips off another); other starts are the answer to that.
+    With an exact gradient each step costs one design, independent of the number of parameters. A
+    local search ends where the gradient vanishes or where the line search fails at a
+    discontinuity of the objective (a snap, a lost contact); use several starts to escape these.
 
     Attributes
     ----------
     starts : int
-        Number of starts, the given ones included.
+        Number of starts, including the given ones.
     tolerance : float
-        Of the projected gradient in the unit box; its square of the decrease in one step.
+        Tolerance of the projected gradient in the unit box; its square is the tolerance of the
+        relative decrease in one step.
     iterations : int
-        At most so many steps from each start.
+        Maximum number of iterations from each start.
     difference : float
-        Step of the differences where there is no exact gradient, as a fraction of the ranges.
+        Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
     gradients: ClassVar[bool] = True
@@ -47,13 +48,13 @@ class MultistartBfgs(Method):
         InputError
             If one is out of its range.
         """
-        for option, inside, allowed in (
+        for option, valid, allowed in (
             ("starts", self.starts >= 1, "at least 1"),
             ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
             ("iterations", self.iterations >= 1, "at least 1"),
             ("difference", 0.0 < self.difference <= 0.1, "above 0 and at most 0.1"),
         ):
-            require(self.name, option, getattr(self, option), inside, allowed)
+            require(self.name, option, getattr(self, option), valid, allowed)
 
     @property
     def name(self) -> str:
@@ -61,13 +62,13 @@ class MultistartBfgs(Method):
         return "multistart-bfgs"
 
     def run(self, run: Run) -> str:
-        """Descend from one start after another."""
+        """Run a local search from each start in turn."""
         points = run.starts(self.starts, np.random.default_rng(run.seed))
         values = run.values(points)
         run.step("starts")
-        good = [i for i in np.argsort(values, kind="stable") if np.isfinite(values[i])]
-        for i in good:
-            descend(run, points[i], self.difference, self.tolerance, self.iterations)
-        if not good:
+        valid = [i for i in np.argsort(values, kind="stable") if np.isfinite(values[i])]
+        for i in valid:
+            minimize_lbfgsb(run, points[i], self.difference, self.tolerance, self.iterations)
+        if not valid:
             return "no start succeeded" if len(points) > 1 else "the start failed"
-        return f"descents from {len(good)} starts ended"
+        return f"local searches from {len(valid)} starts ended"

@@ -1,28 +1,28 @@
-"""Refusing options of a method that are out of their range."""
+"""Validation of the methods' options."""
 
 from __future__ import annotations
 
 from flexor.errors import InputError
 
 
-def require(method: str, option: str, value: float, inside: bool, allowed: str) -> None:
-    """Refuse an option that is out of its range.
+def require(method: str, option: str, value: float, valid: bool, allowed: str) -> None:
+    """Raise an error if an option is out of range.
 
     Parameters
     ----------
     method, option : str
-        Whose and which.
+        Names of the method and the option.
     value : float
-        What was found.
-    inside : bool
-        Whether it is allowed; a NaN makes every comparison false and so is refused.
+        Value of the option.
+    valid : bool
+        Whether the value is allowed. Comparisons with NaN are false, so NaN is rejected.
     allowed : str
-        What would have been, for example ``"at least 1"``.
+        The allowed range, for example ``"at least 1"``.
 
     Raises
     ------
     InputError
-        If it is not inside.
+        If the value is not valid.
     """
-    if not inside:
+    if not valid:
         raise InputError(f"option {option} of {method} must be {allowed}, got {value:g}.")

@@ -1,4 +1,4 @@
-"""Particle swarm optimisation, of pymoo."""
+"""Particle swarm optimisation, from pymoo."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from flexor.optimizers.pymoo_loop import check_population, first_population, gen
 
 @dataclass(frozen=True)
 class ParticleSwarm(Method):
-    """Particle swarm with coefficients that adapt to how the swarm is spread (Zhan et al. 2009).
+    """Particle swarm with adaptive coefficients (Zhan et al. 2009).
 
     Attributes
     ----------
     population : int
-        Particles, the given starts among them.
+        Number of particles, including the given starts.
     patience : int
-        It ends after so many generations without a better design.
+        Stop after this many generations without improvement.
     """
 
     population: int = 32
@@ -39,7 +39,7 @@ class ParticleSwarm(Method):
         return "particle-swarm"
 
     def run(self, run: Run) -> str:
-        """Fly until nothing better comes."""
+        """Iterate until no improvement is found."""
         from pymoo.algorithms.soo.nonconvex.pso import PSO
 
         algorithm = PSO(pop_size=self.population, sampling=first_population(run, self.population))

@@ -1,4 +1,4 @@
-"""Generalised pattern search, the method of the paper ("PS")."""
+"""Generalised pattern search, the paper's "PS"."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.errors import InputError
-from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetSpent
+from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -22,17 +22,17 @@ from flexor.optimizers.starts import starting_designs
 
 
 @dataclass
-class Poll:
-    """One start of a pattern search: its best design so far and its mesh.
+class PollState:
+    """State of the search from one start.
 
     Attributes
     ----------
     design : (k,) array
-        Best design of this start.
+        Best design so far.
     value : float
         Its value.
     mesh : float
-        Step of the next poll as a fraction of the range of each parameter.
+        Mesh size of the next poll, as a fraction of each parameter's range.
     """
 
     design: FloatArray
@@ -42,29 +42,28 @@ class Poll:
 
 @dataclass(frozen=True)
 class PatternSearch:
-    """Generalised pattern search (Torczon 1997) on the positive basis 2N, with complete polls.
+    """Generalised pattern search (Torczon 1997) with the positive basis 2N and complete polling.
 
     Each iteration evaluates the 2k neighbours ``design ± mesh (upper - lower) e_i`` as one batch
-    and moves to the best of them if it is strictly better; then the mesh is doubled, else halved.
-    A neighbour beyond a bound is moved onto the bound (and left out if that is where the design
-    is already), so that optima on bounds are reached exactly and not by halving. Each coordinate
-    therefore lies on a lattice anchored at the start, at the lower or at the upper bound: for each
-    mesh there are finitely many designs, and with strict decrease the mesh must shrink to its
-    tolerance. The seed orders the polls, which decides between equal neighbours, and draws
-    the starts that are not given.
+    and moves to the best one if it is strictly better. The mesh is then expanded, otherwise
+    contracted. Neighbours are projected onto the bounds (and dropped if that leaves the design
+    unchanged), so that optima on bounds are reached exactly. Every coordinate thus lies on a
+    lattice anchored at the start or at one of the bounds; there are finitely many designs per
+    mesh size, and with strict decrease the mesh shrinks to its tolerance. The seed determines the
+    polling order, which breaks ties, and the random starts.
 
-    Several starts are polled together as one batch; each keeps its own mesh, and the best wins.
+    Several starts are polled together as one batch, each with its own mesh; the best one wins.
 
     Attributes
     ----------
     starts : int
-        Number of starts, the given ones included.
+        Number of starts, including the given ones.
     initial_mesh, largest_mesh : float
-        As fractions of the range of each parameter.
+        Mesh sizes as fractions of each parameter's range.
     expansion, contraction : float
-        Factors of the mesh after success and failure.
+        Mesh factors after a successful and an unsuccessful poll.
     tolerance : float
-        A start is done when its mesh falls below this.
+        The search from a start ends when its mesh falls below this.
     """
 
     starts: int = 1
@@ -82,7 +81,7 @@ class PatternSearch:
         InputError
             If one is out of its range.
         """
-        for option, inside, allowed in (
+        for option, valid, allowed in (
             ("starts", self.starts >= 1, "at least 1"),
             ("initial_mesh", 0.0 < self.initial_mesh <= 1.0, "above 0 and at most 1"),
             (
@@ -94,7 +93,7 @@ class PatternSearch:
             ("contraction", 0.0 < self.contraction < 1.0, "between 0 and 1"),
             ("tolerance", 0.0 < self.tolerance < 1.0, "between 0 and 1"),
         ):
-            if not inside:
+            if not valid:
                 raise InputError(
                     f"option {option} of pattern-search must be {allowed}, "
                     f"got {getattr(self, option):g}."
@@ -121,11 +120,11 @@ class PatternSearch:
         try:
             for iteration, polls in enumerate(self.iterate(evaluator, lower, upper, start, seed)):
                 if progress is not None:
-                    widest = max(poll.mesh for poll in polls)
-                    left = sum(self._remaining(poll) for poll in polls)
-                    progress(evaluator.progress(iteration, f"mesh {widest:.3g}", left))
-        except BudgetSpent as spent:
-            reason = str(spent)
+                    mesh = max(poll.mesh for poll in polls)
+                    remaining = sum(self._remaining(poll) for poll in polls)
+                    progress(evaluator.progress(iteration, f"mesh {mesh:.3g}", remaining))
+        except BudgetExhausted as stop:
+            reason = str(stop)
             if progress is not None:
                 progress(evaluator.progress(iteration + 1, reason, 0))
         return evaluator.result(iteration, reason)
@@ -137,55 +136,55 @@ class PatternSearch:
         upper: FloatArray,
         start: ArrayLike | None = None,
         seed: int = 0,
-    ) -> Iterator[list[Poll]]:
-        """Search step by step.
+    ) -> Iterator[list[PollState]]:
+        """Run the search one iteration at a time.
 
         Yields
         ------
-        list of Poll
-            Every start after each iteration, first before any poll. The same objects each time.
+        list of PollState
+            State of every start, initially and after each iteration. The objects are reused.
         """
         lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
         random = np.random.default_rng(seed)
         designs = starting_designs(start, self.starts, lower, upper, random)
-        values = _without_nan(function(designs))
+        values = _nan_to_inf(function(designs))
         polls = [
-            Poll(design, float(value), self.initial_mesh)
+            PollState(design, float(value), self.initial_mesh)
             for design, value in zip(designs, values, strict=True)
         ]
         yield polls
         while active := [poll for poll in polls if poll.mesh >= self.tolerance]:
             neighbours = [self._neighbours(poll, lower, upper, random) for poll in active]
             batch = np.concatenate(neighbours)
-            values = _without_nan(function(batch)) if len(batch) else np.empty(0)
+            values = _nan_to_inf(function(batch)) if len(batch) else np.empty(0)
             first = 0
-            for poll, around in zip(active, neighbours, strict=True):
-                self._move(poll, around, values[first : first + len(around)])
-                first += len(around)
+            for poll, candidates in zip(active, neighbours, strict=True):
+                self._update(poll, candidates, values[first : first + len(candidates)])
+                first += len(candidates)
             yield polls
 
     def _neighbours(
-        self, poll: Poll, lower: FloatArray, upper: FloatArray, random: np.random.Generator
+        self, poll: PollState, lower: FloatArray, upper: FloatArray, random: np.random.Generator
     ) -> FloatArray:
         k = poll.design.size
         steps = poll.mesh * (upper - lower)
         basis = np.concatenate((np.diag(steps), np.diag(-steps)))[random.permutation(2 * k)]
-        around: FloatArray = np.clip(poll.design + basis, lower, upper)
-        return around[np.any(around != poll.design, axis=1)]
+        candidates: FloatArray = np.clip(poll.design + basis, lower, upper)
+        return candidates[np.any(candidates != poll.design, axis=1)]
 
-    def _move(self, poll: Poll, around: FloatArray, values: FloatArray) -> None:
+    def _update(self, poll: PollState, candidates: FloatArray, values: FloatArray) -> None:
         best = int(np.argmin(values)) if len(values) else -1
         if best >= 0 and values[best] < poll.value:
-            poll.design, poll.value = around[best], float(values[best])
+            poll.design, poll.value = candidates[best], float(values[best])
             poll.mesh = min(poll.mesh * self.expansion, self.largest_mesh)
         else:
             poll.mesh *= self.contraction
 
-    def _remaining(self, poll: Poll) -> int:
-        """Count the evaluations of a start that finds nothing better any more."""
-        halvings = math.log(poll.mesh / self.tolerance) / -math.log(self.contraction)
-        return 2 * poll.design.size * max(math.floor(halvings) + 1, 0)
+    def _remaining(self, poll: PollState) -> int:
+        """Return the remaining evaluations of a start if it finds no further improvement."""
+        contractions = math.log(poll.mesh / self.tolerance) / -math.log(self.contraction)
+        return 2 * poll.design.size * max(math.floor(contractions) + 1, 0)
 
 
-def _without_nan(values: FloatArray) -> FloatArray:
+def _nan_to_inf(values: FloatArray) -> FloatArray:
     return np.where(np.isnan(values), np.inf, values)

@@ -1,4 +1,4 @@
-"""Pattern search on a coarse mesh, then descents by the gradient from what it found."""
+"""Coarse pattern search followed by local quasi-Newton searches."""
 
 from __future__ import annotations
 
@@ -10,29 +10,28 @@ import numpy as np
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
 from flexor.optimizers.pattern import PatternSearch
-from flexor.optimizers.quasi_newton import descend
+from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
 class PolishedPattern(Method):
-    """Generalised pattern search down to a coarse mesh, and L-BFGS-B from the end of each start.
+    """Generalised pattern search to a coarse mesh, then L-BFGS-B from the result of each start.
 
-    The polls see over the bumps of a landscape, the gradient finds the bottom of the one that
-    they chose.
+    The pattern search steps over shallow local minima; the quasi-Newton search refines its result.
 
     Attributes
     ----------
     starts : int
-        Number of starts, the given ones included.
+        Number of starts, including the given ones.
     initial_mesh, mesh : float
-        First mesh of the pattern search, and the one below which it hands over, as fractions of
-        the ranges.
+        Initial and final mesh size of the pattern search, as fractions of the ranges.
     tolerance : float
-        Of the projected gradient in the unit box; its square of the decrease in one step.
+        Tolerance of the projected gradient in the unit box; its square is the tolerance of the
+        relative decrease in one step.
     iterations : int
-        At most so many steps of each descent.
+        Maximum number of iterations of each local search.
     difference : float
-        Step of the differences where there is no exact gradient, as a fraction of the ranges.
+        Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
     gradients: ClassVar[bool] = True
@@ -52,7 +51,7 @@ class PolishedPattern(Method):
         InputError
             If one is out of its range.
         """
-        for option, inside, allowed in (
+        for option, valid, allowed in (
             ("starts", self.starts >= 1, "at least 1"),
             ("initial_mesh", 0.0 < self.initial_mesh <= 1.0, "above 0 and at most 1"),
             ("mesh", 0.0 < self.mesh < 1.0, "between 0 and 1"),
@@ -60,7 +59,7 @@ class PolishedPattern(Method):
             ("iterations", self.iterations >= 1, "at least 1"),
             ("difference", 0.0 < self.difference <= 0.1, "above 0 and at most 0.1"),
         ):
-            require(self.name, option, getattr(self, option), inside, allowed)
+            require(self.name, option, getattr(self, option), valid, allowed)
 
     @property
     def name(self) -> str:
@@ -68,7 +67,7 @@ class PolishedPattern(Method):
         return "pattern-search+polish"
 
     def run(self, run: Run) -> str:
-        """Poll, then descend from the best of every start, the best of all first."""
+        """Run the pattern search, then a local search from each of its results, best first."""
         starts = run.starts(self.starts, np.random.default_rng(run.seed))
         coarse = PatternSearch(initial_mesh=self.initial_mesh, tolerance=self.mesh)
         polls = []
@@ -77,7 +76,7 @@ class PolishedPattern(Method):
             run.step(f"mesh {max(poll.mesh for poll in polls):.3g}")
         found = sorted((p for p in polls if np.isfinite(p.value)), key=lambda poll: poll.value)
         for poll in found:
-            descend(run, poll.design, self.difference, self.tolerance, self.iterations)
+            minimize_lbfgsb(run, poll.design, self.difference, self.tolerance, self.iterations)
         if not found:
             return "no start succeeded" if self.starts > 1 else "the start failed"
         return f"polished at a mesh of {self.mesh:g}"

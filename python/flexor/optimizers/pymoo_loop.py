@@ -1,4 +1,4 @@
-"""One loop for the population methods of pymoo."""
+"""The generation loop of the population methods from pymoo."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexor.optimizers.options import require
 
 
 def check_population(method: str, population: int, patience: int, least: int) -> None:
-    """Refuse a population that the operators cannot work with, or no patience.
+    """Check the population size and the patience.
 
     Raises
     ------
@@ -24,26 +24,26 @@ def check_population(method: str, population: int, patience: int, least: int) ->
 
 
 def first_population(run: Run, count: int) -> FloatArray:
-    """Return the starts and a Latin hypercube, (count or more, k) in the unit box."""
+    """Return the starts, completed by a Latin hypercube sample, (count or more, k)."""
     return run.starts(count, np.random.default_rng(run.seed))
 
 
 def generations(run: Run, algorithm: Any, patience: int) -> str:
-    """Run a pymoo algorithm, each generation one batch.
+    """Run a pymoo algorithm with each generation as one batch.
 
     Parameters
     ----------
     run : Run
-        What is searched.
+        The run.
     algorithm : pymoo Algorithm
-        As constructed, with its sampling.
+        The algorithm, constructed with its sampling.
     patience : int
-        Generations without a better design after which it ends.
+        Number of generations without improvement after which to stop.
 
     Returns
     -------
     str
-        Why it ended.
+        Reason for stopping.
     """
     from pymoo.core.evaluator import Evaluator
     from pymoo.core.problem import Problem
@@ -53,17 +53,17 @@ def generations(run: Run, algorithm: Any, patience: int) -> str:
     k = run.size
     problem = Problem(n_var=k, n_obj=1, xl=np.zeros(k), xu=np.ones(k))
     algorithm.setup(problem, termination=NoTermination(), seed=run.seed, verbose=False)
-    best, since = np.inf, 0
-    while since < patience:
-        asked = algorithm.ask()
-        if asked is None or len(asked) == 0:
-            return "the population is all alike"
-        points = asked.get("X").astype(np.float64)
-        known = StaticProblem(problem, F=run.values(points)[:, None])
-        Evaluator().eval(known, asked)
-        algorithm.tell(infills=asked)
-        since = 0 if run.function.value < best else since + 1
+    best, stalled = np.inf, 0
+    while stalled < patience:
+        infills = algorithm.ask()
+        if infills is None or len(infills) == 0:
+            return "the population has lost its diversity"
+        points = infills.get("X").astype(np.float64)
+        evaluated = StaticProblem(problem, F=run.values(points)[:, None])
+        Evaluator().eval(evaluated, infills)
+        algorithm.tell(infills=infills)
+        stalled = 0 if run.function.value < best else stalled + 1
         best = run.function.value
         spread = np.ptp(algorithm.pop.get("X").astype(np.float64), axis=0).max()
         run.step(f"spread {spread:.2g}")
-    return f"nothing better in {patience} generations"
+    return f"no improvement in {patience} generations"

@@ -1,4 +1,4 @@
-"""Descent by bounded quasi-Newton steps (L-BFGS-B, of SciPy) within a run."""
+"""Local search with L-BFGS-B from SciPy."""
 
 from __future__ import annotations
 
@@ -6,43 +6,44 @@ import numpy as np
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Run
-from flexor.optimizers.unit_box import finite
+from flexor.optimizers.unit_box import penalize_failures
 
 
-def descend(
+def minimize_lbfgsb(
     run: Run, start: FloatArray, difference: float, tolerance: float, iterations: int
 ) -> FloatArray:
-    """Descend from a point to where the gradient vanishes or the landscape breaks.
+    """Run L-BFGS-B from a point until the gradient vanishes or the line search fails.
 
     Parameters
     ----------
     run : Run
-        What is minimised, in the unit box; its exact gradient if it has one, else one batch of
-        one-sided differences, turned inwards at an upper bound.
+        The function to minimise in the unit box. Its exact gradient is used if available, else
+        one batch of one-sided differences, taken backwards at an upper bound.
     start : (k,) array
-        Where to begin; it must not have failed.
+        Starting point; its value must be finite.
     difference : float
-        Step of the differences.
+        Finite-difference step.
     tolerance : float
-        Of the projected gradient and of the relative decrease of the value in one step.
+        Tolerance of the projected gradient; its square is that of the relative decrease in one
+        step.
     iterations : int
-        At most so many steps.
+        Maximum number of iterations.
 
     Returns
     -------
     (k,) array
-        Where it ended; the best point of the run may be another.
+        Final point, not necessarily the best one of the run.
     """
     from scipy.optimize import minimize
 
-    def value_and_slope(point: FloatArray) -> tuple[float, FloatArray]:
+    def value_and_gradient(point: FloatArray) -> tuple[float, FloatArray]:
         value = float(run.values(point[None, :])[0])
         if not np.isfinite(value):
-            return float(finite(np.array(value))), np.zeros(run.size)
-        return value, slope(run, point, value, difference)
+            return float(penalize_failures(np.array(value))), np.zeros(run.size)
+        return value, gradient(run, point, value, difference)
 
-    found = minimize(
-        value_and_slope,
+    result = minimize(
+        value_and_gradient,
         start,
         jac=True,
         method="L-BFGS-B",
@@ -50,12 +51,12 @@ def descend(
         options={"maxiter": iterations, "gtol": tolerance, "ftol": tolerance**2, "maxls": 10},
         callback=lambda _: run.step("quasi-Newton"),
     )
-    end: FloatArray = np.asarray(found.x, dtype=np.float64)
+    end: FloatArray = np.asarray(result.x, dtype=np.float64)
     return end
 
 
-def slope(run: Run, point: FloatArray, value: float, difference: float) -> FloatArray:
-    """Gradient (k,) at a point whose value is known; zero where it is not finite."""
+def gradient(run: Run, point: FloatArray, value: float, difference: float) -> FloatArray:
+    """Return the gradient (k,) at a point of known value, with zeros where it is not finite."""
     exact = run.gradient(point[None, :])
     if exact is not None:
         return np.where(np.isfinite(exact[0]), exact[0], 0.0)

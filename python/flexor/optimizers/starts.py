@@ -1,4 +1,4 @@
-"""Starting designs: those given, and as many more as wanted from a seed."""
+"""Starting designs: the given ones, completed by random ones."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ def starting_designs(
     upper: FloatArray,
     random: np.random.Generator,
 ) -> FloatArray:
-    """Complete the given starts to ``count`` by a Latin hypercube in the bounds.
+    """Complete the given starts to ``count`` with a Latin hypercube sample.
 
     Parameters
     ----------
     start : (k,) or (s, k) array or None
-        Starts that were given; all of them are kept.
+        The given starts; all of them are kept.
     count : int
-        Starts wanted in all.
+        Total number of starts.
     lower, upper : (k,) arrays
         Bounds.
     random : numpy Generator
-        Source of the others.
+        Random generator of the sample.
 
     Returns
     -------

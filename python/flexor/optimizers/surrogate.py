@@ -1,4 +1,4 @@
-"""Efficient global optimisation on a Gaussian process, of egobox (an extra)."""
+"""Efficient global optimisation with a Gaussian process, from egobox (an extra)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.optimizers.extras import need
+from flexor.optimizers.extras import require_installed
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import require
@@ -17,16 +17,17 @@ from flexor.optimizers.options import require
 class Surrogate(Method):
     """Bayesian optimisation (EGO, Jones 1998) in a trust region (TREGO), for expensive models.
 
-    The Gaussian process takes from 10 ms to seconds for each design it proposes, more the more it
-    has seen: worth it where a design takes longer than that. A failed design counts as predicted.
-    Above five parameters it looks at three combinations of them (kriging by partial least squares).
+    Proposing a design takes from 10 ms to seconds, growing with the number of evaluations, so the
+    method pays off only where a design takes longer than that. Failed designs are imputed with the
+    model's prediction. With more than five parameters the process is fitted to three partial
+    least-squares components (KPLS).
 
     Attributes
     ----------
     evaluations : int
-        It ends after so many if no budget ends it before.
+        Evaluation limit if no budget is given.
     batch : int
-        Designs proposed at a time.
+        Number of designs proposed per iteration.
     """
 
     evaluations: int = 200
@@ -42,7 +43,7 @@ class Surrogate(Method):
         """
         require(self.name, "evaluations", self.evaluations, self.evaluations >= 1, "at least 1")
         require(self.name, "batch", self.batch, self.batch >= 1, "at least 1")
-        need(self.name)
+        require_installed(self.name)
 
     @property
     def name(self) -> str:
@@ -50,51 +51,51 @@ class Surrogate(Method):
         return "surrogate"
 
     def run(self, run: Run) -> str:
-        """Sample, then propose and learn."""
-        # Before the import: it logs a search that is stopped as if that were an error.
+        """Evaluate the initial sample, then iterate EGO."""
+        # Set before the import: egobox logs a stopped search as an error.
         os.environ.setdefault("EGOBOX_LOG", "off")
         import egobox
 
         k = run.size
         random = np.random.default_rng(run.seed)
         points = run.starts(2 * k + 2, random)
-        known = run.values(points)
-        run.step("sampling")
-        while np.count_nonzero(np.isfinite(known)) < k + 1:
+        values = run.values(points)
+        run.step("initial sample")
+        while np.count_nonzero(np.isfinite(values)) < k + 1:
             if len(points) >= self.evaluations:
-                return "too few designs succeed to learn from"
+                return "too few successful designs to fit a model"
             more = random.uniform(size=(2 * k + 2, k))
-            points, known = np.concatenate((points, more)), np.append(known, run.values(more))
-            run.step("sampling")
-        good = np.isfinite(known)
-        stopped: list[BaseException] = []
+            points, values = np.concatenate((points, more)), np.append(values, run.values(more))
+            run.step("initial sample")
+        valid = np.isfinite(values)
+        raised: list[BaseException] = []
 
-        def values(asked: FloatArray) -> FloatArray:
+        def evaluate(designs: FloatArray) -> FloatArray:
             try:
-                found = run.values(asked)
-                run.step("learning")
+                result = run.values(designs)
+                run.step("EGO")
             except BaseException as error:
-                stopped.append(error)  # what is raised here, egobox would put in words of its own
+                raised.append(error)  # egobox would wrap it in its own exception
                 raise
-            return np.where(np.isfinite(found), found, np.nan)[:, None]
+            return np.where(np.isfinite(result), result, np.nan)[:, None]
 
         optimizer = egobox.Egor(
             [[0.0, 1.0]] * k,
             gp_config={"kpls_dim": 3} if k > 5 else None,
             qei_config={"batch": self.batch} if self.batch > 1 else None,
-            x_doe=points[good],
-            y_doe=known[good, None],
+            x_doe=points[valid],
+            y_doe=values[valid, None],
             trego=True,
             infill_n_start=10,
             failsafe_strategy=egobox.FailsafeStrategy.IMPUTATION,
             seed=run.seed,
         )
-        rounds = max((self.evaluations - len(points)) // self.batch, 1)
+        iterations = max((self.evaluations - len(points)) // self.batch, 1)
         try:
-            optimizer.minimize(values, max_iters=rounds, stop_on_error=True)
+            optimizer.minimize(evaluate, max_iters=iterations, stop_on_error=True)
         except Exception:
-            if not stopped:
+            if not raised:
                 raise
-        if stopped:
-            raise stopped[0]
+        if raised:
+            raise raised[0]
         return f"{run.function.evaluations} evaluations"

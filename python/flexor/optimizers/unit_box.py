@@ -1,4 +1,4 @@
-"""The unit box in which the methods work, whatever the units of the parameters are."""
+"""Mapping between designs and the unit box in which the methods work."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from flexor.optimizers.starts import starting_designs
 
 
 class UnitBox:
-    """Designs as points of [0, 1]^k: 0 is the lower bound and 1 the upper.
+    """Designs scaled to [0, 1]^k: 0 is the lower bound and 1 the upper bound.
 
     Parameters
     ----------
     function : BudgetedEvaluator
-        What is minimised, of designs in their own units.
+        Function to minimise, of designs in SI units.
     lower, upper : (k,) arrays
         Bounds.
     start : (k,) or (s, k) array or None
-        Where the search is to begin.
+        Starting designs.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class UnitBox:
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
         self._start = start
-        self._exact: dict[bytes, FloatArray] = {}
+        self._start_designs: dict[bytes, FloatArray] = {}
 
     @property
     def size(self) -> int:
@@ -42,7 +42,7 @@ class UnitBox:
         return self.lower.size
 
     def starts(self, count: int, random: np.random.Generator) -> FloatArray:
-        """Return the given starts, completed to ``count`` by a Latin hypercube, (s, k) in the box.
+        """Return the given starts, completed to ``count`` with a Latin hypercube, (s, k).
 
         Raises
         ------
@@ -51,46 +51,46 @@ class UnitBox:
         """
         designs = starting_designs(self._start, count, self.lower, self.upper, random)
         points = self.points(designs)
-        # There and back again costs a last digit, but a start is evaluated as it was given.
-        self._exact.update(
+        # Scaling there and back may change the last bit; starts are evaluated exactly as given.
+        self._start_designs.update(
             (point.tobytes(), design) for point, design in zip(points, designs, strict=True)
         )
         return points
 
     def points(self, designs: FloatArray) -> FloatArray:
-        """Points (n, k) of designs (n, k)."""
+        """Scale designs (n, k) to points (n, k)."""
         return np.clip((designs - self.lower) / (self.upper - self.lower), 0.0, 1.0) + 0.0
 
     def designs(self, points: ArrayLike) -> FloatArray:
-        """Designs (n, k) of points (n, k), never outside the bounds."""
-        inside = np.clip(np.asarray(points, dtype=np.float64), 0.0, 1.0) + 0.0
-        designs = self.lower + inside * (self.upper - self.lower)
-        # At 1 the sum may miss the upper bound by a rounding.
-        designs = np.clip(np.where(inside == 1.0, self.upper, designs), self.lower, self.upper)
-        for row, point in enumerate(inside):
-            if (exact := self._exact.get(point.tobytes())) is not None:
-                designs[row] = exact
+        """Scale points (n, k) to designs (n, k) within the bounds."""
+        clipped = np.clip(np.asarray(points, dtype=np.float64), 0.0, 1.0) + 0.0
+        designs = self.lower + clipped * (self.upper - self.lower)
+        # At 1 rounding may miss the upper bound.
+        designs = np.clip(np.where(clipped == 1.0, self.upper, designs), self.lower, self.upper)
+        for row, point in enumerate(clipped):
+            if (start := self._start_designs.get(point.tobytes())) is not None:
+                designs[row] = start
         return designs
 
     def values(self, points: ArrayLike) -> FloatArray:
-        """Values (n,) at points (n, k), as one batch; +inf where a design failed."""
+        """Return the values (n,) at points (n, k), as one batch; +inf for failures."""
         return self.function(self.designs(points))
 
     def residuals(self, points: ArrayLike) -> FloatArray:
-        """Vectors (n, r) at points (n, k), as one batch; NaN where a design failed."""
+        """Return the residual vectors (n, r) at points (n, k), as one batch; NaN for failures."""
         return self.function.residuals(self.designs(points))
 
     def jacobian(self, points: ArrayLike) -> FloatArray | None:
-        """Exact Jacobians (n, r, k) at points (n, k), or None if the function has none."""
-        found = self.function.jacobian(self.designs(points))
-        return None if found is None else found * (self.upper - self.lower)
+        """Return the exact Jacobians (n, r, k) at points (n, k), or None if not available."""
+        result = self.function.jacobian(self.designs(points))
+        return None if result is None else result * (self.upper - self.lower)
 
     def gradient(self, points: ArrayLike) -> FloatArray | None:
-        """Exact gradients (n, k) at points (n, k), or None if the function has none."""
-        found = self.function.gradient(self.designs(points))
-        return None if found is None else found * (self.upper - self.lower)
+        """Return the exact gradients (n, k) at points (n, k), or None if not available."""
+        result = self.function.gradient(self.designs(points))
+        return None if result is None else result * (self.upper - self.lower)
 
 
-def finite(values: FloatArray) -> NDArray[np.float64]:
-    """Return values with failures as a large finite number, for methods that compute with them."""
+def penalize_failures(values: FloatArray) -> NDArray[np.float64]:
+    """Replace non-finite values by a large finite penalty, for methods that need finite values."""
     return np.where(np.isfinite(values), values, 1e30)

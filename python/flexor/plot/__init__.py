@@ -1,8 +1,8 @@
-"""Figures to scale: finger and exosuit in place, as PNG, SVG or PDF.
+"""Figures as PNG, SVG or PDF.
 
-`path` draws one design at every load, `designs` two designs before and after actuation,
-`landscape` an objective over one or two parameters, `profiles` a comparison of search methods;
-`save` writes any. Matplotlib is imported when the first figure is drawn.
+`path` draws one design at every load and `designs` two designs before and after actuation, to
+scale; `landscape` plots an objective over one or two parameters and `profiles` a comparison of
+search methods; `save` writes a figure. Matplotlib is imported when the first figure is drawn.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ def path(path: Path) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a column: rods and links coloured by load, contact forces as arrows. Of a path
-        whose loads fall or whose states are not all stable, a panel below shows the joint angles
-        over the load, with arrows along the path and dashes where it is not stable.
+        One column wide; bodies are coloured by load, arrows are contact forces. Where loads fall or
+        not all states are stable, a panel below shows the joint angles over the load, with arrows
+        along the path and dashes where it is not stable.
     """
     history = read_history(path)
     steps = range(len(path))
@@ -62,67 +62,67 @@ def path(path: Path) -> Figure:
 def designs(
     start_path: Path, best_path: Path, titles: tuple[str, str] = ("start", "best")
 ) -> Figure:
-    """Draw two designs side by side to one scale, each at its first and its last load.
+    """Draw two designs side by side to the same scale, each at its first and last load.
 
     Parameters
     ----------
     start_path, best_path : Path
-        Equilibria of both.
+        Equilibria of both designs.
     titles : tuple of str
-        What to call them.
+        Titles of the panels.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a page, the sum of the joint angles at the last load in the titles.
+        One page wide; the titles state the sum of the joint angles at the last load.
     """
     panels = [
         Design(
             title=title,
-            first=read_scene(shown, 0),
-            last=read_scene(shown, -1),
-            first_load=float(shown.force[0]),
-            last_load=float(shown.force[-1]),
-            bending=float(shown.joint_angles[-1].sum()) if shown.joint_angles.shape[1] else None,
+            first=read_scene(path, 0),
+            last=read_scene(path, -1),
+            first_load=float(path.force[0]),
+            last_load=float(path.force[-1]),
+            bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
         )
-        for title, shown in zip(titles, (start_path, best_path), strict=True)
+        for title, path in zip(titles, (start_path, best_path), strict=True)
     ]
     return draw_designs(panels, planar_model=start_path.model.planar)
 
 
 def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
-    """Draw an objective over one or two parameters.
+    """Plot an objective over one or two parameters.
 
     Parameters
     ----------
     landscape : Landscape
-        What `flexor.landscape` gave.
+        Result of `flexor.landscape`.
     paths : sequence of SearchPath
-        Searches of the same parameter set to lay over it, from start to end.
+        Searches of the same parameter set to overlay.
 
     Returns
     -------
     matplotlib.figure.Figure
-        In perspective and from above, as wide as a page; or a curve, as wide as a column. Its
-        minimum, the designs that snap on their way and those that failed are marked.
+        A surface and a contour plot, one page wide; or a curve, one column wide. The minimum, the
+        designs that snap and those that failed are marked.
     """
     return draw_landscape(landscape, paths)
 
 
 def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
-    """Draw how many of its problems each method of a comparison solves at what cost.
+    """Plot the performance and data profiles of a comparison.
 
     Parameters
     ----------
     comparison : MethodComparison
-        What `flexor.compare` gave.
+        Result of `flexor.compare`.
     within : float
-        Part of the best known gain that a solution may lack.
+        Relative tolerance: a problem is solved at 1 - `within` of the best known gain.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Performance profile and data profile, as wide as a page.
+        Performance profile and data profile, one page wide.
     """
     from flexor.study.comparison import data_profiles, performance_profiles
 

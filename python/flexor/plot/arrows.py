@@ -1,4 +1,4 @@
-"""How long to draw forces: one scale for a figure, and a round number for its key."""
+"""Common scale of the force arrows in a figure, and the value of its key."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor.plot.scene import Scene
 
-LONGEST = 1.8  # cm
+MAX_LENGTH = 1.8  # cm
 
 
 def scale(scenes: Sequence[Scene]) -> tuple[float, float]:
@@ -18,20 +18,22 @@ def scale(scenes: Sequence[Scene]) -> tuple[float, float]:
     Parameters
     ----------
     scenes : sequence of Scene
-        All that share the figure.
+        All scenes in the figure.
 
     Returns
     -------
     cm_per_newton : float
-        Length of an arrow per newton [cm/N]; 0 if nothing touches.
+        Length of an arrow per newton [cm/N]; 0 without contact.
     key : float
-        A round force to show as the key, no longer than the longest arrow [N].
+        A round force for the key, at most the largest force [N].
     """
-    forces = [float(np.linalg.norm(push.force)) for scene in scenes for push in scene.pushes]
+    forces = [
+        float(np.linalg.norm(arrow.force)) for scene in scenes for arrow in scene.contact_arrows
+    ]
     largest = max(forces, default=0.0)
     if largest <= 0.0:
         return 0.0, 0.0
-    return LONGEST / largest, _round_down(largest)
+    return MAX_LENGTH / largest, _round_down(largest)
 
 
 def _round_down(value: float) -> float:

@@ -1,4 +1,4 @@
-"""The figure of two designs side by side: where each starts and where its actuation takes it."""
+"""Figure of designs side by side, before and after actuation."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class Design:
     Attributes
     ----------
     title : str
-        What the design is called.
+        Title of the design.
     first, last : Scene
         The model at the first and at the last load.
     first_load, last_load : float
-        Those loads [N].
+        These loads [N].
     bending : float or None
-        Sum of the joint angles at the last load [rad]; None if the model has no such joints.
+        Sum of the joint angles at the last load [rad]; None if the model has no joints.
     """
 
     title: str
@@ -43,19 +43,19 @@ class Design:
 
 
 def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
-    """Draw designs side by side to one scale, each before and after actuation.
+    """Draw designs side by side to the same scale, each before and after actuation.
 
     Parameters
     ----------
     designs : sequence of Design
-        From left to right.
+        The designs, from left to right.
     planar_model : bool
-        Draw in the plane; otherwise in space.
+        Draw in the x-z plane; otherwise in 3-D.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a page.
+        One page wide.
     """
     from matplotlib.figure import Figure
 
@@ -70,7 +70,7 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                 figure.set_figheight(planar.height(axes, PAGE / len(designs) - 0.6) + 1.0)
                 planar.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5, depth=2.0)
                 planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0)
-                planar.draw_pushes(axes, design.last, cm_per_newton=cm_per_newton)
+                planar.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
                 if key and column == 1:
                     planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
             else:
@@ -80,7 +80,7 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                 spatial.frame_axes(axes, scenes)
                 spatial.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5)
                 spatial.draw_scene(axes, design.last, colour=EXOSUIT)
-                spatial.draw_pushes(axes, design.last, cm_per_newton=cm_per_newton)
+                spatial.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
             axes.set_title(_title(design))
         figure.legend(
             handles=_handles(designs), loc="outside upper center", ncols=4, handlelength=1.2

@@ -1,4 +1,4 @@
-"""The figure of a landscape: in perspective and from above, or as a curve over one parameter."""
+"""Figure of a landscape: surface and contour plot, or a curve over one parameter."""
 
 from __future__ import annotations
 
@@ -21,33 +21,32 @@ Array = NDArray[np.float64]
 MINIMUM = "#D55E00"
 SNAP = "#000000"
 FAILED = "#C9CED3"
-# One look for each method whose paths are drawn: colour and marker, told apart without colour.
-PATHS = (("#FFFFFF", "o"), ("#56B4E9", "s"), ("#F0E442", "^"), ("#CC79A7", "D"))
+# Colour and marker of the search paths of each method.
+PATH_STYLES = (("#FFFFFF", "o"), ("#56B4E9", "s"), ("#F0E442", "^"), ("#CC79A7", "D"))
 SYMBOLS = {
     "bending": "$f_b$",
     "tip-force": "$f_{exo}$",
     "bending-contact": "$f_{bc}$",
     "bending-contact-printed": "$f_{bc}$ as printed",
 }
-# Lines of equal value from above.
-LEVELS = 12
+CONTOUR_LEVELS = 12
 ELEVATION, AZIMUTH = 40.0, 12.0  # degrees
 
 
 def draw_landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
-    """Draw a landscape with its minimum, its snaps, its failures and the ways of searches.
+    """Plot a landscape with its minimum, snaps, failures and search paths.
 
     Parameters
     ----------
     landscape : Landscape
-        Over one or two parameters.
+        A landscape over one or two parameters.
     paths : sequence of SearchPath
-        Searches of the same parameter set to lay over it.
+        Searches of the same parameter set to overlay.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Two views as wide as a page, or a curve as wide as a column.
+        Two views, one page wide, or a curve, one column wide.
     """
     from matplotlib.figure import Figure
 
@@ -65,7 +64,7 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    x, y = _shown_axes(landscape)
+    x, y = _display_axes(landscape)
     value = np.where(landscape.failed, np.nan, landscape.value).T  # rows are the second parameter
     low, high = (np.nanmin(value), np.nanmax(value)) if np.isfinite(value).any() else (0.0, 1.0)
     colours = ScalarMappable(Normalize(low, high if high > low else low + 1.0), "viridis")
@@ -77,11 +76,11 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
         axes.set_xlabel(_label(landscape, 0))
         axes.set_ylabel(_label(landscape, 1))
     space.set_zlabel(_value_label(landscape))
-    for look, path in _with_looks(paths):
-        _path(space, plan, landscape, path, look)
+    for path_style, path in _with_styles(paths):
+        _draw_search(space, plan, landscape, path, path_style)
     if not landscape.failed.all():
         i, j = landscape.minimum_index
-        _look_from_the_minimum(space, x, y, (i, j))
+        _set_view(space, x, y, (i, j))
         star: dict[str, Any] = {
             "marker": "*",
             "color": MINIMUM,
@@ -123,23 +122,23 @@ def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None
         axis.pane.set_edgecolor("#D5DADE")
         axis._axinfo["grid"].update(color="#E3E6E9", linewidth=0.4)
         axis.set_tick_params(pad=-2)
-        # Without the ends of the range: where two axes meet, their numbers would overlap.
+        # Omit the end ticks, which would overlap where two axes meet.
         axis.set_major_locator(MaxNLocator(4, prune=None if axis is space.zaxis else "both"))
         axis.labelpad = -4.0
     space.zaxis.labelpad = -1.0
 
 
-def _look_from_the_minimum(space: Any, x: Array, y: Array, index: tuple[int, int]) -> None:
-    """Turn the corner that is nearest to the minimum to the front, so that nothing hides it."""
+def _set_view(space: Any, x: Array, y: Array, index: tuple[int, int]) -> None:
+    """Turn the corner nearest to the minimum to the front, so that it is visible."""
     sides = [
         1.0 if i > 0.5 * (len(axis) - 1) else -1.0 for i, axis in zip(index, (x, y), strict=True)
     ]
-    # Not straight over the corner: there the two horizontal axes would look alike.
+    # Off the diagonal, so that the two horizontal axes are distinguishable.
     space.view_init(ELEVATION, np.degrees(np.arctan2(sides[1], sides[0])) + AZIMUTH)
 
 
 def _faces(value: Array) -> Array:
-    """Value of each face: that of its corners, so that the colours fit the heights."""
+    """Return the mean value of the corners of each face, for its colour."""
     faces = value.copy()
     faces[:-1, :-1] = 0.25 * (value[:-1, :-1] + value[1:, :-1] + value[:-1, 1:] + value[1:, 1:])
     return faces
@@ -152,7 +151,13 @@ def _plan(plan: Any, x: Array, y: Array, value: Array, colours: Any, landscape: 
     )
     if np.nanmax(value, initial=-np.inf) > np.nanmin(value, initial=np.inf):
         plan.contour(
-            x, y, np.ma.masked_invalid(value), LEVELS, colors="white", linewidths=0.4, alpha=0.6
+            x,
+            y,
+            np.ma.masked_invalid(value),
+            CONTOUR_LEVELS,
+            colors="white",
+            linewidths=0.4,
+            alpha=0.6,
         )
     across, up = np.nonzero((landscape.events > 0) & ~landscape.failed)
     size = (min(PAGE * 72.0 * 0.38 / max(x.size, y.size), 8.0) * 0.45) ** 2
@@ -166,35 +171,35 @@ def _plan(plan: Any, x: Array, y: Array, value: Array, colours: Any, landscape: 
     plan.spines[["top", "right"]].set_visible(True)
 
 
-def _path(
-    space: Any, plan: Any, landscape: Landscape, path: SearchPath, look: tuple[str, str]
+def _draw_search(
+    space: Any, plan: Any, landscape: Landscape, path: SearchPath, path_style: tuple[str, str]
 ) -> None:
     from matplotlib.patheffects import withStroke
 
     if len(path.values) == 0:
         return
-    colour, marker = look
+    colour, marker = path_style
     x, y = (_column(landscape, path, axis) for axis in (0, 1))
     plan.plot(x, y, color=colour, linewidth=0.9, zorder=5)
     plan.plot(x, y, color=LINE, linewidth=1.8, zorder=4)
-    # Searches often end on a bound: markers are whole there, too.
+    # Searches often end on a bound, where markers must not be clipped.
     ends: dict[str, Any] = {"markeredgewidth": 0.7, "linestyle": "", "clip_on": False}
     plan.plot(
         x[0], y[0], marker=marker, color=colour, markersize=3.5, zorder=6, markeredgecolor=LINE,
         **ends,
     )  # fmt: skip
     ends["markeredgecolor"] = "white"
-    # Ends at the same place stay visible: later methods' are smaller and above, the star is below.
-    above = 0.1 * [each for _, each in PATHS].index(marker)
+    # Later methods get smaller markers on top, so that coincident ends remain visible.
+    order = 0.1 * [each for _, each in PATH_STYLES].index(marker)
     plan.plot(
-        x[-1], y[-1], marker=marker, color=LINE, markersize=5.5 - 18.0 * above, zorder=7.0 + above,
+        x[-1], y[-1], marker=marker, color=LINE, markersize=5.5 - 18.0 * order, zorder=7.0 + order,
         **ends,
     )  # fmt: skip
     if path.label:
         plan.annotate(
             path.label,
             (x[0], y[0]),
-            xytext=(3, 3 if marker == PATHS[0][1] else -8),
+            xytext=(3, 3 if marker == PATH_STYLES[0][1] else -8),
             textcoords="offset points",
             fontsize=6.5,
             color="white",
@@ -213,7 +218,7 @@ def _path(
 
 def _curve(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) -> None:
     axes = figure.add_subplot()
-    (x,) = _shown_axes(landscape)
+    (x,) = _display_axes(landscape)
     value = np.where(landscape.failed, np.nan, landscape.value)
     axes.plot(x, value, color="#0072B2", zorder=2)
     snapped = (landscape.events > 0) & ~landscape.failed
@@ -221,7 +226,7 @@ def _curve(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     half = 0.5 * (x[1] - x[0])
     for bad in x[landscape.failed]:
         axes.axvspan(bad - half, bad + half, color=FAILED, linewidth=0.0, zorder=1)
-    for (colour, marker), path in _with_looks(paths):
+    for (colour, marker), path in _with_styles(paths):
         across = _column(landscape, path, 0)
         axes.plot(across, path.values, color=LINE, linewidth=0.6, zorder=4)
         ends: dict[str, Any] = {"marker": marker, "markeredgecolor": LINE, "linestyle": ""}
@@ -245,7 +250,7 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
     handles: list[Any] = []
     if not landscape.failed.all():
         best = landscape.minimum
-        said = ", ".join(
+        position = ", ".join(
             f"{_mathematical(landscape.labels[axis])} = {best.vector[column] / scale:.3g}"
             f"{'' if unit == '1' else ' ' + unit}"
             for axis, column, scale, unit in _varied(landscape)
@@ -256,15 +261,13 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
             "markeredgecolor": "white",
             "linestyle": "",
         }
-        handles.append(Line2D([], [], markersize=11, label=f"minimum at {said}", **star))
+        handles.append(Line2D([], [], markersize=11, label=f"minimum at {position}", **star))
     if np.any((landscape.events > 0) & ~landscape.failed):
-        handles.append(
-            Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps on the way")
-        )
+        handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps"))
     if landscape.failed.any():
         handles.append(Patch(facecolor=FAILED, label="failed"))
-    looks = {path.method: look for look, path in _with_looks(paths)}
-    for method, (colour, marker) in looks.items():
+    styles = {path.method: path_style for path_style, path in _with_styles(paths)}
+    for method, (colour, marker) in styles.items():
         name = entries()[method].title if method in entries() else method
         edge: dict[str, Any] = {"marker": marker, "markeredgecolor": LINE, "markersize": 4.5}
         handles.append(Line2D([], [], color=colour, label=f"{name}: start", linestyle="", **edge))
@@ -272,13 +275,13 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
     return handles
 
 
-def _with_looks(paths: Sequence[SearchPath]) -> list[tuple[tuple[str, str], SearchPath]]:
+def _with_styles(paths: Sequence[SearchPath]) -> list[tuple[tuple[str, str], SearchPath]]:
     methods = list(dict.fromkeys(path.method for path in paths))
-    return [(PATHS[methods.index(path.method) % len(PATHS)], path) for path in paths]
+    return [(PATH_STYLES[methods.index(path.method) % len(PATH_STYLES)], path) for path in paths]
 
 
 def _varied(landscape: Landscape) -> list[tuple[int, int, float, str]]:
-    """Each axis with its column, the SI value of its unit, and that unit."""
+    """Return each axis with its column, the SI value of its unit, and the unit."""
     chosen = landscape.problem.parameters
     return [
         (axis, column, float(chosen.scale[column]), chosen.units[column])
@@ -286,7 +289,7 @@ def _varied(landscape: Landscape) -> list[tuple[int, int, float, str]]:
     ]
 
 
-def _shown_axes(landscape: Landscape) -> list[Array]:
+def _display_axes(landscape: Landscape) -> list[Array]:
     return [landscape.axes[axis] / scale for axis, _, scale, _ in _varied(landscape)]
 
 
@@ -310,5 +313,5 @@ def _mathematical(label: str) -> str:
 def _value_label(landscape: Landscape) -> str:
     objective = landscape.problem.objective
     name = SYMBOLS.get(objective.name, objective.name)
-    # The symbols are in the unit of what they show; a user's own objective may not be.
+    # The unit of a user-defined objective need not be that of its value.
     return f"{name} / {objective.unit}" if objective.name in SYMBOLS else name

@@ -1,4 +1,4 @@
-"""Outlines of tapered bodies in a plane; arrays only, no drawing."""
+"""Outlines and surfaces of tapered bodies, as arrays."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
     centre : array_like, shape (m, 2)
         Points of the centre line, base to tip [m].
     normal : array_like, shape (m, 2)
-        Unit normals of the centre line there, towards the dorsal side.
+        Unit normals of the centre line, towards the dorsal side.
     half_height : array_like, shape (m,)
-        Half the section's height S there [m].
+        Half-height S of the section [m].
 
     Returns
     -------
     ndarray, shape (2 m + 1, 2)
-        Dorsal edge from base to tip, palmar edge back, first point repeated [m].
+        Dorsal edge from base to tip, then palmar edge from tip to base; closed [m].
     """
     r = np.asarray(centre, dtype=np.float64)
     offset = np.asarray(half_height, dtype=np.float64)[:, None] * np.asarray(normal)
@@ -31,21 +31,21 @@ def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
 
 
 def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
-    """Put frames between those of a rod, so that a strongly bent one is drawn round.
+    """Interpolate the frames of a rod, so that it is drawn smoothly.
 
     Parameters
     ----------
     frames : array_like, shape (m, 4, 4)
-        Frames along the rod, x along it [m].
+        Frames along the rod, with x along it [m].
     between : int
-        Into how many parts each interval is divided.
+        Number of subdivisions of each interval.
 
     Returns
     -------
     fine : ndarray, shape (k, 4, 4)
         Frames on the cubic Hermite curve through the given ones, k = between (m - 1) + 1 [m].
     station : ndarray, shape (k,)
-        Where they are, counted in given frames: 2.5 is halfway between the third and the fourth.
+        Fractional indices of the frames: 2.5 is halfway between the third and the fourth.
     """
     given = np.asarray(frames, dtype=np.float64)
     last = len(given) - 1
@@ -61,7 +61,7 @@ def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
         + t * (1.0 - t) * ((1.0 - t) * along[i] - t * along[i + 1]) * chord
     )
     blend = (1.0 - t)[:, :, None] * given[i, :3, :3] + t[:, :, None] * given[i + 1, :3, :3]
-    # The rotation nearest to the mean of two rotations lies between them.
+    # Project the mean of two rotations back onto SO(3).
     u, _, v = np.linalg.svd(blend)
     fine[:, :3, :3] = u @ v
     return fine, station
@@ -77,14 +77,14 @@ def capsule(
     first, second : array_like, shape (2,)
         Centres of the discs [m].
     r_first, r_second : float
-        Their radii [m].
+        Radii of the discs [m].
     arc_points : int
-        Points on each of the two arcs.
+        Number of points on each of the two arcs.
 
     Returns
     -------
     ndarray, shape (k, 2)
-        The outline, first point repeated at the end [m]. If one disc holds the other, its circle.
+        The closed outline [m]; the larger circle if one disc contains the other.
     """
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     axis = b - a
@@ -94,7 +94,7 @@ def capsule(
         around: Array = np.linspace(0.0, 2.0 * np.pi, 2 * arc_points)
         return np.asarray(centre + radius * _directions(around))
     heading = np.arctan2(axis[1], axis[0])
-    # The common tangents touch both circles at this angle from the axis.
+    # Angle from the axis to the contact points of the common tangents.
     touch = np.arccos((r_first - r_second) / distance)
     around_first = heading + np.linspace(touch, 2.0 * np.pi - touch, arc_points)
     around_second = heading + np.linspace(-touch, touch, arc_points)
@@ -107,21 +107,21 @@ def capsule(
 def tube(
     centre: ArrayLike, first: ArrayLike, second: ArrayLike, sides: int = 24
 ) -> tuple[Array, Array, Array]:
-    """Return the surface swept by an ellipse along a curve in space.
+    """Return the surface swept by an ellipse along a curve.
 
     Parameters
     ----------
     centre : array_like, shape (m, 3)
         Points of the centre line [m].
     first, second : array_like, shape (m, 3)
-        The ellipse's semi-axes there, as vectors [m].
+        Semi-axes of the ellipse, as vectors [m].
     sides : int
-        Facets around the section.
+        Number of facets around the section.
 
     Returns
     -------
     tuple of three ndarrays, shape (m, sides + 1)
-        x, y and z of the surface's grid [m].
+        x, y and z of the surface grid [m].
     """
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
     surface = (

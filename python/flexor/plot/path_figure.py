@@ -1,4 +1,4 @@
-"""The figure of one design: every load step in place, one over the other."""
+"""Figure of one design with all load steps superimposed."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
-MOST_IN_LEGEND = 12
-PANEL = 0.9
-MOST_IN_ROW = 6
+MAX_LEGEND_ENTRIES = 12
+MAX_LEGEND_COLUMNS = 6
+# Height of the panel [in].
+PANEL = 2.6
 
 
 def draw_path(
@@ -35,20 +36,20 @@ def draw_path(
     Parameters
     ----------
     scenes : sequence of Scene
-        One for each load step.
+        One scene per load step.
     loads : array_like, shape (s,)
         The loads, for the legend [load_unit].
     planar_model : bool
-        Draw in the plane; otherwise in space.
+        Draw in the x-z plane; otherwise in 3-D.
     load_unit : str
-        Of the loads.
+        Unit of the loads.
     history : History, optional
         What a panel below shows over the load.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a column. Rods are coloured by load; arrows are the contact forces on the limb.
+        One column wide. Rods are coloured by load; arrows are the contact forces on the limb.
     """
     from matplotlib.figure import Figure
 
@@ -57,18 +58,15 @@ def draw_path(
     cm_per_newton, key = arrows.scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
-        place, panel = figure.add_gridspec(1, 1)[0], None
-        if history is not None:
-            # The upper part is as high as it would be alone.
-            place, below = figure.add_gridspec(2, 1, height_ratios=(1.0, PANEL))
-            panel = figure.add_subplot(below)
+        grid = figure.add_gridspec(1 if history is None else 2, 1)
+        place = grid[0]
         if planar_model:
             axes = figure.add_subplot(place)
             planar.frame_axes(axes, scenes, with_key=key > 0.0)
             figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
                 planar.draw_scene(axes, scene, colour=colour, opacity=0.8, depth=2.0 + step)
-                planar.draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
+                planar.draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
             if key:
                 planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
         else:
@@ -76,17 +74,21 @@ def draw_path(
             spatial.frame_axes(space, scenes)
             for scene, colour in zip(scenes, colours, strict=True):
                 spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
-                spatial.draw_pushes(space, scene, cm_per_newton=cm_per_newton, colour=colour)
-        if panel is not None and history is not None:
-            draw_history(panel, history, load_unit)
-            figure.set_figheight((1.0 + PANEL) * figure.get_figheight())
+                spatial.draw_contact_forces(
+                    space, scene, cm_per_newton=cm_per_newton, colour=colour
+                )
+        if history is not None:
+            draw_history(figure.add_subplot(grid[1]), history, load_unit)
+            height = figure.get_figheight()
+            grid.set_height_ratios((height, PANEL))
+            figure.set_figheight(height + PANEL)
         _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
     return figure
 
 
 def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
-    columns = -(-len(loads) // -(-len(loads) // MOST_IN_ROW))
-    # Matplotlib fills column by column; loads read better row by row.
+    columns = -(-len(loads) // -(-len(loads) // MAX_LEGEND_COLUMNS))
+    # Matplotlib fills legends by column; order the entries by row.
     by_column = [handle for column in range(columns) for handle in loads[column::columns]]
     figure.legend(
         handles=by_column,
@@ -105,11 +107,11 @@ def _load_handles(
 ) -> list[Artist]:
     from matplotlib.patches import Patch
 
-    # A long path would drown the figure in its legend: then only some steps are named.
-    every = -(-len(loads) // MOST_IN_LEGEND)
+    # The legend of a long path lists only some of the steps.
+    every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
-        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:g} {unit}")
+        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} {unit}")
         for i in chosen
     ]
 

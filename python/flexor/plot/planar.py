@@ -1,4 +1,4 @@
-"""Scenes in their plane: x to the right, z up, to scale."""
+"""Drawing of planar scenes to scale: x to the right, z up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.plot.outline import band, capsule
-from flexor.plot.scene import Push, Scene
+from flexor.plot.scene import ContactArrow, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE, LINE
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 CM = 100.0
-KEY_ROOM = 1.6  # cm, from the lower edge of the axes to the lowest body
+KEY_MARGIN = 1.6  # cm, from the lower edge of the axes to the lowest body
 PLANE = (0, 2)
 
 
@@ -34,18 +34,20 @@ def draw_scene(
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to.
+        The axes.
     scene : Scene
-        What to draw.
+        The scene.
     colour : colour
         Fill of the rods and edge of the links.
     opacity : float
-        Of the fills, 0 to 1.
+        Opacity of the fills, 0 to 1.
     depth : float
-        Drawing order; a scene of greater depth covers one of less.
+        Drawing order; scenes of greater depth are on top.
     """
     for link in scene.links:
-        outline = capsule(_flat(link.base), _flat(link.tip), link.radius_base, link.radius_tip)
+        outline = capsule(
+            _in_plane(link.base), _in_plane(link.tip), link.radius_base, link.radius_tip
+        )
         axes.fill(
             *(CM * outline.T),
             facecolor=_fade(FINGER, 0.9 * opacity),
@@ -53,9 +55,11 @@ def draw_scene(
             zorder=depth,
         )
         if link.moves:
-            axes.plot(*(CM * _flat(link.base)), "o", color=LINE, markersize=1.8, zorder=depth + 0.2)
+            axes.plot(
+                *(CM * _in_plane(link.base)), "o", color=LINE, markersize=1.8, zorder=depth + 0.2
+            )
     for rod in scene.rods:
-        centre, normal = _flat(rod.frames[:, :3, 3]), _flat(rod.frames[:, :3, 2])
+        centre, normal = _in_plane(rod.frames[:, :3, 3]), _in_plane(rod.frames[:, :3, 2])
         axes.fill(
             *(CM * band(centre, normal, rod.half_height).T),
             facecolor=_fade(colour, 0.9 * opacity),
@@ -64,10 +68,12 @@ def draw_scene(
             zorder=depth + 0.3,
         )
     for line in scene.lines:
-        axes.plot(*(CM * _flat(line.points).T), color=CHAMBER, linewidth=1.0, zorder=depth + 0.4)
+        axes.plot(
+            *(CM * _in_plane(line.points).T), color=CHAMBER, linewidth=1.0, zorder=depth + 0.4
+        )
 
 
-def draw_pushes(
+def draw_contact_forces(
     axes: Axes,
     scene: Scene,
     *,
@@ -75,25 +81,25 @@ def draw_pushes(
     colour: ColorType = FORCE,
     depth: float = 50.0,
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end where they act.
+    """Draw the contact forces of a scene as arrows that end at their points of application.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to.
+        The axes.
     scene : Scene
-        Whose forces.
+        The scene.
     cm_per_newton : float
         Length of an arrow per newton [cm/N].
     colour : colour
-        Of the arrows.
+        Colour of the arrows.
     depth : float
         Drawing order.
     """
-    if not scene.pushes:
+    if not scene.contact_arrows:
         return
-    points = CM * np.array([_flat(push.point) for push in scene.pushes])
-    arrows = cm_per_newton * np.array([_flat(push.force) for push in scene.pushes])
+    points = CM * np.array([_in_plane(arrow.point) for arrow in scene.contact_arrows])
+    arrows = cm_per_newton * np.array([_in_plane(arrow.force) for arrow in scene.contact_arrows])
     axes.quiver(
         *points.T,
         *arrows.T,
@@ -112,24 +118,28 @@ def draw_pushes(
 
 
 def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorType = LINE) -> None:
-    """Draw the scale of the contact forces into the lower left corner.
+    """Draw the key of the contact forces in the lower left corner.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to; its limits must be set.
+        The axes; its limits must be set.
     cm_per_newton : float
         Length of an arrow per newton [cm/N].
     force : float
-        The force that the key shows [N].
+        Force of the key [N].
     colour : colour
-        Of the arrow.
+        Colour of the arrow.
     """
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
-    x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_ROOM
-    scene = Scene(pushes=[Push(_deep(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))])
-    draw_pushes(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
+    x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
+    scene = Scene(
+        contact_arrows=[
+            ContactArrow(_point(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))
+        ]
+    )
+    draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
     axes.annotate(
         f"contact force {force:g} N",
         (x + cm_per_newton * force, y),
@@ -143,40 +153,40 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
 def frame_axes(
     axes: Axes, scenes: Sequence[Scene], *, margin: float = 0.6, with_key: bool = False
 ) -> None:
-    """Give the axes equal scales, centimetres, and room for every scene.
+    """Set equal scales in centimetres and limits that include every scene.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Whose limits.
+        The axes.
     scenes : sequence of Scene
-        What has to fit.
+        The scenes to include.
     margin : float
-        Room around it [cm].
+        Margin around the scenes [cm].
     with_key : bool
-        Leave room for the key of the contact forces below it.
+        Leave space for the key of the contact forces.
     """
     corners = [scene.extent() for scene in scenes]
-    low = CM * np.min([_flat(c[0]) for c in corners], axis=0) - margin
-    high = CM * np.max([_flat(c[1]) for c in corners], axis=0) + margin
+    low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - margin
+    high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + margin
     if with_key:
-        low[1] -= KEY_ROOM - margin
+        low[1] -= KEY_MARGIN - margin
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x / cm", ylabel="z / cm")
     axes.set_aspect("equal")
 
 
 def height(axes: Axes, width: float) -> float:
-    """Return how high the axes are if they are so wide; both in one unit."""
+    """Return the height of the axes for a given width, in the same unit."""
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     return width * (top - bottom) / (right - left)
 
 
-def _deep(x: float, z: float) -> NDArray[np.float64]:
+def _point(x: float, z: float) -> NDArray[np.float64]:
     return np.array([x / CM, 0.0, z / CM])
 
 
-def _flat(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_plane(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return vectors[..., PLANE]
 
 

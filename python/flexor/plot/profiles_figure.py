@@ -1,4 +1,4 @@
-"""The figure of a comparison of methods: performance and data profiles."""
+"""Figure of the performance and data profiles of a comparison."""
 
 from __future__ import annotations
 
@@ -15,32 +15,31 @@ if TYPE_CHECKING:
 
     from flexor.study.comparison import Profile
 
-# Okabe and Ito's colours that are dark enough for lines, each with each stroke: lines of one colour
-# differ in stroke, lines of one stroke in colour, and neighbours in both.
+# Okabe and Ito's colours that are dark enough for lines, combined with line styles so that
+# neighbouring lines differ in both.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
 STROKES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)))
-# Costs beyond these say no more than the end of the line does.
-LARGEST_RATIO = 64.0
+MAX_RATIO = 64.0  # upper limit of the abscissa
 
 
 def draw_profiles(
     performance: Sequence[Profile], data: Sequence[Profile], *, problems: str, within: float
 ) -> Figure:
-    """Draw both profiles side by side.
+    """Plot both profiles side by side.
 
     Parameters
     ----------
     performance, data : sequence of Profile
-        Of the same methods in the same order.
+        Profiles of the same methods in the same order.
     problems : str
-        What the problems are, for the axes, such as ``"7 sets × 10 seeds"``.
+        Description of the problems for the axes, such as ``"7 sets × 10 seeds"``.
     within : float
-        Part of the best known gain that a solution may lack.
+        Relative tolerance of the gain.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as a page.
+        One page wide.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, PercentFormatter
@@ -49,7 +48,7 @@ def draw_profiles(
         figure = Figure(figsize=(PAGE, 0.46 * PAGE), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)
         widest = max((float(p.cost[-1]) for p in performance if p.cost.size), default=1.0)
-        last = min(max(2.0, 2.0 ** np.ceil(np.log2(widest) + 0.01)), LARGEST_RATIO)
+        last = min(max(2.0, 2.0 ** np.ceil(np.log2(widest) + 0.01)), MAX_RATIO)
         _lines(left, performance, 1.0, last)
         left.set_xscale("log", base=2)
         left.xaxis.set_major_formatter(FuncFormatter(lambda ratio, _: f"{ratio:g}"))
@@ -73,14 +72,14 @@ def _lines(axes: Any, profiles: Sequence[Profile], first: float, last: float) ->
     for i, profile in enumerate(profiles):
         cost = np.concatenate(([first], profile.cost, [last]))
         solved = np.concatenate(([0.0], profile.solved, [profile.at(np.inf)]))
-        known = entries().get(profile.method)
+        entry = entries().get(profile.method)
         axes.step(
             np.maximum(cost, first),
             solved,
             where="post",
             color=COLOURS[i % len(COLOURS)],
             linestyle=STROKES[(i + i // len(COLOURS)) % len(STROKES)],
-            label=known.title if known is not None else profile.method,
+            label=entry.title if entry is not None else profile.method,
             clip_on=True,
         )
     axes.set_xlim(first, last)

@@ -1,4 +1,4 @@
-"""From a path of equilibria to scenes."""
+"""Conversion of equilibria to scenes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.plot.outline import refine
-from flexor.plot.scene import Line, Link, Push, Rod, Scene
+from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
@@ -18,19 +18,19 @@ Array = NDArray[np.float64]
 
 
 def read_scene(path: Path, step: int = -1) -> Scene:
-    """Place every body, line and contact force of a model.
+    """Return the bodies, lines and contact forces of a model at one load step.
 
     Parameters
     ----------
     path : Path
         Equilibria of a design.
     step : int
-        A step of the path.
+        Load step.
 
     Returns
     -------
     Scene
-        In the world's frame, SI.
+        The scene in the world frame, SI.
     """
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
@@ -40,7 +40,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            # A circular section has no ratio: it is as wide as it is high.
+            # A circular section has no ratio.
             rods[name] = Rod(name, fine, height, (body.section.ratio or 1.0) * height)
             stations[name] = station
         else:
@@ -55,7 +55,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         _line(path, name, actuator, rods[actuator.rod], stations[actuator.rod])
         for name, actuator in model.file.actuators.items()
     ]
-    return Scene(list(rods.values()), links, lines, _pushes(path.contact_forces(step)))
+    return Scene(list(rods.values()), links, lines, _contact_arrows(path.contact_forces(step)))
 
 
 def _line(path: Path, name: str, actuator: Actuator, rod: Rod, station: Array) -> Line:
@@ -68,8 +68,8 @@ def _line(path: Path, name: str, actuator: Actuator, rod: Rod, station: Array) -
     lever = path.model.slot(f"{name}.lever", path.parameters)
     offset = np.stack([_at(station, column) for column in sampled.T], axis=1)
     offset = offset + rod.half_height[:, None] * lever
-    # A lever beyond the surface is the arm at which the force acts; the line is drawn where it can
-    # be, on the surface, and the legend tells.
+    # A lever beyond the surface is only a lever arm: draw the line on the surface and state the
+    # lever in the legend.
     outside = np.hypot(offset[:, 0] / rod.half_width, offset[:, 1] / rod.half_height)
     beyond = float(np.max(outside))
     offset = offset / np.maximum(outside, 1.0)[:, None]
@@ -84,15 +84,14 @@ def _at(station: Array, samples: Array) -> Array:
     return np.interp(station, np.arange(len(samples)), samples)
 
 
-def _pushes(found: ContactForces) -> list[Push]:
-    pushes = []
-    # One arrow for each sphere of the limb: what all that touches it does to it together. A round
-    # cone is touched at many places: one arrow for each of them.
-    places = np.where(found.cone, -1 - found.first.astype(np.int64), found.second)
+def _contact_arrows(contacts: ContactForces) -> list[ContactArrow]:
+    contact_arrows = []
+    # Sum the forces on each sphere of the limb; on round cones show each contact point.
+    places = np.where(contacts.cone, -1 - contacts.first.astype(np.int64), contacts.second)
     for place in np.unique(places):
-        mine = places == place
-        force = -found.force[mine]
-        strength = np.linalg.norm(force, axis=1)
-        point = np.average(found.point[mine], axis=0, weights=np.maximum(strength, 1e-300))
-        pushes.append(Push(point, force.sum(axis=0)))
-    return pushes
+        selected = places == place
+        force = -contacts.force[selected]
+        magnitude = np.linalg.norm(force, axis=1)
+        point = np.average(contacts.point[selected], axis=0, weights=np.maximum(magnitude, 1e-300))
+        contact_arrows.append(ContactArrow(point, force.sum(axis=0)))
+    return contact_arrows

@@ -1,4 +1,4 @@
-"""What there is to draw of a model at one load: bodies, chambers and contact forces, in place."""
+"""The drawable state of a model at one load: bodies, actuator lines and contact forces."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rod:
-    """A soft rod in place.
+    """A soft rod.
 
     Attributes
     ----------
     name : str
         The body's name.
     frames : ndarray, shape (m, 4, 4)
-        Frames along it, base to tip; x along the rod, z dorsal [m].
+        Frames along the rod, base to tip; x along the rod, z dorsal [m].
     half_height, half_width : ndarray, shape (m,)
-        Half the section along z and along y [m].
+        Half-dimensions of the section along z and y [m].
     """
 
     name: str
@@ -32,7 +32,7 @@ class Rod:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid tapered link in place.
+    """A rigid tapered link.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class Link:
     base, tip : ndarray, shape (3,)
         Ends of its axis [m].
     radius_base, radius_tip : float
-        Radii there [m].
+        Radii at the ends [m].
     moves : bool
-        Whether it has a joint at its base, which is then marked.
+        Whether there is a joint at its base, which is then marked.
     """
 
     name: str
@@ -65,7 +65,7 @@ class Line:
     points : ndarray, shape (m, 3)
         Points of the line [m].
     label : str
-        What the legend calls it.
+        Label in the legend.
     """
 
     name: str
@@ -74,13 +74,13 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Push:
+class ContactArrow:
     """A contact force on the limb.
 
     Attributes
     ----------
     point : ndarray, shape (3,)
-        Where it acts [m].
+        Point of application [m].
     force : ndarray, shape (3,)
         The force [N].
     """
@@ -91,15 +91,15 @@ class Push:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything to draw at one load step, in the world's frame and SI units."""
+    """The drawable state of a model at one load step, in the world frame and SI units."""
 
     rods: list[Rod] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     lines: list[Line] = field(default_factory=list)
-    pushes: list[Push] = field(default_factory=list)
+    contact_arrows: list[ContactArrow] = field(default_factory=list)
 
     def extent(self) -> tuple[Array, Array]:
-        """Return the corners of the box that holds every body, each of shape (3,) [m]."""
+        """Return the corners of the bounding box of all bodies, each of shape (3,) [m]."""
         low, high = [], []
         for rod in self.rods:
             margin = np.maximum(rod.half_height, rod.half_width)[:, None]

@@ -1,4 +1,4 @@
-"""Scenes in space: the same bodies on three axes, to scale."""
+"""Drawing of spatial scenes to scale."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def draw_scene(
     Parameters
     ----------
     axes : mpl_toolkits.mplot3d.Axes3D
-        Where to.
+        The axes.
     scene : Scene
-        What to draw.
+        The scene.
     colour : colour
-        Of the rods.
+        Colour of the rods.
     opacity : float
-        Of the surfaces, 0 to 1.
+        Opacity of the surfaces, 0 to 1.
     """
     for rod in scene.rods:
         width = rod.half_width[:, None] * rod.frames[:, :3, 1]
@@ -50,40 +50,40 @@ def draw_scene(
         axes.plot(*(CM * line.points.T), color=CHAMBER, linewidth=1.2, zorder=10)
 
 
-def draw_pushes(
+def draw_contact_forces(
     axes: Axes3D, scene: Scene, *, cm_per_newton: float, colour: ColorType = FORCE
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end where they act.
+    """Draw the contact forces of a scene as arrows that end at their points of application.
 
     Parameters
     ----------
     axes : mpl_toolkits.mplot3d.Axes3D
-        Where to.
+        The axes.
     scene : Scene
-        Whose forces.
+        The scene.
     cm_per_newton : float
         Length of an arrow per newton [cm/N].
     colour : colour
-        Of the arrows.
+        Colour of the arrows.
     """
-    if not scene.pushes:
+    if not scene.contact_arrows:
         return
-    points = CM * np.array([push.point for push in scene.pushes])
-    arrows = cm_per_newton * np.array([push.force for push in scene.pushes])
+    points = CM * np.array([arrow.point for arrow in scene.contact_arrows])
+    arrows = cm_per_newton * np.array([arrow.force for arrow in scene.contact_arrows])
     axes.quiver(*(points - arrows).T, *arrows.T, color=colour, linewidth=1.0)
 
 
 def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> None:
-    """Give the axes equal scales, centimetres, and room for every scene.
+    """Set equal scales in centimetres and limits that include every scene.
 
     Parameters
     ----------
     axes : mpl_toolkits.mplot3d.Axes3D
-        Whose limits.
+        The axes.
     scenes : sequence of Scene
-        What has to fit.
+        The scenes to include.
     margin : float
-        Room around it [cm].
+        Margin around the scenes [cm].
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -94,7 +94,7 @@ def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> No
     axes.set(xlabel="x / cm", ylabel="y / cm", zlabel="z / cm")
     axes.set_box_aspect(tuple(high - low), zoom=0.82)
     axes.view_init(elev=18.0, azim=-62.0)
-    # A tick for a narrow side, several for a wide one, or their numbers run into each other.
+    # Number of ticks proportional to the side, so that labels do not overlap.
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), high - low, strict=True):
         axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
 
@@ -103,9 +103,9 @@ def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
     axis = link.tip - link.base
     length = float(np.linalg.norm(axis))
     along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
-    # Any vector that is not along the axis gives two that are square to it.
-    aside = np.eye(3)[int(np.argmin(np.abs(along)))]
-    first = np.cross(along, aside)
+    # Two normals to the axis, from the coordinate direction that is least parallel to it.
+    other = np.eye(3)[int(np.argmin(np.abs(along)))]
+    first = np.cross(along, other)
     first /= np.linalg.norm(first)
     second = np.cross(along, first)
     station = np.linspace(0.0, 1.0, rings)[:, None]

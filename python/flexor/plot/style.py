@@ -1,4 +1,4 @@
-"""The look of every figure: plain, colour-blind safe, readable at the width of a column."""
+"""Style of all figures: colour-blind safe and readable at column width."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COLUMN = 3.5  # in, one column of a two-column page
 PAGE = 7.2  # in, both columns
 FORMATS = (".png", ".svg", ".pdf")
 
-# Okabe and Ito's colours, told apart with every common kind of colour vision.
+# Colours of Okabe and Ito, distinguishable with colour vision deficiency.
 EXOSUIT = "#E69F00"
 FINGER = "#E3E8EC"
 LINE = "#30363B"
@@ -58,7 +58,7 @@ _RC: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draw in Flexor's style inside the block, and leave matplotlib's settings as they were."""
+    """Apply Flexor's style within the context, then restore matplotlib's settings."""
     import matplotlib
 
     with matplotlib.rc_context(_RC):
@@ -71,7 +71,7 @@ def shades(count: int) -> NDArray[np.float64]:
     Parameters
     ----------
     count : int
-        How many.
+        Number of colours.
 
     Returns
     -------
@@ -85,14 +85,14 @@ def shades(count: int) -> NDArray[np.float64]:
 
 
 def save(figure: Figure, file: str | FilePath) -> FilePath:
-    """Write a figure; the name's ending chooses PNG, SVG or PDF.
+    """Save a figure as PNG, SVG or PDF, according to the file name's extension.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        What to write.
+        The figure.
     file : str or pathlib.Path
-        Where to.
+        The file.
 
     Returns
     -------
@@ -102,10 +102,10 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
     Raises
     ------
     InputError
-        If the ending is none of these, or the file cannot be written.
+        If the extension is not supported, or the file cannot be written.
     """
     target = writable(file)
-    # No date inside: the same picture is the same file.
+    # Without a date, so that the file is reproducible.
     metadata: dict[str, str | None] = {"Date": None} if target.suffix == ".svg" else {}
     if target.suffix == ".pdf":
         metadata = {"CreationDate": None}
@@ -119,22 +119,22 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
 
 
 def writable(file: str | FilePath) -> FilePath:
-    """Return the path of a figure to be written, after checking ending and folder.
+    """Check the extension and the folder of a figure to be written.
 
     Parameters
     ----------
     file : str or pathlib.Path
-        Where the figure is to go.
+        The file.
 
     Returns
     -------
     pathlib.Path
-        The same.
+        The same path.
 
     Raises
     ------
     InputError
-        If the ending is not a figure's, or the folder is missing.
+        If the extension is not supported, or the folder does not exist.
     """
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:
@@ -142,7 +142,5 @@ def writable(file: str | FilePath) -> FilePath:
             f'cannot write the figure "{target}": its name must end in {", ".join(FORMATS)}.'
         )
     if not target.parent.is_dir():
-        raise InputError(
-            f'cannot write the figure "{target}": there is no folder "{target.parent}".'
-        )
+        raise InputError(f'cannot write the figure "{target}": no folder "{target.parent}".')
     return target

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
-from flexor.model.loading import needed_model
+from flexor.model.loading import require_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.study.problem import FloatArray, Problem
@@ -162,7 +162,7 @@ def objective_function(
     >>> function.evaluate([[0.09], [0.10]]).gradient.shape
     (2, 1)
     """
-    chosen = parameter_set(parameters, needed_model(model).design)
+    chosen = parameter_set(parameters, require_model(model).design)
     wanted = named_objective(objective)
     if force is not None:
         wanted = wanted.at(force)

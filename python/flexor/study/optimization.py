@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
-from flexor.model.loading import needed_model
+from flexor.model.loading import require_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
@@ -103,7 +103,7 @@ def optimize(
     with known designs answered from the record: a process that was killed loses the batch it was
     in. KeyboardInterrupt passes through and leaves a study that can be resumed.
     """
-    chosen = parameter_set(parameters, needed_model(model).design)
+    chosen = parameter_set(parameters, require_model(model).design)
     chosen = chosen.on(model.design)
     if bounds:
         chosen = chosen.with_bounds(bounds)

@@ -1,7 +1,6 @@
-"""What may stand in a model file: one class per table.
+"""Schema of model files: one frozen pydantic model per table.
 
-The classes are frozen pydantic models; `ModelFile` is the whole file. Their attributes are in SI
-units, and each remembers how it was written.
+`ModelFile` is the whole file. Attributes are in SI units and keep their original text.
 """
 
 from __future__ import annotations

@@ -24,13 +24,13 @@ Offsets = Annotated[tuple[Length, ...], Field(min_length=1), BeforeValidator(_ex
 
 
 class Curve(Table):
-    """Offsets from the rod's axis: one value, or equally spaced samples from base to tip."""
+    """Offset from the rod's axis: a constant, or equally spaced samples from base to tip."""
 
     y: Offsets = (units.LENGTH.si(0.0),)
     z: Offsets = (units.LENGTH.si(0.0),)
 
     def sampled(self, points: Array) -> tuple[Array, Array]:
-        """Return the offsets (y, z) and their derivative by X at each point, (P, 2) [m]."""
+        """Return the offset (y, z) and its derivative with respect to X, each (P, 2) [m]."""
         columns = [_column(samples, points) for samples in (self.y, self.z)]
         return (
             np.stack([value for value, _ in columns], axis=1),
@@ -46,7 +46,7 @@ class Helix(Table):
     turn: Angle
 
     def sampled(self, points: Array) -> tuple[Array, Array]:
-        """Return the offsets (y, z) and their derivative by X at each point, (P, 2) [m]."""
+        """Return the offset (y, z) and its derivative with respect to X, each (P, 2) [m]."""
         angle = self.start + self.turn * points
         cosine, sine = np.cos(angle), np.sin(angle)
         offset = self.radius * np.stack([cosine, sine], axis=1)
@@ -65,7 +65,7 @@ def _form(value: object) -> str:
 
 
 class Lever(Table):
-    """Offsets from the rod's axis in multiples of the surface S(X)."""
+    """Offset from the rod's axis in multiples of the surface S(X)."""
 
     y: Number = 0.0
     z: Number = 0.0
@@ -80,8 +80,8 @@ def _lever(value: object) -> object:
 class Actuator(Table):
     """A chamber (u > 0 elongates it) or a cable (u > 0 is its tension) along a rod.
 
-    It runs at the local offset ``path`` + ``lever`` S(X); a number as lever is along z, so that
-    1 is on the dorsal surface.
+    Its offset from the axis is ``path`` + ``lever`` S(X). A scalar lever is along z, so that 1 is
+    on the dorsal surface.
     """
 
     kind: Annotated[Literal["chamber", "cable"], Choice("chamber", "cable")]

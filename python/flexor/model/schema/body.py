@@ -7,21 +7,21 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.fault import fault, shown
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
 from flexor.model.schema.table import Choice, Count, Name, PositiveNumber, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
+from flexor.model.validation import describe, field_error
 
 
 class Placement(Table):
-    """Where the base of a body is, in the frame of its parent's tip (the world without a parent).
+    """Pose of a body's base in the frame of its parent's tip (or in the world).
 
-    ``reference`` says what is placed: the body's ``"axis"``, or its ``"underside"``. Placed by its
-    underside, the axis of a rod lies S(0) above the point given, whatever S(0) is: a rod that
-    becomes thicker keeps touching what it lies on.
+    ``reference`` selects what is placed: the body's ``"axis"`` or its ``"underside"``. With
+    ``"underside"`` the axis of a rod lies S(0) above the given point, so that a rod stays on the
+    surface that it rests on when its radius changes.
     """
 
     x: Length = units.LENGTH.si(0.0)
@@ -32,7 +32,7 @@ class Placement(Table):
 
 
 class Section(Table):
-    """Shape of a rod's cross-section: half-height S along z, half-width ratio times S along y."""
+    """Shape of a rod's cross-section, with half-height S along z and half-width ratio S along y."""
 
     kind: Literal["circular", "elliptic", "rectangular"]
     ratio: PositiveNumber | None = None
@@ -40,10 +40,10 @@ class Section(Table):
     @model_validator(mode="after")
     def _check(self) -> Section:
         if self.kind == "circular" and self.ratio is not None:
-            raise fault(f"is {self.ratio!r}: a circular section has none", path="ratio")
+            raise field_error(f"is {self.ratio!r}: circular sections do not have it", path="ratio")
         if self.kind != "circular" and self.ratio is None:
-            raise fault(
-                f"is missing: {self.kind} sections need it (half-width to half-height)",
+            raise field_error(
+                f"is missing: {self.kind} sections need it (half-width over half-height)",
                 path="ratio",
             )
         return self
@@ -51,7 +51,7 @@ class Section(Table):
 
 def _magnus(value: object) -> object:
     if value not in (2, 4):
-        raise fault(f"is {shown(value)}: allowed are 2 and 4")
+        raise field_error(f"is {describe(value)}: expected 2 or 4")
     return value
 
 
@@ -84,18 +84,18 @@ class Rod(Table):
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:
-        """Demand that quadrature sees every function of the basis."""
+        """Check that the quadrature resolves every function of the basis."""
         for mode, chosen in self.strain.modes.items():
             degree = ELEMENT_DEGREE.get(chosen.basis)
             if degree is not None and self.gauss_points < degree + 1:
-                raise fault(
+                raise field_error(
                     f'is {self.gauss_points}: the basis "{chosen.basis}" of {mode} needs at least '
                     f"{degree + 1} per element",
                     path="gauss_points",
                 )
             points = self.elements * self.gauss_points
             if chosen.order is not None and points < chosen.order + 1:
-                raise fault(
+                raise field_error(
                     f"is {self.gauss_points}: with {_count(self.elements, 'element')}, the basis "
                     f'"{chosen.basis}" of order {chosen.order} of {mode} needs at least '
                     f"{-(-(chosen.order + 1) // self.elements)} per element",
@@ -110,11 +110,11 @@ class Rod(Table):
 
     @property
     def sample_count(self) -> int:
-        """How many sample points there are: element ends and Gauss points."""
+        """Number of sample points: element ends and Gauss points."""
         return self.elements * (self.gauss_points + 1) + 1
 
     def point_at(self, fraction: float) -> int | None:
-        """Return the sample point at a fraction of the length, if an element ends there.
+        """Return the sample point at a fraction of the length, if it is an element boundary.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class Link(Table):
     @model_validator(mode="after")
     def _check_placement(self) -> Link:
         if self.placement.reference != "axis":
-            raise fault('is "underside": only rods can be placed so', path="placement.reference")
+            raise field_error('is "underside": only rods support it', path="placement.reference")
         return self
 
 

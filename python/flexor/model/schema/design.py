@@ -1,4 +1,4 @@
-"""What may be designed, within which bounds, and at which load a design is judged."""
+"""The design space and the load at which designs are evaluated."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from typing import Annotated
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from flexor.model import units
-from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Name, Table
 from flexor.model.units import PositiveForce, PositiveLength
+from flexor.model.validation import describe, field_error
 
-MOST_STEPS = 10_000
+MAX_STEPS = 10_000
 Pair = tuple[PositiveLength, PositiveLength]
 
 
 def _ordered(pair: Pair) -> Pair:
     low, high = (getattr(bound, "text", repr(bound)) for bound in pair)
     if not pair[0] < pair[1]:
-        raise fault(f'is ["{low}", "{high}"]: the lower bound must be below the upper one')
+        raise field_error(f'is ["{low}", "{high}"]: the lower bound must be below the upper one')
     return pair
 
 
 def _two(value: object) -> object:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise fault(f'is {shown(value)}: write two lengths, such as ["6 cm", "14 cm"]')
+        raise field_error(f'is {describe(value)}: write two lengths, such as ["6 cm", "14 cm"]')
     return value
 
 
@@ -49,14 +49,14 @@ class Evaluation(Table):
     @model_validator(mode="after")
     def _check(self) -> Evaluation:
         steps = self.force / self.step
-        if not steps <= MOST_STEPS:
-            tail = f"is {_written(self.step)}: the force, {_written(self.force)}, has more than "
-            raise fault(f"{tail}{MOST_STEPS:,} steps of it", path="step")
+        if not steps <= MAX_STEPS:
+            tail = f"is {_original(self.step)}: the force, {_original(self.force)}, has more than "
+            raise field_error(f"{tail}{MAX_STEPS:,} steps of it", path="step")
         if abs(steps - round(steps)) > 1e-9 * steps:
-            tail = f"is {_written(self.step)}: the force, {_written(self.force)}, must be a whole "
-            raise fault(f"{tail}number of steps", path="step")
+            tail = f"is {_original(self.step)}: the force, {_original(self.force)}, must be an "
+            raise field_error(f"{tail}integer multiple of it", path="step")
         return self
 
 
-def _written(value: float) -> str:
-    return shown(getattr(value, "text", value))
+def _original(value: float) -> str:
+    return describe(getattr(value, "text", value))

@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Number, Table, one_of
 from flexor.model.units import (
     Angle,
@@ -20,6 +19,7 @@ from flexor.model.units import (
     PositiveStiffness,
     Stiffness,
 )
+from flexor.model.validation import describe, field_error
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -27,7 +27,9 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 def _axis(value: object) -> object:
     if isinstance(value, str):
         if value not in _AXES:
-            raise fault(f'is {shown(value)}: allowed are "x", "y", "z" or a list of three numbers')
+            raise field_error(
+                f'is {describe(value)}: expected "x", "y", "z" or a list of three numbers'
+            )
         return _AXES[value]
     return value
 
@@ -37,7 +39,7 @@ def _repeated(count: int) -> BeforeValidator:
         if isinstance(value, str):
             return (value,) * count
         if isinstance(value, Sequence) and len(value) != count:
-            raise fault(f"has {len(value)} entries: one, or {count} in a list, are needed")
+            raise field_error(f"has {len(value)} entries: expected one, or a list of {count}")
         return value
 
     return BeforeValidator(repeat)
@@ -57,9 +59,9 @@ class FixedJoint(Table):
 class RevoluteJoint(Table):
     """Rotation about one axis.
 
-    Beyond a limit by s, the limit's energy is k s³/(6w) up to s = w and k (s²/2 - w s/2 + w²/6)
-    from there on: twice continuously differentiable, with k the ``limit_stiffness`` and w the
-    ``limit_width``.
+    At a distance s beyond a limit, the limit's energy is k s³/(6w) for s <= w and
+    k (s²/2 - w s/2 + w²/6) for s > w, which is twice continuously differentiable; k is the
+    ``limit_stiffness`` and w the ``limit_width``.
     """
 
     kind: Literal["revolute"]
@@ -107,7 +109,7 @@ class UniversalJoint(Table):
 
 
 class SphericalJoint(Table):
-    """Any rotation, measured by its rotation vector."""
+    """Arbitrary rotation, with the rotation vector as coordinates."""
 
     kind: Literal["spherical"]
     stiffness: Annotated[
@@ -116,9 +118,9 @@ class SphericalJoint(Table):
 
 
 class FreeJoint(Table):
-    """Any motion, measured by its twist: three rotations and three translations.
+    """Arbitrary rigid motion, with its twist as coordinates: three rotations, three translations.
 
-    In a planar model one rotation, about y, and two translations.
+    In a planar model: one rotation, about y, and two translations.
     """
 
     kind: Literal["free"]
@@ -139,10 +141,10 @@ Joint = Annotated[
 
 def _check_axis(axis: tuple[float, float, float]) -> None:
     if not any(axis):
-        raise fault("is a list of zeros: it must have a direction", path="axis")
+        raise field_error("is zero: it must not be", path="axis")
 
 
 def _check_limits(lower: float | None, upper: float | None) -> None:
     if lower is not None and upper is not None and not lower < upper:
         low, high = (getattr(limit, "text", limit) for limit in (lower, upper))
-        raise fault(f'is "{low}": it must be below the upper limit, "{high}"', path="lower")
+        raise field_error(f'is "{low}": it must be below the upper limit, "{high}"', path="lower")

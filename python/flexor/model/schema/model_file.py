@@ -1,4 +1,4 @@
-"""A whole model file."""
+"""The top level of a model file."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from flexor.model.schema.vector import Gravity
 
 
 class ModelFile(Table):
-    """Everything that a model file says, with one of its sets of constants in force.
+    """A model file with one of its sets of constants applied.
 
-    ``constants`` holds the sets as they were written, ``use`` the name of the one whose values the
-    other tables have taken on; see `flexor.model.constants`.
+    ``constants`` holds the sets as written, ``use`` the name of the one whose values have been
+    applied to the other tables; see `flexor.model.constants`.
     """
 
     name: Name
@@ -44,7 +44,7 @@ class ModelFile(Table):
 
     @model_validator(mode="after")
     def _check(self) -> ModelFile:
-        """Check what no table can see alone."""
+        """Check the consistency of the tables."""
         check_names(self)
         check_tree(self)
         check_references(self)
@@ -53,7 +53,7 @@ class ModelFile(Table):
         return self
 
     def rod(self, name: str) -> Rod:
-        """Return a body that is known to be a rod.
+        """Return a rod by name.
 
         Parameters
         ----------
@@ -66,17 +66,17 @@ class ModelFile(Table):
         return body
 
     def to_document(self) -> dict[str, Any]:
-        """Return the file's tables as TOML has them, each quantity as it was written."""
+        """Return the tables as TOML values, with quantities as originally written."""
         document = self.model_dump(exclude_none=True)
         return {key: value for key, value in document.items() if value != {}}
 
     def to_toml(self) -> str:
-        """Write the file as TOML.
+        """Serialise the file as TOML.
 
         Returns
         -------
         str
-            Text that reads back to an equal `ModelFile`.
+            Text that parses to an equal `ModelFile`.
         """
         import tomli_w
 

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from flexor.model.fault import fault
 from flexor.model.schema.joint import Axis
 from flexor.model.schema.table import Choice, Name, Table
 from flexor.model.schema.vector import Offset
 from flexor.model.units import PositiveStiffness
+from flexor.model.validation import field_error
 
 
 class Obstacle(Table):
@@ -29,8 +29,8 @@ class Obstacle(Table):
     @model_validator(mode="after")
     def _check(self) -> Obstacle:
         if not any(self.normal):
-            raise fault("has no direction: it must not be zero", path="normal")
+            raise field_error("has no direction: it must not be zero", path="normal")
         for index, group in enumerate(self.spheres):
             if group in self.spheres[:index]:
-                raise fault(f'names the group "{group}" twice', path="spheres")
+                raise field_error(f'names the group "{group}" twice', path="spheres")
         return self

@@ -1,8 +1,7 @@
-"""Rules of a planar model: everything stays in the x-z plane and turns about y."""
+"""Checks of planar models, which lie in the x-z plane and rotate about y."""
 
 from __future__ import annotations
 
-from flexor.model.fault import fault
 from flexor.model.schema.actuator import Actuator, Curve
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.joint import FixedJoint, FreeJoint, Joint, PrismaticJoint, RevoluteJoint
@@ -10,10 +9,11 @@ from flexor.model.schema.points import Attachment
 from flexor.model.schema.strain import PLANAR_MODES
 from flexor.model.schema.tables import Tables
 from flexor.model.schema.vector import Vector
+from flexor.model.validation import field_error
 
 
 def check_planar(file: Tables) -> None:
-    """Refuse whatever leaves the plane.
+    """Reject anything that leaves the plane.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def check_planar(file: Tables) -> None:
         _in_plane(obstacle.point, f"obstacles.{name}.point")
         if obstacle.normal[1] != 0.0:
             tail = "in a planar model it must lie in the x-z plane"
-            raise fault(f"is {list(obstacle.normal)}: {tail}", f"obstacles.{name}.normal")
+            raise field_error(f"is {list(obstacle.normal)}: {tail}", f"obstacles.{name}.normal")
     for name, actuator in file.actuators.items():
         _check_actuator(actuator, f"actuators.{name}")
     for name, spring in file.springs.items():
@@ -44,20 +44,20 @@ def check_planar(file: Tables) -> None:
 
 def _check_body(body: Body, path: str) -> None:
     if body.placement.y != 0.0:
-        _refuse(body.placement.y, f"{path}.placement.y")
+        _reject(body.placement.y, f"{path}.placement.y")
     _about_y(body.placement.rotation, f"{path}.placement.rotation")
     _check_joint(body.joint, f"{path}.joint")
     if not isinstance(body, Rod):
         return
     for mode in body.strain.modes:
         if mode not in PLANAR_MODES:
-            raise fault(
-                f"leaves the x-z plane of a planar model: allowed are {', '.join(PLANAR_MODES)}",
+            raise field_error(
+                f"is not planar: expected one of {', '.join(PLANAR_MODES)}",
                 path=f"{path}.strain.{mode}",
             )
     for mode in ("twist_x", "bend_z", "shear_y"):
         if getattr(body.reference_strain, mode) != 0.0:
-            _refuse(getattr(body.reference_strain, mode), f"{path}.reference_strain.{mode}")
+            _reject(getattr(body.reference_strain, mode), f"{path}.reference_strain.{mode}")
 
 
 def _check_joint(joint: Joint, path: str) -> None:
@@ -65,38 +65,42 @@ def _check_joint(joint: Joint, path: str) -> None:
         return
     if isinstance(joint, RevoluteJoint):
         if joint.axis[0] != 0.0 or joint.axis[2] != 0.0:
-            raise fault(f"is {list(joint.axis)}: in a planar model it must be y", f"{path}.axis")
+            raise field_error(
+                f"is {list(joint.axis)}: in a planar model it must be y", f"{path}.axis"
+            )
     elif isinstance(joint, PrismaticJoint):
         if joint.axis[1] != 0.0:
             tail = f"is {list(joint.axis)}: in a planar model it must lie in the x-z plane"
-            raise fault(tail, f"{path}.axis")
+            raise field_error(tail, f"{path}.axis")
     else:
-        tail = f'is "{joint.kind}": planar models have fixed, revolute, prismatic and free joints'
-        raise fault(tail, f"{path}.kind")
+        tail = (
+            f'is "{joint.kind}": planar models support fixed, revolute, prismatic and free joints'
+        )
+        raise field_error(tail, f"{path}.kind")
 
 
 def _check_actuator(actuator: Actuator, path: str) -> None:
     if not isinstance(actuator.path, Curve):
-        raise fault("is a helix, which leaves the x-z plane of a planar model", f"{path}.path")
+        raise field_error("is a helix, which is not planar", f"{path}.path")
     for offset in actuator.path.y:
         if offset != 0.0:
-            _refuse(offset, f"{path}.path.y")
+            _reject(offset, f"{path}.path.y")
     if actuator.lever.y != 0.0:
-        _refuse(actuator.lever.y, f"{path}.lever.y")
+        _reject(actuator.lever.y, f"{path}.lever.y")
 
 
 def _in_plane(vector: Vector, path: str) -> None:
     if vector.y != 0.0:
-        _refuse(vector.y, f"{path}.y")
+        _reject(vector.y, f"{path}.y")
 
 
 def _about_y(vector: Vector, path: str) -> None:
     for axis in ("x", "z"):
         if getattr(vector, axis) != 0.0:
-            _refuse(getattr(vector, axis), f"{path}.{axis}")
+            _reject(getattr(vector, axis), f"{path}.{axis}")
 
 
-def _refuse(value: float, path: str) -> None:
-    found = getattr(value, "text", None)
-    shown = f'"{found}"' if found else repr(value)
-    raise fault(f"is {shown}: it must be zero in a planar model, which lies in the x-z plane", path)
+def _reject(value: float, path: str) -> None:
+    text = getattr(value, "text", None)
+    quoted = f'"{text}"' if text else repr(value)
+    raise field_error(f"is {quoted}: it must be zero in a planar (x-z) model", path)

@@ -1,4 +1,4 @@
-"""Places on bodies, and what is attached there."""
+"""Points on bodies, and the elements attached to them."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
 from flexor.model import units
-from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Choice, Index, Name, Switch, Table
 from flexor.model.schema.vector import ForceVector, MomentVector, Offset
 from flexor.model.units import NonNegativeLength, PositiveStiffness, PositiveStiffnessPerLength
+from flexor.model.validation import describe, field_error
 
 
 def _at(value: object) -> object:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 <= value <= 1.0:
         return float(value)
     if value not in ("base", "tip", "centroid"):
-        allowed = 'allowed are "base", "tip", "centroid" or a fraction from 0 to 1'
-        raise fault(f"is {shown(value)}: {allowed}")
+        allowed = 'expected "base", "tip", "centroid" or a fraction from 0 to 1'
+        raise field_error(f"is {describe(value)}: {allowed}")
     return value
 
 
 class Station(Table):
-    """A place along a body.
+    """A point along a body.
 
-    ``at`` is ``"base"``, ``"tip"``, ``"centroid"`` (of a link) or a fraction of the length; on a
-    rod it must be one of the sample points, which ``point`` counts from 0.
+    ``at`` is ``"base"``, ``"tip"``, ``"centroid"`` (of a link) or a fraction of the length, which
+    must be an element boundary of a rod. ``point`` is the index of a rod's sample point.
     """
 
     body: Name
@@ -36,18 +36,18 @@ class Station(Table):
     @model_validator(mode="after")
     def _check(self) -> Station:
         if (self.at is None) == (self.point is None):
-            raise fault('needs either at (such as "tip") or point (of a rod)')
+            raise field_error('needs either at (such as "tip") or point (of a rod)')
         return self
 
 
 class Attachment(Station):
-    """A place on a body, shifted within the frame there."""
+    """A point fixed to a body, at an offset from a station in its local frame."""
 
     offset: Offset = Offset()
 
 
 class Ground(Table):
-    """A place fixed in the world."""
+    """A point fixed in the world."""
 
     world: Offset
 
@@ -64,11 +64,11 @@ Anchor = Annotated[
 
 
 class SphereGroup(Table):
-    """Contact spheres, as wide as the bodies they sit on.
+    """Contact spheres with the radii of the bodies at their centres.
 
-    Each of ``bodies`` gets the paper's layout: a rod one sphere at its joint frame and one at every
-    sample point (so its base counts twice), a link one at its joint frame and one at its centroid.
-    ``points`` adds single ones.
+    Each of ``bodies`` gets the paper's layout: a rod has one sphere at its joint frame and one at
+    every sample point (so there are two at its base), a link one at its joint frame and one at its
+    centroid. ``points`` adds individual spheres.
     """
 
     bodies: tuple[Name, ...] = ()
@@ -77,24 +77,24 @@ class SphereGroup(Table):
     @model_validator(mode="after")
     def _check(self) -> SphereGroup:
         if not self.bodies and not self.points:
-            raise fault("is on no body: give bodies or points")
+            raise field_error("is empty: give bodies or points")
         for index, body in enumerate(self.bodies):
             if body in self.bodies[:index]:
-                raise fault(f"names the body {shown(body)} twice", path="bodies")
+                raise field_error(f"contains {describe(body)} twice", path="bodies")
         return self
 
 
 class Contact(Table):
-    """Contact (8) between every sphere of one group and every sphere of another.
+    """Contact (8) between all pairs of spheres of two groups.
 
-    With ``shape = "round-cones"`` the second group's bodies are solid: a link is a round cone from
-    base to tip, a rod a chain of them from sample point to sample point. Each sphere of the first
-    group is as stiff as ``stiffness``; or, against round cones only, each piece of its rods' length
-    as ``stiffness_per_length``.
+    With ``shape = "round-cones"`` the bodies of the second group are solids: a link is a round
+    cone from base to tip, a rod a chain of round cones between its sample points. The contact
+    stiffness is ``stiffness`` per sphere of the first group or, against round cones only,
+    ``stiffness_per_length`` of its rods.
 
-    A group may touch itself; pairs closer than ``skip`` in the group's order are then left out.
-    ``tip_spheres`` says how many of the first group's last spheres make up F_t (14); unless given
-    it is one, and none where a group touches itself.
+    A group may be in contact with itself; pairs closer than ``skip`` in the group's order are then
+    excluded. ``tip_spheres`` is the number of trailing spheres of the first group that contribute
+    to F_t (14): by default one, or none for self-contact.
     """
 
     first: Name
@@ -111,16 +111,16 @@ class Contact(Table):
     def _check(self) -> Contact:
         if self.stiffness_per_length is None:
             if self.stiffness is None:
-                raise fault(f"is missing: {units.STIFFNESS.hint}", path="stiffness")
+                raise field_error(f"is missing: {units.STIFFNESS.hint}", path="stiffness")
         elif self.stiffness is not None:
-            raise fault("has both stiffness and stiffness_per_length: give one")
+            raise field_error("has both stiffness and stiffness_per_length: give one")
         elif self.shape == "spheres":
-            raise fault('is only for shape = "round-cones"', path="stiffness_per_length")
+            raise field_error('requires shape = "round-cones"', path="stiffness_per_length")
         return self
 
 
 class Spring(Table):
-    """A straight spring, or a strap that only pulls (``slack``), between two places."""
+    """A straight spring, or a tension-only strap (``slack``), between two points."""
 
     first: Attachment
     second: Anchor
@@ -130,9 +130,9 @@ class Spring(Table):
 
 
 class Wrench(Attachment):
-    """A force and a moment at a place on a body, fixed in the world or turning with the body.
+    """A force and a moment at a point of a body, fixed in the world or following the body.
 
-    With ``input`` it is multiplied by the load that a path steps through.
+    With ``input`` it is scaled by the load of the path.
     """
 
     force: ForceVector = ForceVector()

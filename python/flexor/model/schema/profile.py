@@ -1,4 +1,4 @@
-"""How the radius of a body runs along it."""
+"""Radius of a body along its length."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from flexor.model.fault import fault, shown
 from flexor.model.schema.table import Table
 from flexor.model.units import PositiveLength
+from flexor.model.validation import describe, field_error
 
 Array = NDArray[np.float64]
 
 
 class Taper(Table):
-    """A radius that runs straight from base to tip, such as ``{ base = "2 cm", tip = "1 cm" }``."""
+    """A radius that is linear from base to tip, such as ``{ base = "2 cm", tip = "1 cm" }``."""
 
     base: PositiveLength
     tip: PositiveLength
@@ -26,11 +26,13 @@ Samples = Annotated[tuple[PositiveLength, ...], Field(min_length=2)]
 
 
 def _expand(value: object) -> object:
-    """Let a single text stand for a constant radius."""
+    """Expand a single value to a constant radius."""
     if isinstance(value, str):
         return {"base": value, "tip": value}
     if isinstance(value, (int, float)):
-        raise fault(f'is {shown(value)}: write "1 cm" or {{ base = "1.2 cm", tip = "0.8 cm" }}')
+        raise field_error(
+            f'is {describe(value)}: write "1 cm" or {{ base = "1.2 cm", tip = "0.8 cm" }}'
+        )
     return value
 
 
@@ -47,7 +49,7 @@ RodRadius = Annotated[
 
 
 def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Array]:
-    """Join equally spaced samples by a monotone cubic, which never leaves their range.
+    """Interpolate equally spaced samples by a monotone cubic, which stays within their range.
 
     Parameters
     ----------
@@ -59,13 +61,13 @@ def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Arra
     Returns
     -------
     value, slope : (P,) arrays
-        The curve and its derivative by X.
+        The curve and its derivative with respect to X.
 
     Notes
     -----
-    Fritsch and Carlson's monotone cubic interpolation; two samples are joined by a line.
+    Fritsch and Carlson's monotone cubic interpolation; linear for two samples.
     """
-    from scipy.interpolate import PchipInterpolator  # slow to import, seldom needed
+    from scipy.interpolate import PchipInterpolator  # deferred: slow to import
 
     curve = PchipInterpolator(np.linspace(0.0, 1.0, len(samples)), np.array(samples, dtype=float))
     return np.asarray(curve(points)), np.asarray(curve.derivative()(points))

@@ -1,4 +1,4 @@
-"""The strain modes of a rod and the functions that describe them along it."""
+"""Strain modes of a rod and their basis functions."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.errors import unknown_name
 from flexor.model import units
-from flexor.model.fault import fault
 from flexor.model.schema.table import Choice, Index, Number, PositiveNumber, Table
 from flexor.model.units import Curvature
+from flexor.model.validation import field_error
 
 Basis = Literal[
     "nodal_linear",
@@ -27,10 +27,10 @@ BASES = (*ELEMENT_DEGREE, *GLOBAL)
 
 
 class ModeBasis(Table):
-    """Functions along the rod for one mode.
+    """Basis functions of one strain mode.
 
-    ``nodal_*`` and ``hermite`` live on the rod's elements; ``monomial``, ``legendre`` and
-    ``chebyshev`` are polynomials along the whole rod and need their degree, the ``order``.
+    ``nodal_*`` and ``hermite`` are piecewise polynomials on the rod's elements; ``monomial``,
+    ``legendre`` and ``chebyshev`` are polynomials along the whole rod of degree ``order``.
     """
 
     basis: Annotated[Basis, Choice(*BASES)]
@@ -39,19 +39,22 @@ class ModeBasis(Table):
     @model_validator(mode="after")
     def _check(self) -> ModeBasis:
         if self.basis in GLOBAL and self.order is None:
-            raise fault(f'is missing: the basis "{self.basis}" needs its degree', path="order")
+            raise field_error(
+                f'is missing: the basis "{self.basis}" needs its degree', path="order"
+            )
         if self.basis not in GLOBAL and self.order is not None:
-            what = f'the degree of "{self.basis}" is fixed, leave it out'
-            raise fault(f"is {self.order}: {what}", path="order")
+            tail = f'is {self.order}: the degree of "{self.basis}" is fixed, leave it out'
+            raise field_error(tail, path="order")
         return self
 
 
 def _expand(value: object) -> object:
     if isinstance(value, str):
         if value in GLOBAL:
-            raise fault(f'is "{value}": write {{ basis = "{value}", order = 3 }}, with its degree')
+            example = f'{{ basis = "{value}", order = 3 }}'
+            raise field_error(f'is "{value}": give its degree, as in {example}')
         if value not in ELEMENT_DEGREE:
-            raise fault(f"has the {unknown_name('basis', value, BASES)}")
+            raise field_error(f"has an {unknown_name('basis', value, BASES)}")
         return {"basis": value}
     return value
 
@@ -60,7 +63,7 @@ Mode = Annotated[ModeBasis | None, BeforeValidator(_expand)]
 
 
 class Strain(Table):
-    """The modes in which a rod deforms; a mode left out is rigid.
+    """Strain modes of a rod; modes that are left out are rigid.
 
     Angular modes come first, in the order of the paper's twists.
     """
@@ -75,12 +78,12 @@ class Strain(Table):
     @model_validator(mode="after")
     def _check(self) -> Strain:
         if not self.modes:
-            raise fault("has no mode: a rod needs at least one of " + ", ".join(MODES))
+            raise field_error("has no mode: a rod needs at least one of " + ", ".join(MODES))
         return self
 
     @property
     def modes(self) -> dict[str, ModeBasis]:
-        """The modes present, in the order of the twist."""
+        """The active modes, in the order of the twist."""
         every = ((name, getattr(self, name)) for name in MODES)
         return {name: basis for name, basis in every if basis is not None}
 
@@ -90,7 +93,7 @@ PLANAR_MODES = ("bend_y", "extend_x", "shear_z")
 
 
 class ReferenceStrain(Table):
-    """The strain ξ* of the rod at rest (6): a straight, unstretched rod unless given."""
+    """The reference strain ξ* (6); by default that of a straight, unstretched rod."""
 
     twist_x: Curvature = units.CURVATURE.si(0.0)
     bend_y: Curvature = units.CURVATURE.si(0.0)

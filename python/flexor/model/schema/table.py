@@ -1,4 +1,4 @@
-"""What every table of a model file has in common."""
+"""Base class and field types of the tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from flexor.errors import alternatives, unknown_name
-from flexor.model.fault import fault, shown
+from flexor.model.validation import describe, field_error
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 PositiveNumber = Annotated[float, Strict(), Field(gt=0.0, allow_inf_nan=False)]
@@ -30,12 +30,12 @@ Name = Annotated[str, Strict()]
 
 @dataclass(frozen=True)
 class Choice:
-    """Pydantic marker: one of these names.
+    """Pydantic annotation: one of the given names.
 
     Parameters
     ----------
     *names
-        The names allowed.
+        The allowed names.
     """
 
     names: tuple[str, ...]
@@ -45,19 +45,19 @@ class Choice:
 
     @property
     def hint(self) -> str:
-        """What to write, for the end of an error message."""
-        return "allowed are " + ", ".join(f'"{name}"' for name in self.names)
+        """Expected input, for the end of an error message."""
+        return "expected one of " + ", ".join(f'"{name}"' for name in self.names)
 
     def __get_pydantic_core_schema__(
         self, source: type[Any], handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """Tell pydantic to look at the name first."""
+        """Check the name before the field's own validation."""
 
         def check(value: object) -> object:
             if not isinstance(value, str):
-                raise fault(f"is {shown(value)}: {self.hint}")
+                raise field_error(f"is {describe(value)}: {self.hint}")
             if value not in self.names:
-                raise fault(f"is {alternatives(value, self.names)}")
+                raise field_error(f"is {alternatives(value, self.names)}")
             return value
 
         return core_schema.no_info_before_validator_function(check, handler(source))
@@ -70,25 +70,25 @@ class _Hinted(Protocol):
 
 
 class Table(BaseModel):
-    """A table with exactly the keys it declares, read once and never changed."""
+    """An immutable table that allows only its declared keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, data: object) -> object:
-        """Refuse unknown keys (with the near match) before anything else is looked at."""
+        """Reject unknown and missing keys before any field is validated."""
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):
-            raise fault(f"is {shown(data)}: a table with {_listed(cls)} is needed")
+            raise field_error(f"is {describe(data)}: expected a table with {_listed(cls)}")
         for key in data:
             if key not in cls.model_fields:
-                raise fault("has the " + unknown_name("key", str(key), cls.model_fields))
+                raise field_error("has an " + unknown_name("key", str(key), cls.model_fields))
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 hint = next((m.hint for m in field.metadata if isinstance(m, _Hinted)), None)
-                raise fault(f"is missing: {hint}" if hint else "is missing", path=name)
+                raise field_error(f"is missing: {hint}" if hint else "is missing", path=name)
         return data
 
 
@@ -97,24 +97,24 @@ def _listed(table: type[Table]) -> str:
 
 
 def one_of(*kinds: str) -> Callable[[object], object]:
-    """Return a validator that demands a table whose ``kind`` is one of these.
+    """Return a validator that requires a table whose ``kind`` is one of the given ones.
 
     Parameters
     ----------
     *kinds
-        The kinds allowed.
+        The allowed kinds.
     """
 
     def check(value: object) -> object:
         if isinstance(value, Table):
             return value
         if not isinstance(value, Mapping):
-            raise fault(f"is {shown(value)}: a table with its kind is needed")
+            raise field_error(f"is {describe(value)}: expected a table with a kind")
         if "kind" not in value:
             allowed = ", ".join(f'"{kind}"' for kind in kinds)
-            raise fault(f"is missing: allowed are {allowed}", path="kind")
+            raise field_error(f"is missing: expected one of {allowed}", path="kind")
         if value["kind"] not in kinds:
-            raise fault(f"has the {unknown_name('kind', str(value['kind']), kinds)}")
+            raise field_error(f"has an {unknown_name('kind', str(value['kind']), kinds)}")
         return cast("Mapping[str, Any]", value)
 
     return check

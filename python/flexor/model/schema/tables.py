@@ -1,4 +1,4 @@
-"""The tables of a model file, as the rules that tie one to another read them."""
+"""Protocol of the tables of a model file, for the consistency checks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Protocol
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Body
 from flexor.model.schema.design import Design
+from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.points import Contact, SphereGroup, Spring, Wrench
 from flexor.model.schema.vector import Gravity
 
@@ -33,6 +34,11 @@ class Tables(Protocol):
     @property
     def contacts(self) -> Mapping[str, Contact]:
         """Contacts between groups."""
+        ...
+
+    @property
+    def obstacles(self) -> Mapping[str, Obstacle]:
+        """Fixed obstacles."""
         ...
 
     @property

@@ -1,4 +1,4 @@
-"""Vectors as tables of components; a component left out is zero."""
+"""Vectors as tables of components, which default to zero."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Vector(Table):
 
 
 class Offset(Vector):
-    """A point or a shift, such as ``{ z = "2 cm" }``."""
+    """A point or an offset, such as ``{ z = "2 cm" }``."""
 
     x: Length = units.LENGTH.si(0.0)
     y: Length = units.LENGTH.si(0.0)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
-from flexor.model.loading import needed_model
+from flexor.model.loading import require_model
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Search, available, canonical
@@ -185,7 +185,7 @@ def _problems(
         wanted = wanted.at(force)
     problems: dict[str, Problem] = {}
     for each in _listed(parameters, "parameter set"):
-        chosen = parameter_set(each, needed_model(model).design)
+        chosen = parameter_set(each, require_model(model).design)
         if chosen.name in problems:
             raise InputError(f'the parameter set "{chosen.name}" is given twice.')
         problems[chosen.name] = Problem(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, unknown
-from flexor.model.loading import needed_model
+from flexor.model.loading import require_model
 from flexor.objectives import Objective
 from flexor.optimizers import Grid
 from flexor.study.executors import AnyExecutor
@@ -76,7 +76,7 @@ def landscape(
         If a name is not known, the axes are not one or two of the set's parameters, or the folder
         cannot be used.
     """
-    chosen = parameter_set(parameters, needed_model(model).design)
+    chosen = parameter_set(parameters, require_model(model).design)
     study = optimize(
         model,
         chosen,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexor.plot.scene import Line, Link, Push, Rod, Scene
+from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
 
 
 def rod_frames(length: float, curvature: float, base: tuple[float, float], points: int = 41):
@@ -33,22 +33,22 @@ def finger(angles: tuple[float, float, float]) -> list[Link]:
     return links
 
 
-def scene(flexion: float, push: float = 0.0) -> Scene:
+def scene(flexion: float, arrow: float = 0.0) -> Scene:
     """Return a finger flexed by `flexion` in all with an exosuit over it."""
     frames = rod_frames(0.1, flexion / 0.1, (0.0, 0.0332))
     height = np.linspace(0.0116, 0.008, len(frames))
     chamber = frames[:, :3, 3] + height[:, None] * frames[:, :3, 2]
     links = finger((0.4 * flexion, 0.35 * flexion, 0.25 * flexion))
-    pushes = []
-    if push:
+    contact_arrows = []
+    if arrow:
         top = links[2].tip + np.array([0.0, 0.0, 0.0087])
-        pushes = [
-            Push(top, np.array([0.0, 0.0, -push])),
-            Push(top * 0.6, np.array([0.2, 0.0, -push / 2])),
+        contact_arrows = [
+            ContactArrow(top, np.array([0.0, 0.0, -arrow])),
+            ContactArrow(top * 0.6, np.array([0.2, 0.0, -arrow / 2])),
         ]
     return Scene(
         rods=[Rod("exosuit", frames, height, height)],
         links=links,
         lines=[Line("chamber", chamber, "chamber")],
-        pushes=pushes,
+        contact_arrows=contact_arrows,
     )
