@@ -185,7 +185,7 @@ impl Model {
     }
 
     /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, gradient=None, **solver_options))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, start=None, gradient=None, **solver_options))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -195,6 +195,7 @@ impl Model {
         loads: Table<'_>,
         threads: usize,
         base: Option<Numbers<'_>>,
+        start: Option<Numbers<'_>>,
         gradient: Option<Indices<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
@@ -226,6 +227,7 @@ impl Model {
         if loads.as_array().iter().any(|u| !u.is_finite()) {
             return refuse("loads: finite numbers are needed");
         }
+        let start = self.start(start)?;
         let values: Vec<f64> = values.as_array().iter().copied().collect();
         let loads: Vec<f64> = loads.as_array().iter().copied().collect();
         let batch = Batch {
@@ -235,6 +237,7 @@ impl Model {
             designs,
             loads: &loads,
             steps,
+            start: start.as_deref(),
             gradient: &gradient,
         };
         let options = options::read(solver_options)?;
@@ -267,9 +270,66 @@ impl Model {
         out.set_item("events", events(py, &result.events, inputs, self.dof())?)?;
         Ok(out)
     }
+
+    /// Follows the branch of one design by arc length from the first load to the last.
+    #[pyo3(signature = (parameters, loads, *, start=None, **solver_options))]
+    fn branch<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        loads: Table<'_>,
+        start: Option<Numbers<'_>>,
+        solver_options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (slots, inputs, dof) =
+            on_model!(&self.inner, m => (m.parameters().len(), m.inputs().len(), m.dof()));
+        let parameters = parameters.as_array().to_vec();
+        let loads = loads.as_array();
+        if parameters.len() != slots {
+            return refuse(format!("parameters: found {}, the model has {slots}", parameters.len()));
+        }
+        if loads.ncols() != inputs {
+            return refuse(format!("loads: found {} columns, the model has {inputs} inputs", loads.ncols()));
+        }
+        if loads.iter().any(|u| !u.is_finite()) {
+            return refuse("loads: finite numbers are needed");
+        }
+        let rows: Vec<Vec<f64>> = loads.rows().into_iter().map(|row| row.to_vec()).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+        let start = self.start(start)?.unwrap_or_else(|| vec![0.0; dof]);
+        let options = options::read(solver_options)?;
+        let found =
+            py.detach(|| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options)));
+        let Some(found) = found else { return refuse("the design is not admissible") };
+
+        let out = PyDict::new(py);
+        let points = found.status.len();
+        out.set_item("loads", found.loads.into_pyarray(py).reshape([points, inputs])?)?;
+        out.set_item("q", found.q.into_pyarray(py).reshape([points, dof])?)?;
+        out.set_item("status", found.status.into_pyarray(py))?;
+        out.set_item("iterations", found.iterations.into_pyarray(py))?;
+        out.set_item("residual", found.residual.into_pyarray(py))?;
+        out.set_item("energy", found.energy.into_pyarray(py))?;
+        out.set_item("pairs", found.pairs.into_pyarray(py))?;
+        out.set_item("touching", found.touching.into_pyarray(py))?;
+        out.set_item("tip_force", found.tip_force.into_pyarray(py))?;
+        Ok(out)
+    }
 }
 
 impl Model {
+    /// Checks a state to start from.
+    fn start(&self, start: Option<Numbers<'_>>) -> PyResult<Option<Vec<f64>>> {
+        let Some(start) = start.map(|q| q.as_array().to_vec()) else { return Ok(None) };
+        if start.len() != self.dof() {
+            return refuse(format!("start: found {} coordinates, the model has {}", start.len(), self.dof()));
+        }
+        if start.iter().any(|q| !q.is_finite()) {
+            return refuse("start: finite numbers are needed");
+        }
+        Ok(Some(start))
+    }
+
     fn state(&self, parameters: &Numbers<'_>, q: &Numbers<'_>, u: Option<&Numbers<'_>>) -> PyResult<State> {
         let parameters = parameters.as_array().to_vec();
         let q = q.as_array().to_vec();

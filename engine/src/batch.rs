@@ -23,6 +23,8 @@ pub struct Batch<'a> {
     pub loads: &'a [f64],
     /// Number of load steps.
     pub steps: usize,
+    /// The state that every path starts from; the reference state unless given.
+    pub start: Option<&'a [f64]>,
     /// Parameters with respect to which the last step is differentiated; none: no derivatives.
     pub gradient: &'a [usize],
 }
@@ -177,7 +179,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let solve = |rows: &mut [Row]| {
             let mut path = Continuation::new(self, options);
             let mut parameters = batch.base.to_vec();
-            let rest = vec![0.0; dof];
+            let start = batch.start.map_or_else(|| vec![0.0; dof], <[f64]>::to_vec);
             let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
             for row in rows {
                 let values = &batch.values[row.design * batch.varied.len()..][..batch.varied.len()];
@@ -186,7 +188,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 }
                 if path.set_parameters(&parameters) {
                     let adjoint = adjoint.as_mut();
-                    path.follow(&loads, &rest, &mut RowSink { row, model: self, adjoint });
+                    path.follow(&loads, &start, &mut RowSink { row, model: self, adjoint });
                 }
             }
         };

@@ -7,6 +7,7 @@
 
 mod assembly;
 mod batch;
+mod branch;
 mod data;
 mod design;
 pub mod equilibrium;
@@ -23,6 +24,7 @@ mod tree;
 mod units;
 
 pub use batch::{Batch, BatchEvent, BatchResult};
+pub use branch::Branch;
 pub use data::Data;
 pub use forces::contact::ContactSummary;
 pub use forces::element::ContactForce;

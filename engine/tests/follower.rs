@@ -43,6 +43,7 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         designs: 1,
         loads,
         steps: loads.len(),
+        start: None,
         gradient: &[],
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

@@ -63,6 +63,7 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
         designs: 1,
         loads: &loads,
         steps: loads.len(),
+        start: None,
         gradient: &[slot],
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

@@ -25,6 +25,7 @@ fn joint_angles_of_the_default_design() {
         designs: 1,
         loads: &loads,
         steps: loads.len(),
+        start: None,
         gradient: &[],
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

@@ -58,6 +58,17 @@ class Paths(TypedDict):
     gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
     regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
 
+class Branch(TypedDict):
+    loads: NDArray[np.float64]  # (points, U), found along the branch
+    q: NDArray[np.float64]
+    status: NDArray[np.uint8]
+    iterations: NDArray[np.uint32]
+    residual: NDArray[np.float64]
+    energy: NDArray[np.float64]
+    pairs: NDArray[np.uint32]
+    touching: NDArray[np.uint32]
+    tip_force: NDArray[np.float64]
+
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
     second: NDArray[np.int64]
@@ -99,9 +110,18 @@ class Model:
         threads: int = 0,
         *,
         base: ArrayLike | None = None,
+        start: ArrayLike | None = None,
         gradient: ArrayLike | None = None,
         **solver_options: float,
     ) -> Paths: ...
+    def branch(
+        self,
+        parameters: ArrayLike,
+        loads: ArrayLike,
+        *,
+        start: ArrayLike | None = None,
+        **solver_options: float,
+    ) -> Branch: ...
     def energy(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> float: ...
     def residual(
         self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike

@@ -21,7 +21,7 @@ use crate::model::Model;
 pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) system: System<'m, G, D, P>,
     pub(super) predictor: Predictor<D, P>,
-    options: ContinuationOptions,
+    pub(super) options: ContinuationOptions,
     corrector: Corrector,
     trust_region: TrustRegion,
     damped_newton: DampedNewton,

@@ -8,8 +8,15 @@
 //! - where the branch ends, the trust region finds the next minimum of the energy (for loads without a
 //!   potential: damped Newton on the residual) and the jump is reported as an event.
 //!
+//! Branches that turn back in the load, stable or not, are followed by arc length: [`Bordered`] solves
+//! for equilibria under constraint equations, of which the length of a step is one.
+//!
 //! [`ContinuationOptions`] has every tolerance and limit.
 
+mod arc_length;
+mod bordered;
+#[cfg(test)]
+mod bordered_tests;
 mod contact_changes;
 mod continuation;
 mod corrector;
@@ -34,6 +41,7 @@ mod tests;
 mod trust_region;
 mod vector;
 
+pub use bordered::{Border, Bordered, BorderedTarget, Constraint, Hyperplane, Multiplier, Prescribed};
 pub use continuation::Continuation;
 pub use option_info::{Interval, OptionError, OptionInfo};
 pub use options::*;

@@ -104,6 +104,8 @@ options! {
         trust_region: TrustRegionOptions;
         /// Newton's method for loads without a potential.
         damped_newton: DampedNewtonOptions;
+        /// Continuation by arc length.
+        arc_length: ArcLengthOptions;
         /// Newton and chord steps, wherever they are taken.
         newton: NewtonOptions;
     }
@@ -291,6 +293,33 @@ options! {
         max_relaxation: usize = 200, Interval::from(0.0).to(1e6);
         /// which begins this far from an equilibrium.
         perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Continuation by arc length.
+    pub struct ArcLengthOptions {
+        /// Residual (dimensionless) below which a start counts as an equilibrium, stable or not.
+        start_residual: f64 = 1e-6, Interval::from(0.0).to(1.0);
+        /// A point is also found where a step below this (dimensionless) does not lower the residual:
+        /// rounding alone is left.
+        rounding_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
+        /// Newton steps of one point.
+        max_iterations: usize = 10, Interval::from(1.0).to(1e3);
+        /// By how much the branch should turn on one step [rad],
+        turn: f64 = 0.12, Interval::above(0.0).to(1.5);
+        /// and by how much at most,
+        max_turn: f64 = 0.35, Interval::above(0.0).to(3.2);
+        /// unless the step is shorter than this share of the first: a corner.
+        corner_step: f64 = 1e-3, Interval::from(0.0).to(1.0);
+        /// A shorter step than this share of the first is not tried.
+        min_step: f64 = 1e-7, Interval::above(0.0).to(1.0);
+        /// The next point is at most this multiple of the step away.
+        max_reach: f64 = 1.3, Interval::above(1.0).to(10.0);
+        /// Points solved to locate a limit point,
+        max_locating: usize = 20, Interval::from(1.0).to(1e3);
+        /// to this share of the step.
+        located: f64 = 1e-7, Interval::above(0.0).to(1.0);
     }
 }
 

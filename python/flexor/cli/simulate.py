@@ -1,4 +1,4 @@
-"""`flexor simulate`: compute the equilibria of a model under increasing load."""
+"""`flexor simulate`: follow a model's equilibrium as its actuation rises and falls."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexor.cli.changes import load_changed
 from flexor.cli.console import err, say
 from flexor.cli.options import Constants, Model, Set
 from flexor.cli.table import fixed, number, show
-from flexor.cli.values import loads
+from flexor.cli.values import loads, start_state
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -25,10 +25,26 @@ def simulate(
         list[str] | None,
         typer.Option(
             metavar="FORCES",
-            help="Forces in N: `start:stop:step` or a list such as `0,1,2.5`. For a model with "
-            "several inputs: `NAME=FORCES`, repeated.",
+            help="Forces in N: `first:last:step`, values, or a list of both such as "
+            "`0:5:1,5:0:1`; of a model with several inputs `NAME=FORCES`, repeated.",
         ),
     ] = None,
+    start: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="START",
+            help="Where to begin: a file of `simulate --json` (its last equilibrium, under its "
+            "load), or coordinates without load such as `ph_1=20 deg`, repeated.",
+        ),
+    ] = None,
+    follow: Annotated[
+        str,
+        typer.Option(
+            metavar="HOW",
+            help="`load`, stable equilibria only, or `arc-length`, one branch through its limit "
+            "points.",
+        ),
+    ] = "load",
     constants: Constants = None,
     changes: Set = None,
     as_json: Annotated[
@@ -39,7 +55,7 @@ def simulate(
         typer.Option(help="Save a figure of every load step to this PNG, SVG or PDF file."),
     ] = None,
 ) -> int:
-    """Compute the equilibria of a model under increasing load.
+    """Compute the equilibria of a model along a load path.
 
     Prints the joint angles, the number of spheres in contact, the tip force and the static
     stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load
@@ -60,6 +76,11 @@ def simulate(
     * `flexor simulate examples/finger.toml --force 0:10:2 --plot finger.svg`
     * `flexor simulate finger --constants printed --json`
     * `flexor simulate finger --set exosuit.length="8 cm"`
+    * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
+    * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
+    * `flexor simulate finger --json > bent.json`, then
+      `flexor simulate finger --start bent.json --force 4,3,2`
+    * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`
 
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
@@ -67,7 +88,12 @@ def simulate(
         from flexor.plot import writable
 
         writable(plot)
-    path = load_changed(model, constants, changes or []).equilibrium(loads(force or []))
+    loaded = load_changed(model, constants, changes or [])
+    path = loaded.equilibrium(
+        loads(force or []),
+        start=start_state(start or []),
+        follow=follow,  # type: ignore[arg-type]  # checked there
+    )
     if as_json:
         print(json.dumps(path.to_dict(), allow_nan=False))
     else:
@@ -119,9 +145,9 @@ def report(path: Path) -> None:
         cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
         rows.append(cells)
     show(headings, rows, left=0)
-    failed = next((word for word in path.status if word != "converged"), None)
-    if failed is not None:
-        say(explained(failed))
+    failed = path.status[~path.converged]
+    if len(failed):
+        say(explained(failed[0]))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")

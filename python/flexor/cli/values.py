@@ -63,6 +63,31 @@ def loads(texts: list[str]) -> str | dict[str, str] | None:
     return dict(assignments("--force", texts, "chamber=0:5:1"))
 
 
+def start_state(texts: list[str]) -> str | dict[str, str] | None:
+    """Read what was given to `--start` of a simulation.
+
+    Parameters
+    ----------
+    texts : list of str
+        Nothing, the name of one file, or coordinates such as `["ph_1=20 deg"]`.
+
+    Returns
+    -------
+    str, dict or None
+        As `Model.equilibrium` takes it.
+
+    Raises
+    ------
+    InputError
+        If there are several and one is no coordinate, or a coordinate comes twice.
+    """
+    if not texts:
+        return None
+    if len(texts) == 1 and "=" not in texts[0]:
+        return texts[0]
+    return dict(assignments("--start", texts, "ph_1=20 deg"))
+
+
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     """Parse `key=number` pairs.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from decimal import Decimal, InvalidOperation
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,35 +25,40 @@ def forces(force: Forces) -> Array:
     Parameters
     ----------
     force
-        Numbers in N, texts with a unit (``"500 mN"``), or a range ``"start:stop:step"`` such as
-        ``"0:5:1"``, which includes the stop. A single value is a list of one.
+        Numbers in N, texts with a unit (``"500 mN"``) and ranges ``"start:stop:step"`` such as
+        ``"0:5:1"``, up or down, which include the stop; or one text of these with commas between
+        them. A single value is a list of one. Forces may rise, fall and be negative; where a range
+        begins as the entry before it ends, that force comes once.
 
     Returns
     -------
     (steps,) array
-        The forces [N], non-decreasing.
+        The forces [N].
 
     Raises
     ------
     InputError
-        If the list is empty or decreases, or an entry is not a finite force.
+        If the list is empty, or an entry is not a finite force.
     """
     if isinstance(force, str):
-        values = _range(force) if ":" in force else [_value(t, "force") for t in force.split(",")]
+        entries: list[tuple[str, object]] = [("force", part) for part in force.split(",")]
     elif isinstance(force, (int, float)):
-        values = [_value(force, "force")]
+        entries = [("force", force)]
     else:
-        values = [_value(entry, f"force[{index}]") for index, entry in enumerate(force)]
+        entries = [(f"force[{index}]", entry) for index, entry in enumerate(force)]
+    values: list[float] = []
+    for path, entry in entries:
+        if isinstance(entry, str) and ":" in entry:
+            steps = _range(entry.strip(), path)
+            values += steps[1:] if values and values[-1] == steps[0] else steps
+        else:
+            values.append(_value(entry, path))
+        if len(values) > _MAX_STEPS:
+            raise InputError(f"{path} is too long: a path has at most {_MAX_STEPS:,} steps.")
     if not values:
         raise InputError(
             "force is an empty list: give at least one force in N, such as [0, 1, 2] or 0:5:1."
         )
-    for index, (before, after) in enumerate(pairwise(values), start=1):
-        if after < before:
-            raise InputError(
-                f"force[{index}] is {after:g} N after {before:g} N: "
-                "the forces of a path must not decrease."
-            )
     return np.array(values)
 
 
@@ -142,23 +146,22 @@ def _value(value: object, path: str) -> float:
     return float(value)
 
 
-def _range(text: str) -> list[float]:
+def _range(text: str, path: str) -> list[float]:
     parts = [part.strip().removesuffix("N").strip() for part in text.split(":")]
     numbers = [_decimal(part) for part in parts]
     if len(numbers) == 2:
         numbers.append(Decimal(1))
     finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
-        raise InputError(f'force is "{text}": write start:stop:step in N, such as 0:5:1.')
+        raise InputError(f'{path} is "{text}": write start:stop:step in N, such as 0:5:1.')
     start, stop, step = finite
     if step <= 0:
-        raise InputError(f'force is "{text}": the step must be greater than zero.')
-    if stop < start:
-        raise InputError(f'force is "{text}": the forces of a path must not decrease.')
-    steps = (stop - start) / step
+        raise InputError(f'{path} is "{text}": the step must be greater than zero.')
+    steps = abs(stop - start) / step
     if steps >= _MAX_STEPS:
-        raise InputError(f'force is "{text}": a path has at most {_MAX_STEPS:,} steps.')
-    # Decimal, so that 0:5:0.1 contains exactly the numbers of 0:5:1.
+        raise InputError(f'{path} is "{text}": a path has at most {_MAX_STEPS:,} steps.')
+    step = step.copy_sign(stop - start)
+    # Decimal, so that 0:5:0.1 holds exactly the numbers that 0:5:1 holds.
     return [float(start + step * index) for index in range(int(steps) + 1)]
 
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,16 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.design.geometry import Geometry, GeometryJacobian
 from flexor.errors import InputError
-from flexor.model.follow import follow
+from flexor.model.follow import follow as follow_loads
+from flexor.model.follow import follow_branch
 from flexor.model.geometry import DesignSpace, checked_geometry, slot_jacobian, slot_values
 from flexor.model.loads import Forces, loads
 from flexor.model.lowering import lower
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile, Rod
+from flexor.model.start import Start, coordinates, read_start
+from flexor.model.validation import describe
 
 Array = NDArray[np.float64]
 Force = Forces | Mapping[str, Forces]
@@ -48,6 +52,10 @@ class Model:
             self.engine = _engine.Model(self._description)
         except ValueError as error:
             raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
+        try:
+            self._start = Start(coordinates(file.start, self)) if file.start else None
+        except InputError as error:
+            raise InputError(f"{source or file.name}: {error}") from None
 
     def __reduce__(self) -> tuple[Callable[[str, str], Model], tuple[str, str]]:
         # A few kilobytes of text, from which another process builds its own engine.
@@ -78,8 +86,11 @@ class Model:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of its description for the engine, the same for the same mechanics."""
-        return hashlib.sha256(self._description.encode()).hexdigest()
+        """SHA-256 of its description for the engine, the same for the same mechanics and start."""
+        found = hashlib.sha256(self._description.encode())
+        if self._start is not None:
+            found.update(self._start.q.tobytes())
+        return found.hexdigest()
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -207,6 +218,7 @@ class Model:
         threads: int = 0,
         *,
         gradient: bool = False,
+        start: Any = None,
         **options: float,
     ) -> Paths:
         """Follow the equilibria of many designs, in parallel.
@@ -226,6 +238,8 @@ class Model:
             Whether to differentiate the joints' coordinates and the tip force at the last step,
             exactly, with respect to the geometry: `Paths.gradient` and `Paths.regularity`, and
             `Paths.chained` with respect to the parameters of a set.
+        start
+            As for `equilibrium`.
         **options
             Settings of the engine's solver.
 
@@ -235,21 +249,40 @@ class Model:
             If forces, geometry or options cannot be used.
         """
         batch = checked_geometry(self.file, self.design.rod, geometry)
-        return follow(self, batch, self._loads(force), threads, options, gradient)
+        begin = self._begin(start)
+        loads = self._loads(force)
+        return follow_loads(self, batch, loads, threads, options, gradient, begin)
 
     def equilibrium(
-        self, force: Force | None = None, design: Geometry | None = None, **options: float
+        self,
+        force: Force | None = None,
+        design: Geometry | None = None,
+        *,
+        start: Any = None,
+        follow: Literal["load", "arc-length"] = "load",
+        **options: float,
     ) -> Path:
-        """Follow the equilibrium (9) from rest through the given loads.
+        """Follow the equilibrium (9) through the given loads.
 
         Parameters
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input; the steps to the file's evaluation force unless given. The path starts
-            without load even if its first force is not zero.
+            of the input; the steps to the file's evaluation force unless given. They may rise,
+            fall and be negative. The path starts without load even if its first force is not zero.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
+        start
+            Where the path begins: a `State` or a `Path` (its last step), under the loads of that
+            state; the name of a file that ``flexor simulate --json`` printed, likewise; or, without
+            load, coordinates by name such as ``{"ph_1": "20 deg", "exosuit.bend_y": "90 deg"}``.
+            The file's ``[start]`` unless given, and otherwise the reference state. The path's first
+            equilibrium is the one that the energy leads to from there.
+        follow
+            ``"load"`` follows stable equilibria from load to load and jumps where they end.
+            ``"arc-length"`` follows one branch through its limit points, stable or not, until it
+            reaches the last load: the steps of the path are the points it takes, limit points and
+            all equilibria at the given loads among them, with the loads found there.
         **options
             Settings of the engine's solver.
 
@@ -261,7 +294,15 @@ class Model:
         batch = None if design is None else checked_geometry(self.file, self.design.rod, design)
         if batch is not None and len(batch) != 1:
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
-        return follow(self, batch, self._loads(force), 1, options)[0]
+        begin, loads = self._begin(start), self._loads(force)
+        if follow == "arc-length":
+            return follow_branch(self, batch, loads, options, begin)[0]
+        if follow != "load":
+            raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
+        return follow_loads(self, batch, loads, 1, options, start=begin)[0]
+
+    def _begin(self, start: Any) -> Start | None:
+        return self._start if start is None else read_start(start, self)
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:

@@ -251,7 +251,8 @@ class Path(Results):
     axes: ClassVar[str] = "s"
 
     def __repr__(self) -> str:
-        worst = next((word for word in self.status if word != "converged"), "")
+        failed = self.status[~self.converged]
+        worst = failed[0] if len(failed) else ""
         ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
         steps = f"{len(self)} steps to {self.force[-1]:g} N"
@@ -290,8 +291,9 @@ class Path(Results):
         dict
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
-            ``tip_force`` [N] and ``events`` (those on the way to the step); a number that does not
-            exist is None.
+            ``tip_force`` [N], ``events`` (those on the way to the step), and ``q``, the generalized
+            coordinates by which another path can start there, with their names ``coordinates``; a
+            number that does not exist is None.
         """
         inputs = self.model.inputs
         several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
@@ -314,6 +316,8 @@ class Path(Results):
             "contacts": self.touching.tolist(),
             "tip_force": _plain(self.tip_force),
             "events": by_step,
+            "coordinates": self.model.engine.coordinates,
+            "q": _plain(self.q),
         }
 
 

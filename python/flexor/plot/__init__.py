@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexor.plot.designs_figure import Design, draw_designs
+from flexor.plot.history import read_history
 from flexor.plot.landscape_figure import draw_landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import draw_profiles
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
     from flexor.study.comparison import MethodComparison
     from flexor.study.landscape import Landscape, SearchPath
 
+MOST_SCENES = 12
+
 __all__ = ["designs", "landscape", "path", "profiles", "save", "writable"]
 
 
@@ -39,10 +44,19 @@ def path(path: Path) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One column wide; bodies are coloured by load, arrows are contact forces.
+        One column wide; bodies are coloured by load, arrows are contact forces. Where loads fall or
+        not all states are stable, a panel below shows the joint angles over the load, with arrows
+        along the path and dashes where it is not stable.
     """
-    scenes = [read_scene(path, step) for step in range(len(path))]
-    return draw_path(scenes, path.force, planar_model=path.model.planar)
+    history = read_history(path)
+    steps = range(len(path))
+    if history is not None:
+        # The panel has every step; in the scene, so many would hide one another.
+        found = np.flatnonzero(path.converged)
+        steps = found[np.unique(np.linspace(0, len(found) - 1, MOST_SCENES).round().astype(int))]
+    scenes = [read_scene(path, int(step)) for step in steps]
+    planar_model = path.model.planar
+    return draw_path(scenes, path.force[list(steps)], planar_model=planar_model, history=history)
 
 
 def designs(

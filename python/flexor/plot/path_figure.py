@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexor.plot import arrows, planar, spatial
+from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene
 from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
 
@@ -18,10 +19,17 @@ if TYPE_CHECKING:
 
 MAX_LEGEND_ENTRIES = 12
 MAX_LEGEND_COLUMNS = 6
+# Height of the panel [in].
+PANEL = 2.6
 
 
 def draw_path(
-    scenes: Sequence[Scene], loads: ArrayLike, *, planar_model: bool, load_unit: str = "N"
+    scenes: Sequence[Scene],
+    loads: ArrayLike,
+    *,
+    planar_model: bool,
+    load_unit: str = "N",
+    history: History | None = None,
 ) -> Figure:
     """Draw a model at every load step, to scale.
 
@@ -35,6 +43,8 @@ def draw_path(
         Draw in the x-z plane; otherwise in 3-D.
     load_unit : str
         Unit of the loads.
+    history : History, optional
+        What a panel below shows over the load.
 
     Returns
     -------
@@ -48,8 +58,10 @@ def draw_path(
     cm_per_newton, key = arrows.scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
+        grid = figure.add_gridspec(1 if history is None else 2, 1)
+        place = grid[0]
         if planar_model:
-            axes = figure.add_subplot()
+            axes = figure.add_subplot(place)
             planar.frame_axes(axes, scenes, with_key=key > 0.0)
             figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
@@ -58,13 +70,18 @@ def draw_path(
             if key:
                 planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
         else:
-            space = figure.add_subplot(projection="3d", computed_zorder=False)
+            space = figure.add_subplot(place, projection="3d", computed_zorder=False)
             spatial.frame_axes(space, scenes)
             for scene, colour in zip(scenes, colours, strict=True):
                 spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
                 spatial.draw_contact_forces(
                     space, scene, cm_per_newton=cm_per_newton, colour=colour
                 )
+        if history is not None:
+            draw_history(figure.add_subplot(grid[1]), history, load_unit)
+            height = figure.get_figheight()
+            grid.set_height_ratios((height, PANEL))
+            figure.set_figheight(height + PANEL)
         _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
     return figure
 
@@ -94,7 +111,7 @@ def _load_handles(
     every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
-        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:g} {unit}")
+        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} {unit}")
         for i in chosen
     ]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,9 +152,8 @@ class Problem:
 
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
-        return self.model.equilibrium(
-            self.force, design=self.geometry(design[None, :]), **self.options
-        )
+        options: dict[str, Any] = dict(self.options)
+        return self.model.equilibrium(self.force, design=self.geometry(design[None, :]), **options)
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""

@@ -1,0 +1,71 @@
+//! One branch followed by arc length: as many points as it takes.
+
+use crate::equilibrium::{Continuation, ContinuationOptions, Event, PathSink, StepReport, System};
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// The points of a branch: row-major arrays.
+#[derive(Clone, Debug, Default)]
+pub struct Branch {
+    /// Load of each point.
+    pub loads: Vec<f64>,
+    /// State of each point.
+    pub q: Vec<f64>,
+    /// Status codes.
+    pub status: Vec<u8>,
+    /// Iterations used.
+    pub iterations: Vec<u32>,
+    /// Largest dimensionless residuals.
+    pub residual: Vec<f64>,
+    /// Π [J].
+    pub energy: Vec<f64>,
+    /// Touching sphere pairs.
+    pub pairs: Vec<u32>,
+    /// Spheres of first groups that touch.
+    pub touching: Vec<u32>,
+    /// Resultant contact force on the tip spheres [N].
+    pub tip_force: Vec<f64>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Branch {
+    fn step(&mut self, _index: usize, report: StepReport, system: &System<G, D, P>) {
+        let found = report.status.is_equilibrium();
+        let contact = system.data().contact_summary(system.model());
+        let (pairs, touching, tip_force) =
+            if found { (contact.pairs, contact.touching, contact.tip_force) } else { (0, 0, 0.0) };
+        let number = |x: f64| if found { x } else { f64::NAN };
+        self.loads.extend_from_slice(system.load());
+        self.q.extend(report.q.iter().map(|x| number(*x)));
+        self.status.push(report.status as u8);
+        self.iterations.push(report.iterations as u32);
+        self.residual.push(number(report.accuracy.residual));
+        self.energy.push(number(system.data().energy()));
+        self.pairs.push(pairs);
+        self.touching.push(touching);
+        self.tip_force.push(tip_force);
+    }
+
+    fn event(&mut self, _event: Event) {}
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
+    /// Follows the branch from `start` at the first load to the last by arc length; `None` when the
+    /// parameters are not admissible.
+    ///
+    /// # Panics
+    /// If a length does not fit.
+    pub fn follow_branch(
+        &self,
+        parameters: &[f64],
+        loads: &[&[f64]],
+        start: &[f64],
+        options: ContinuationOptions,
+    ) -> Option<Branch> {
+        let mut path = Continuation::new(self, options);
+        let mut branch = Branch::default();
+        path.set_parameters(parameters).then(|| {
+            path.follow_arc(loads, start, &mut branch);
+            branch
+        })
+    }
+}

@@ -1,0 +1,427 @@
+//! Continuation by arc length: a branch is followed through its limit points, stable or not.
+//!
+//! Between two listed loads the load is u₀ + μ du with μ unknown. From a point of the branch the next
+//! one is sought on the hyperplane across its tangent, a step further on; see [`Bordered`]. Lengths are
+//! ‖x‖² + w² μ², with x the dimensionless coordinates and w how far the whole change of load would move
+//! them at first, so that neither depends on the units of the other.
+
+use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed, weighted_dot};
+use super::continuation::Continuation;
+use super::options::{ArcLengthOptions, ContinuationOptions};
+use super::path::{PathSink, StepReport};
+use super::stability::Stability;
+use super::status::Status;
+use super::system::{Accuracy, System};
+use super::vector::{max_norm, norm};
+use crate::lie::LieGroup;
+
+/// A point of the branch.
+#[derive(Clone, Debug)]
+struct Point {
+    q: Vec<f64>,
+    multiplier: f64,
+    /// Unit vector along the branch: dimensionless coordinates, then the multiplier.
+    tangent: Vec<f64>,
+}
+
+/// A straight run of loads, from u₀ on.
+struct Run<'a> {
+    start: Vec<f64>,
+    /// du, to the last load.
+    rate: Vec<f64>,
+    /// Where on it the listed loads are, the last one at 1.
+    listed: Vec<f64>,
+    target: &'a [f64],
+}
+
+/// Follows one run.
+struct ArcLength<'s, 'm, G, const D: usize, const P: usize> {
+    system: &'s mut System<'m, G, D, P>,
+    bordered: Bordered,
+    options: ArcLengthOptions,
+    max_iterations: usize,
+    target: BorderedTarget,
+    rate: &'s [f64],
+    /// w.
+    weight: f64,
+    plane: Hyperplane,
+}
+
+impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
+    /// Solves at `loads[0]` from the state `q0` and follows the branch by arc length to the last load.
+    ///
+    /// Every point of the branch gets a report, at the load that was found there: points as they are
+    /// needed to follow it, limit points, and all points at listed loads. A start that is an
+    /// equilibrium is kept even if it is not stable. After a failure there is one more report, of the
+    /// load that was not reached.
+    ///
+    /// # Panics
+    /// If a load or `q0` has the wrong length.
+    pub fn follow_arc(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
+        let Some(first) = loads.first() else { return };
+        let mut reports = Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, sink };
+        self.system.set_load(first);
+        let status = self.start_branch(q0);
+        reports.report(&self.system, status);
+        if !status.is_equilibrium() {
+            return;
+        }
+        for run in runs(loads) {
+            let mut arc = ArcLength::new(&mut self.system, &self.options, &run);
+            if let Err(status) = arc.follow(&run, &mut reports) {
+                self.system.set_load(run.target);
+                reports.report(&self.system, status);
+                return;
+            }
+        }
+    }
+
+    /// An equilibrium at the load at hand: `q0` itself, whatever its stability, or a stable one near it.
+    fn start_branch(&mut self, q0: &[f64]) -> Status {
+        self.system.set_state(q0);
+        if self.system.evaluate() <= self.options.arc_length.start_residual {
+            let load = self.system.load().to_vec();
+            let mut bordered = Bordered::new(q0.len(), load.len(), 0);
+            bordered.set_base_load(&load);
+            if bordered.solve(&mut self.system, &[], target(&self.options)) {
+                return stability(&mut self.system, &bordered);
+            }
+            self.system.set_state(q0);
+        }
+        self.find_stable(self.options.trust_region.initial_radius, 0.0)
+    }
+}
+
+fn target(options: &ContinuationOptions) -> BorderedTarget {
+    BorderedTarget {
+        tolerance: options.tolerance,
+        negligible_step: options.arc_length.rounding_step,
+        max_iterations: options.arc_length.max_iterations,
+    }
+}
+
+/// Whether the equilibrium at hand is stable under its load.
+fn stability<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    system: &mut System<G, D, P>,
+    bordered: &Bordered,
+) -> Status {
+    let symmetric = system.is_conservative();
+    let stable =
+        if symmetric { system.factorise(0.0) } else { bordered.negative_directions(false, &[]) == Some(0) };
+    if stable { Status::Converged } else { Status::Unstable }
+}
+
+/// Splits listed loads into straight runs.
+fn runs<'a>(loads: &[&'a [f64]]) -> Vec<Run<'a>> {
+    let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { b.iter().zip(a).map(|(b, a)| b - a).collect() };
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
+    let mut runs: Vec<Run> = vec![];
+    for pair in loads.windows(2) {
+        let [before, after] = [pair[0], pair[1]];
+        let change = difference(before, after);
+        if length(&change) == 0.0 {
+            continue;
+        }
+        if let Some(run) = runs.last_mut() {
+            let along = run.rate.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>();
+            if along > 0.0 && along * along > (1.0 - 1e-12) * length(&run.rate) * length(&change) {
+                let whole = difference(&run.start, after);
+                let ratio = (length(&run.rate) / length(&whole)).sqrt();
+                run.listed.iter_mut().for_each(|l| *l *= ratio);
+                run.listed.push(1.0);
+                (run.rate, run.target) = (whole, after);
+                continue;
+            }
+        }
+        runs.push(Run { start: before.to_vec(), rate: change, listed: vec![0.0, 1.0], target: after });
+    }
+    runs
+}
+
+/// Hands points on to the sink.
+struct Reports<'s, S> {
+    /// Largest residual of a point.
+    tolerance: f64,
+    index: usize,
+    iterations: usize,
+    sink: &'s mut S,
+}
+
+impl<S> Reports<'_, S> {
+    fn report<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &System<G, D, P>,
+        status: Status,
+    ) where
+        S: PathSink<G, D, P>,
+    {
+        let iterations = system.iterations() - self.iterations;
+        let residual = max_norm(system.residual());
+        let accuracy = Accuracy { residual, tolerance: self.tolerance };
+        let stability = match status {
+            Status::Converged => Stability::Stable,
+            Status::Unstable => Stability::Unstable,
+            _ => Stability::Unknown,
+        };
+        let q = system.state();
+        let report = StepReport { status, q, iterations, stability, accuracy, free: &[] };
+        self.sink.step(self.index, report, system);
+        self.index += 1;
+        self.iterations = system.iterations();
+    }
+}
+
+impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm, G, D, P> {
+    /// From the equilibrium that the system holds at the beginning of the run.
+    fn new(system: &'s mut System<'m, G, D, P>, options: &ContinuationOptions, run: &'s Run) -> Self {
+        let (n, inputs) = (system.state().len(), system.load().len());
+        let mut bordered = Bordered::new(n, inputs, 1);
+        bordered.set_base_load(&run.start);
+        Self {
+            system,
+            bordered,
+            options: options.arc_length,
+            max_iterations: options.max_iterations,
+            target: target(options),
+            rate: &run.rate,
+            weight: 1.0,
+            plane: Hyperplane { origin: vec![0.0; n], normal: vec![0.0; n], ..Hyperplane::default() },
+        }
+    }
+
+    /// Follows the run to its last load.
+    fn follow<S: PathSink<G, D, P>>(&mut self, run: &Run, reports: &mut Reports<S>) -> Result<(), Status> {
+        let first = self.system.iterations();
+        let mut here = self.first_point();
+        // The step whose load would be the first listed one.
+        let begin = run.listed[1] / here.tangent[here.q.len()];
+        let mut length = begin;
+        loop {
+            if self.system.iterations() - first > self.max_iterations {
+                return Err(Status::IterationLimit);
+            }
+            let Some(next) = self.step(&here, length, begin) else {
+                length *= 0.5;
+                if !(length > self.options.min_step * begin) {
+                    return Err(Status::Stalled);
+                }
+                continue;
+            };
+            if let Some(limit) = self.limit_point(&here, &next, length) {
+                if self.report_listed(run, &here, &limit, reports)? {
+                    return Ok(());
+                }
+                self.go_to(&limit);
+                // There the tangent is singular.
+                reports.report(self.system, Status::Unstable);
+                if self.report_listed(run, &limit, &next, reports)? {
+                    return Ok(());
+                }
+            } else if self.report_listed(run, &here, &next, reports)? {
+                return Ok(());
+            }
+            self.go_to(&next);
+            let status = stability(self.system, &self.bordered);
+            reports.report(self.system, status);
+            length *= (self.options.turn / self.angle(&here, &next)).clamp(0.5, 2.0);
+            here = next;
+        }
+    }
+
+    /// The point at the beginning of the run, directed towards its end.
+    fn first_point(&mut self) -> Point {
+        let n = self.system.state().len();
+        let q = self.system.state().to_vec();
+        self.bordered.multipliers[0] = 0.0;
+        let border = Border { constraint: &Prescribed(0.0), multiplier: Multiplier::Load(self.rate) };
+        self.bordered.solve(self.system, &[border], self.target);
+        let mut tangent = vec![0.0; n + 1];
+        tangent[n] = 1.0;
+        self.bordered.solve_step(&mut tangent);
+        let moved = norm(&tangent[..n]);
+        self.weight = if moved.is_finite() && moved > 0.0 { moved } else { 1.0 };
+        self.normalise(&mut tangent);
+        Point { q, multiplier: 0.0, tangent }
+    }
+
+    /// The point of the branch one step further on; `None` where none is found that belongs to it.
+    fn step(&mut self, here: &Point, length: f64, begin: f64) -> Option<Point> {
+        let ahead: Vec<f64> = here.tangent.iter().map(|t| length * t).collect();
+        let next = self.solve_at(here, length, &ahead)?;
+        let turn = self.angle(here, &next);
+        // A corner stays one however short the step is.
+        (turn <= self.options.max_turn || length <= self.options.corner_step * begin).then_some(next)
+    }
+
+    /// The point on the plane `distance` along the tangent of `here`, sought from `ahead` of it.
+    fn solve_at(&mut self, here: &Point, distance: f64, ahead: &[f64]) -> Option<Point> {
+        let n = here.q.len();
+        let units = self.system.units();
+        for (normal, (t, u)) in self.plane.normal.iter_mut().zip(here.tangent.iter().zip(units)) {
+            *normal = t / u;
+        }
+        self.plane.along_multiplier = self.weight * self.weight * here.tangent[n];
+        self.plane.origin.copy_from_slice(&here.q);
+        self.plane.multiplier = here.multiplier;
+        self.plane.distance = distance;
+        self.system.advance_from(&here.q, &ahead[..n], 1.0);
+        self.bordered.multipliers[0] = here.multiplier + ahead[n];
+        let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
+        if !self.bordered.solve(self.system, &[border], self.target) {
+            return None;
+        }
+        let mut tangent = vec![0.0; n + 1];
+        tangent[n] = 1.0;
+        if !self.bordered.solve_step(&mut tangent) {
+            return None;
+        }
+        self.normalise(&mut tangent);
+        let multiplier = self.bordered.multipliers[0];
+        let mut moved = vec![0.0; n + 1];
+        self.system.displacement(&here.q, &mut moved[..n]);
+        moved[n] = multiplier - here.multiplier;
+        let reach = weighted_dot(&moved, &moved, self.weight).sqrt();
+        // Further aside than it is ahead: another branch.
+        let found = Point { q: self.system.state().to_vec(), multiplier, tangent };
+        (reach <= self.options.max_reach * distance).then_some(found)
+    }
+
+    fn normalise(&self, tangent: &mut [f64]) {
+        let length = weighted_dot(tangent, tangent, self.weight).sqrt();
+        tangent.iter_mut().for_each(|t| *t /= length);
+    }
+
+    /// By how much the branch turns from one point to another.
+    fn angle(&self, here: &Point, next: &Point) -> f64 {
+        // Between unit vectors, exact for small angles.
+        let gap: Vec<f64> = here.tangent.iter().zip(&next.tangent).map(|(a, b)| a - b).collect();
+        2.0 * (0.5 * weighted_dot(&gap, &gap, self.weight).sqrt()).min(1.0).asin()
+    }
+
+    /// The limit point on a step of this length, if there is one.
+    fn limit_point(&mut self, here: &Point, next: &Point, length: f64) -> Option<Point> {
+        let (along, weight) = (here.q.len(), self.weight);
+        if here.tangent[along] * next.tangent[along] >= 0.0 {
+            return None;
+        }
+        self.locate(here, next, length, |point| weight * point.tangent[along])
+    }
+
+    /// Where on a step a function changes its sign (regula falsi, Illinois).
+    fn locate(
+        &mut self,
+        here: &Point,
+        next: &Point,
+        length: f64,
+        f: impl Fn(&Point) -> f64,
+    ) -> Option<Point> {
+        let (mut low, mut high) = (0.0, length);
+        let (mut f_low, mut f_high) = (f(here), f(next));
+        let cubic = self.cubic(here, next);
+        let (mut last, mut found) = (0.0, None);
+        for _ in 0..self.options.max_locating {
+            let at = (low * f_high - high * f_low) / (f_high - f_low);
+            let point = self.solve_at(here, at, &cubic.at(at / length))?;
+            let value = f(&point);
+            found = Some(point);
+            if value.abs() <= self.options.located || high - low <= self.options.located * length {
+                break;
+            }
+            let twice = if last * value > 0.0 { 0.5 } else { 1.0 };
+            if value * f_low > 0.0 {
+                (low, f_low) = (at, value);
+                f_high *= twice;
+            } else {
+                (high, f_high) = (at, value);
+                f_low *= twice;
+            }
+            last = value;
+        }
+        found
+    }
+
+    /// The cubic from one point to another with the tangents there.
+    fn cubic(&self, from: &Point, to: &Point) -> Cubic {
+        let moved = from.q.iter().zip(&to.q).zip(self.system.units()).map(|((a, b), u)| (b - a) / u);
+        let chord: Vec<f64> = moved.chain([to.multiplier - from.multiplier]).collect();
+        let length = weighted_dot(&chord, &chord, self.weight).sqrt();
+        let slope = |p: &Point| p.tangent.iter().map(|t| length * t).collect();
+        Cubic { slopes: [slope(from), slope(to)], chord }
+    }
+
+    /// Reports the equilibria at listed loads between two points; whether the last load is reached.
+    fn report_listed<S: PathSink<G, D, P>>(
+        &mut self,
+        run: &Run,
+        from: &Point,
+        to: &Point,
+        reports: &mut Reports<S>,
+    ) -> Result<bool, Status> {
+        let (a, b) = (from.multiplier, to.multiplier);
+        let passed = |l: &f64| (l - a) * (l - b) < 0.0 || (b == 1.0 && *l == 1.0);
+        let mut between: Vec<f64> = run.listed.iter().copied().filter(passed).collect();
+        if b < a {
+            between.reverse();
+        }
+        for listed in between {
+            let found = self.solve_listed(run, from, to, listed);
+            if found {
+                let status = stability(self.system, &self.bordered);
+                reports.report(self.system, status);
+            }
+            if listed == 1.0 {
+                return if found { Ok(true) } else { Err(Status::Stalled) };
+            }
+        }
+        Ok(false)
+    }
+
+    /// Solves at a listed load, from the cubic between two points of the branch.
+    fn solve_listed(&mut self, run: &Run, from: &Point, to: &Point, listed: f64) -> bool {
+        let n = from.q.len();
+        let cubic = self.cubic(from, to);
+        let (mut low, mut high) = (0.0, 1.0);
+        while high - low > self.options.located {
+            let middle = 0.5 * (low + high);
+            let short = (from.multiplier + cubic.component(middle, n) < listed) == (cubic.chord[n] > 0.0);
+            if short { low = middle } else { high = middle }
+        }
+        self.system.advance_from(&from.q, &cubic.at(low)[..n], 1.0);
+        self.bordered.multipliers[0] = listed;
+        let border = Border { constraint: &Prescribed(listed), multiplier: Multiplier::Load(self.rate) };
+        let found = self.bordered.solve(self.system, &[border], self.target);
+        if found && listed == 1.0 {
+            // To the bit the load that was listed.
+            self.system.set_load(run.target);
+        }
+        found
+    }
+
+    /// Goes back to a point that was solved.
+    fn go_to(&mut self, point: &Point) {
+        if self.system.state() != point.q {
+            self.system.set_state(&point.q);
+            self.bordered.multipliers[0] = point.multiplier;
+            let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
+            self.bordered.visit(self.system, &[border]);
+        }
+    }
+}
+
+/// A cubic from one point to another, as the displacement from the first.
+struct Cubic {
+    chord: Vec<f64>,
+    slopes: [Vec<f64>; 2],
+}
+
+impl Cubic {
+    fn component(&self, s: f64, i: usize) -> f64 {
+        let (s2, s3) = (s * s, s * s * s);
+        let [first, last] = &self.slopes;
+        (3.0 * s2 - 2.0 * s3) * self.chord[i] + (s - 2.0 * s2 + s3) * first[i] + (s3 - s2) * last[i]
+    }
+
+    fn at(&self, s: f64) -> Vec<f64> {
+        (0..self.chord.len()).map(|i| self.component(s, i)).collect()
+    }
+}

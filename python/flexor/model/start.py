@@ -1,0 +1,206 @@
+"""The state in which a path begins: coordinates by name, a state found before, or a file of one."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import PydanticCustomError
+
+from flexor.errors import InputError, unknown
+from flexor.model.schema import Rod
+from flexor.model.schema.strain import GLOBAL
+from flexor.model.units import ANGLE, LENGTH, Dimension
+from flexor.model.validation import describe
+
+if TYPE_CHECKING:
+    from flexor.model.structure import Structure
+
+Array = NDArray[np.float64]
+Coordinates = Mapping[str, "str | float | Mapping[str, str | float]"]
+StartLike = "Coordinates | State | Path | str | os.PathLike[str]"
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a path begins.
+
+    Attributes
+    ----------
+    q : (dof,) array
+        Generalized coordinates.
+    load : (inputs,) array or None
+        Loads of that state [N]; None for a posture without load.
+    """
+
+    q: Array
+    load: Array | None = None
+
+
+def read_start(given: Any, model: Structure) -> Start:
+    """Read where a path is to begin.
+
+    Parameters
+    ----------
+    given
+        Coordinates by name (see `coordinates`), a `State`, a `Path` (its last step), or the name of
+        a file that holds what ``flexor simulate --json`` prints (its last equilibrium).
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is of another model.
+    """
+    if isinstance(given, Mapping):
+        return Start(coordinates(given, model))
+    if isinstance(given, (str, os.PathLike)):
+        return _from_file(FilePath(given), model)
+    q, loads = (getattr(given, name, None) for name in ("q", "loads"))
+    if not isinstance(q, np.ndarray) or not isinstance(loads, np.ndarray) or q.ndim > 2:
+        raise InputError(
+            f"start is {describe(given)}: a table of coordinates, a State, a Path or the name of a "
+            "file is needed."
+        )
+    if q.ndim == 2:
+        q, loads = q[-1], loads[-1]
+    return _checked(q, loads, model, "start")
+
+
+def coordinates(given: Coordinates, model: Structure, path: str = "start") -> Array:
+    """Place named coordinates among all, which are zero otherwise.
+
+    Parameters
+    ----------
+    given
+        Values by name: a joint's coordinate (``"hand.theta_x"``, or the body's name alone where
+        its joint has one), all of a rod's strain (``"rod.bend_y"``, the same along the rod) or one
+        coordinate of it (``"rod.bend_y[3]"``); tables within the table are bodies. Angles and
+        lengths are texts with units, or SI numbers; bending and twist are angles between the rod's
+        ends, extension and shear plain numbers.
+    model
+        The model.
+    path
+        What to call it in messages.
+
+    Returns
+    -------
+    (dof,) array
+        Generalized coordinates.
+
+    Raises
+    ------
+    InputError
+        If a name is not known or a value is none of its kind.
+    """
+    names = model.engine.coordinates
+    units = {joint["name"]: joint["unit"] for joint in model.engine.joints}
+    places = {name: [index] for index, name in enumerate(names)}
+    for joint in model.engine.joints:
+        places.setdefault(joint["body"], []).append(joint["coordinate"])
+    for body, table in model.file.bodies.items():
+        if not isinstance(table, Rod):
+            continue
+        for mode, basis in table.strain.modes.items():
+            stem = f"{body}.{mode}"
+            own = [index for index, name in enumerate(names) if name.startswith(f"{stem}[")]
+            # Constant along the rod: the first polynomial; the values, not the slopes; all nodes.
+            every = 2 if basis.basis == "hermite" else 1
+            places[stem] = own[:1] if basis.basis in GLOBAL else own[::every]
+    q = np.zeros(len(names))
+    for name, value in _flat(given):
+        if name not in places:
+            raise unknown("coordinate", name, _offered(names, places))
+        if len(places[name]) > 1 and name in model.file.bodies:
+            several = ", ".join(f'"{names[index]}"' for index in places[name])
+            raise InputError(
+                f'{path} has "{name}", whose joint has several coordinates: {several}.'
+            )
+        unit = units.get(names[places[name][0]], "")
+        if not unit and any(f".{mode}" in name for mode in ("bend", "twist")):
+            unit = "rad"
+        q[places[name]] = _value(value, unit, f"{path}.{name}")
+    return q
+
+
+def _flat(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in given.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{name}.{inner}", each) for inner, each in value.items())
+        else:
+            yield str(name), value
+
+
+def _offered(names: list[str], places: Mapping[str, list[int]]) -> list[str]:
+    return [name for name in dict.fromkeys([*places, *names]) if "[" not in name]
+
+
+def _value(value: Any, unit: str, path: str) -> float:
+    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
+        if not math.isfinite(value):
+            raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
+        return float(value)
+    dimensions: dict[str, Dimension] = {"rad": ANGLE, "m": LENGTH}
+    if unit in dimensions:
+        try:
+            return float(dimensions[unit].parse(value))
+        except PydanticCustomError as error:
+            raise InputError(f"{path} {error.message()}.") from None
+    try:
+        number = float(value) if isinstance(value, str) else math.nan
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"{path} is {describe(value)}: a strain is a plain number, such as 0.1.")
+    return number
+
+
+def _from_file(file: FilePath, model: Structure) -> Start:
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f'start is "{file}": {error.strerror or "it cannot be read"}.') from None
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict) or not {"coordinates", "q", "converged"} <= set(found):
+        raise InputError(
+            f'start is "{file}": it does not hold what "flexor simulate --json" prints.'
+        )
+    names = model.engine.coordinates
+    if found["coordinates"] != names:
+        raise InputError(
+            f'start is "{file}", whose coordinates are not those of the model "{model.name}".'
+        )
+    try:
+        step = max(step for step, good in enumerate(found["converged"]) if good is True)
+        several = (
+            found["loads"]
+            if "loads" in found
+            else {model.inputs[0]: found["force"]}
+            if (model.inputs)
+            else {}
+        )
+        load = np.array([float(several[name][step]) for name in model.inputs])
+        q = np.array(found["q"][step], dtype=np.float64)
+    except (ValueError, TypeError, KeyError, IndexError):
+        raise InputError(f'start is "{file}": there is no equilibrium in it.') from None
+    return _checked(q, load, model, f'start is "{file}", which')
+
+
+def _checked(q: Array, load: Array, model: Structure, what: str) -> Start:
+    if q.shape != (len(model.engine.coordinates),) or load.shape != (len(model.inputs),):
+        raise InputError(
+            f"{what} has {q.size} coordinates and {load.size} loads: the model "
+            f'"{model.name}" has {len(model.engine.coordinates)} and {len(model.inputs)}.'
+        )
+    if not (np.isfinite(q).all() and np.isfinite(load).all()):
+        raise InputError(f"{what} has no equilibrium in that step.")
+    return Start(q, load)

@@ -1,0 +1,112 @@
+"""The panel that shows a path with a history: what bends against the load, there and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor.plot.style import LINE, shades
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexor.model import Path
+
+Array = NDArray[np.float64]
+_MOST_ARROWS = 10
+
+
+@dataclass(frozen=True)
+class History:
+    """What to draw of a path that returns, or that is not stable throughout.
+
+    Attributes
+    ----------
+    loads : ndarray, shape (s,)
+        Load of the input that changes most [N].
+    values : ndarray, shape (s,)
+        What is shown over them.
+    label : str
+        What that is, with its unit.
+    stable : ndarray of bool, shape (s,)
+        Whether each point is stable.
+    """
+
+    loads: Array
+    values: Array
+    label: str
+    stable: NDArray[np.bool_]
+
+
+def read_history(path: Path) -> History | None:
+    """Return what the panel shows; None where loads only rise and every state is stable.
+
+    Parameters
+    ----------
+    path : Path
+        Equilibria of a design.
+    """
+    found = path.converged
+    if path.loads.shape[1] == 0 or found.sum() < 2:
+        return None
+    loads = path.loads[:, np.argmax(np.ptp(path.loads, axis=0))]
+    if (np.diff(loads) >= 0.0).all() and path.stable[found].all():
+        return None
+    angular = [path.model.joints.index(name) for name in path.model.angular_joints]
+    if angular:
+        values = np.degrees(path.joint_angles[:, angular].sum(axis=1))
+        label = "sum of joint angles / °" if len(angular) > 1 else "joint angle / °"
+    elif path.model.joints:
+        values, label = 100.0 * path.joint_angles[:, 0], f"{path.model.joints[0]} / cm"
+    else:
+        rod = path.model.rods[-1]
+        steps = np.flatnonzero(found)
+        tips = np.full((len(path), 3), np.nan)
+        for step in steps:
+            tips[step] = 100.0 * path.frames(int(step))[rod][-1, :3, 3]
+        axis = int(np.argmax(np.ptp(tips[found], axis=0)))
+        values, label = tips[:, axis], f"{rod} tip {'xyz'[axis]} / cm"
+    return History(loads[found], values[found], label, path.stable[found])
+
+
+def draw_history(axes: Axes, history: History, load_unit: str) -> None:
+    """Draw values over loads: stable parts solid, others dashed, arrows along the path.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where.
+    history : History
+        What.
+    load_unit : str
+        Of the loads.
+    """
+    loads, values, stable = history.loads, history.values, history.stable
+    colours = shades(len(loads))
+    for start, stop in zip(range(len(loads) - 1), range(1, len(loads)), strict=True):
+        held = stable[start] and stable[stop]
+        axes.plot(
+            loads[[start, stop]],
+            values[[start, stop]],
+            color=tuple(colours[stop]),
+            linestyle="-" if held else (0, (3, 2)),
+            linewidth=1.2,
+            solid_capstyle="round",
+        )
+    every = max(1, -(-(len(loads) - 1) // _MOST_ARROWS))
+    for start in range(0, len(loads) - 1, every):
+        first, last = ((loads[i], values[i]) for i in (start, start + 1))
+        if first != last:
+            middle = tuple(0.5 * (a + b) for a, b in zip(first, last, strict=True))
+            axes.annotate(
+                "", middle, first, arrowprops={"arrowstyle": "-|>", "color": LINE, "linewidth": 0.5}
+            )
+    if not stable.all():
+        axes.plot([], [], color=LINE, linewidth=1.2, linestyle=(0, (3, 2)), label="not stable")
+        axes.legend(loc="best")
+    axes.set_xlabel(f"load / {load_unit}")
+    axes.set_ylabel(history.label)
+    axes.grid(visible=True, linewidth=0.3, alpha=0.5)
