@@ -93,7 +93,6 @@ DESIGN = {"parameters": '"R01"', "design": '{ R_0 = "1 cm", R_1 = "1 cm" }'}
         (E + target(observable='"contacts"', value='"3"'), "a plain number is needed"),
         (E + target(model='"fingr"'), 'unknown model "fingr"'),
         (E + target(force='"0:10"', value='["1 rad", "2 rad"]'), "2 entries for 11 forces"),
-        (E + target(force='"5:0:1"'), "must not decrease"),
         (E + target(force='["1 rad"]'), "is not a force"),
         (E + target(weight='"strong"'), 'expected one of "hard", "soft", "held-out"'),
         (E + target(weight='"held-out"'), "held-out targets only"),

@@ -127,7 +127,6 @@ def test_ctrl_c_leaves_a_study_and_says_how_to_go_on(tmp_path) -> None:
         (["finger", "--start", "L=9 kg"], "expected a finite number in m, cm, mm"),
         (["finger", "--start", "9,1"], "needs 3 values"),
         (["finger", "--start", "M=9"], "unknown parameter"),
-        (["finger", "--force", "5,3"], "must not decrease"),
         (["finger", "--budget", "0"], "budget"),
         (["--resume", "nowhere"], "is not a study"),
         (["finger", "--resume", "a", "--out", "b"], "one of them"),

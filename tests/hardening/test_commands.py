@@ -33,10 +33,11 @@ def test_searches_tell_where_they_are(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
-    monkeypatch.setattr(progress.err, "file", io.StringIO(), raising=False)
+    shown = io.StringIO()
+    monkeypatch.setattr(progress.err, "_file", shown)  # its property would pin the stream of now
     line = progress.LiveLine("begin")
     line.show(["best 1 [red]rad", "5 designs"], 5, 10, "1 s left")
-    assert progress.err.file.getvalue() == "best 1 [red]rad · 5 designs · 1 s left\n"  # type: ignore[attr-defined]
+    assert shown.getvalue() == "best 1 [red]rad · 5 designs · 1 s left\n"
 
 
 @pytest.mark.parametrize("key", ['[["L"], "pattern-search", 0]', '["L", "x"]', '["L", "x", 1e400]'])

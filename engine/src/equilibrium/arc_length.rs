@@ -60,6 +60,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     pub fn follow_arc(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
         let Some(first) = loads.first() else { return };
         let mut reports = Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, sink };
+        self.system.set_state(q0);
+        self.system.measure_units(loads);
         self.system.set_load(first);
         let status = self.start_branch(q0);
         reports.report(&self.system, status);
