@@ -4,6 +4,7 @@
 //! machine it was built on. `flexor._dispatch` imports the one that fits.
 
 mod dispatch;
+mod error;
 mod model;
 mod options;
 mod structure;

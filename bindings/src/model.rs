@@ -1,6 +1,7 @@
 //! The class `Model`.
 
 use crate::dispatch::{AnyModel, State, Touch, on_model};
+use crate::error::value_error;
 use crate::{options, structure};
 use flexor_engine::equilibrium::{Stability, Status};
 use flexor_engine::model::{Description, Structure};
@@ -8,7 +9,6 @@ use flexor_engine::{Batch, BatchEvent};
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::HashMap;
@@ -25,21 +25,17 @@ pub struct Model {
     structure: Structure,
 }
 
-pub(crate) fn refuse<T>(sentence: impl std::fmt::Display) -> PyResult<T> {
-    Err(PyValueError::new_err(sentence.to_string()))
-}
-
 #[pymethods]
 impl Model {
     #[new]
     fn new(description: &str) -> PyResult<Self> {
         let description: Description = match serde_json::from_str(description) {
             Ok(d) => d,
-            Err(error) => return refuse(error),
+            Err(error) => return value_error(error),
         };
         match AnyModel::new(&description) {
             Ok(inner) => Ok(Self { structure: inner.structure(&description), inner }),
-            Err(error) => refuse(error),
+            Err(error) => value_error(error),
         }
     }
 
@@ -210,22 +206,22 @@ impl Model {
         let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
         let [steps, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
         if base.len() != slots {
-            return refuse(format!("base: found {} parameters, the model has {slots}", base.len()));
+            return value_error(format!("base: found {} parameters, the model has {slots}", base.len()));
         }
         if columns != varied.len() {
-            return refuse(format!("values: found {columns} columns for {} slots", varied.len()));
+            return value_error(format!("values: found {columns} columns for {} slots", varied.len()));
         }
         if let Some(i) = varied.iter().find(|i| **i >= slots) {
-            return refuse(format!("slot_indices: found {i}, the model has {slots} parameters"));
+            return value_error(format!("slot_indices: found {i}, the model has {slots} parameters"));
         }
         if let Some(i) = gradient.iter().find(|i| **i >= slots) {
-            return refuse(format!("gradient: found {i}, the model has {slots} parameters"));
+            return value_error(format!("gradient: found {i}, the model has {slots} parameters"));
         }
         if load_inputs != inputs {
-            return refuse(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
+            return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
         }
         if loads.as_array().iter().any(|u| !u.is_finite()) {
-            return refuse("loads: finite numbers are needed");
+            return value_error("loads: finite numbers are needed");
         }
         let start = self.start(start)?;
         let values: Vec<f64> = values.as_array().iter().copied().collect();
@@ -286,13 +282,16 @@ impl Model {
         let parameters = parameters.as_array().to_vec();
         let loads = loads.as_array();
         if parameters.len() != slots {
-            return refuse(format!("parameters: found {}, the model has {slots}", parameters.len()));
+            return value_error(format!("parameters: found {}, the model has {slots}", parameters.len()));
         }
         if loads.ncols() != inputs {
-            return refuse(format!("loads: found {} columns, the model has {inputs} inputs", loads.ncols()));
+            return value_error(format!(
+                "loads: found {} columns, the model has {inputs} inputs",
+                loads.ncols()
+            ));
         }
         if loads.iter().any(|u| !u.is_finite()) {
-            return refuse("loads: finite numbers are needed");
+            return value_error("loads: finite numbers are needed");
         }
         let rows: Vec<Vec<f64>> = loads.rows().into_iter().map(|row| row.to_vec()).collect();
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
@@ -300,7 +299,7 @@ impl Model {
         let options = options::read(solver_options)?;
         let found =
             py.detach(|| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options)));
-        let Some(found) = found else { return refuse("the design is not admissible") };
+        let Some(found) = found else { return value_error("the design is not admissible") };
 
         let out = PyDict::new(py);
         let points = found.status.len();
@@ -322,10 +321,14 @@ impl Model {
     fn start(&self, start: Option<Numbers<'_>>) -> PyResult<Option<Vec<f64>>> {
         let Some(start) = start.map(|q| q.as_array().to_vec()) else { return Ok(None) };
         if start.len() != self.dof() {
-            return refuse(format!("start: found {} coordinates, the model has {}", start.len(), self.dof()));
+            return value_error(format!(
+                "start: found {} coordinates, the model has {}",
+                start.len(),
+                self.dof()
+            ));
         }
         if start.iter().any(|q| !q.is_finite()) {
-            return refuse("start: finite numbers are needed");
+            return value_error("start: finite numbers are needed");
         }
         Ok(Some(start))
     }
@@ -339,7 +342,7 @@ impl Model {
             [("parameters", parameters.len(), slots), ("q", q.len(), self.dof()), ("u", load.len(), inputs)];
         for (name, found, needed) in lengths {
             if found != needed {
-                return refuse(format!("{name}: found {found} numbers, the model has {needed}"));
+                return value_error(format!("{name}: found {found} numbers, the model has {needed}"));
             }
         }
         Ok(self.inner.state(&parameters, &q, &load))

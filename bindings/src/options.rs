@@ -1,6 +1,6 @@
 //! The solver's options: what Python is told of them, and how it sets them.
 
-use crate::model::refuse;
+use crate::error::value_error;
 use flexor_engine::equilibrium::ContinuationOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -28,7 +28,7 @@ pub fn read(given: Option<&Bound<'_, PyDict>>) -> PyResult<ContinuationOptions> 
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
         if let Err(error) = options.set(&name, value.extract()?) {
-            return refuse(error);
+            return value_error(error);
         }
     }
     Ok(options)

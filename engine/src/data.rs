@@ -3,8 +3,9 @@
 use crate::assembly::Assembly;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
-use crate::forces::element::{ContactForce, State, Switch};
+use crate::forces::element::{ContactForce, Switch};
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::state::State;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};

@@ -13,7 +13,7 @@ mod motions;
 mod transmission;
 
 use crate::design::Design;
-use crate::forces::element::State;
+use crate::forces::state::State;
 use crate::forces::terms::{CoordinateTerms, FrameTerms, Terms};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};

@@ -2,7 +2,7 @@
 //! curvature of each frame's motion.
 
 use super::Assembly;
-use crate::forces::element::State;
+use crate::forces::state::State;
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 

@@ -1,7 +1,7 @@
 //! Jacobian products: rates of the coordinates to twists of frames, wrenches to generalised forces.
 
 use super::Assembly;
-use crate::forces::element::State;
+use crate::forces::state::State;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;

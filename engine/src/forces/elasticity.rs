@@ -1,7 +1,8 @@
 //! Elasticity of rods: ½ qᵀ K q, with K from the section stiffness by Gauss quadrature.
 
-use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;

@@ -1,43 +1,13 @@
 //! What the rest of the engine asks of a force.
 
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
-use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tree::Tree;
 use std::fmt::Debug;
-
-/// A state under load.
-#[derive(Debug)]
-pub(crate) struct State<'a, G, const D: usize, const P: usize> {
-    pub tree: &'a Tree<G, D, P>,
-    pub geometry: &'a Geometry<G, D, P>,
-    pub kinematics: &'a Kinematics<G, D, P>,
-    pub q: &'a [f64],
-    pub load: &'a [f64],
-}
-
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> State<'_, G, D, P> {
-    /// The parameters of the design.
-    #[inline]
-    pub fn parameters(&self) -> &[f64] {
-        &self.geometry.parameters
-    }
-
-    /// World position of a point.
-    #[inline]
-    pub fn point(&self, point: usize) -> &Vector<P> {
-        &self.kinematics.points[point]
-    }
-
-    /// The frame that carries a point.
-    #[inline]
-    pub fn frame(&self, point: usize) -> usize {
-        self.tree.points[point].frame
-    }
-}
 
 /// Velocities of everything on the tree: under a virtual motion, or as a parameter changes.
 #[derive(Clone, Copy, Debug)]

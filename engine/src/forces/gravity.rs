@@ -1,7 +1,8 @@
 //! Gravity on the masses of rods (at Gauss points) and links (at centroids): −m g·r.
 
-use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;

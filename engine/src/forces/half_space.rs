@@ -3,8 +3,9 @@
 //! A round cone, the convex hull of two spheres, is deepest in a plane at one of them; so spheres
 //! suffice for groups of round cones, too.
 
-use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;

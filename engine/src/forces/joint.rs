@@ -5,8 +5,9 @@
 //! widths, it stiffens again by k d⁴/(12 w²), so that no load passes a limit by much. V is twice
 //! continuously differentiable, so Newton sees no jump in the tangent, and a limit is no switch.
 
-use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;

@@ -1,6 +1,6 @@
 //! How large the forces are that act on each coordinate, before they balance one another.
 
-use super::element::State;
+use super::state::State;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 

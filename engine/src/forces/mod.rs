@@ -13,5 +13,6 @@ pub(crate) mod half_space;
 pub(crate) mod joint;
 pub(crate) mod magnitudes;
 pub(crate) mod spring;
+pub(crate) mod state;
 pub(crate) mod terms;
 pub(crate) mod wrench;

@@ -1,7 +1,8 @@
 //! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
 
-use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;

@@ -3,8 +3,9 @@
 //! A dead force has the potential −f·p. For the rest the generalised force is −Jᵀw all the same, and
 //! the tangent gains the antisymmetric part ∓½ Jᵀ M(w) J that no potential can give.
 
-use super::element::{ForceElement, ForceMemory, State, Velocities, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;

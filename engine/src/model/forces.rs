@@ -4,14 +4,13 @@ use super::description::Description;
 use crate::forces::actuator::Actuators;
 use crate::forces::contact::Contacts;
 use crate::forces::elasticity::Elasticity;
-use crate::forces::element::{
-    ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion,
-};
+use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::gravity::Gravity;
 use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::spring::Springs;
+use crate::forces::state::State;
 use crate::forces::terms::Terms;
 use crate::forces::wrench::Wrenches;
 use crate::geometry::Geometry;

@@ -5,8 +5,9 @@
 
 mod path;
 
-use super::element::{ForceElement, ForceMemory, State, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;

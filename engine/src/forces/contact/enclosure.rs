@@ -1,6 +1,6 @@
 //! Balls around blocks of spheres: what is far from a ball is far from all that it holds.
 
-use super::super::element::State;
+use super::super::state::State;
 use super::definition::Contact;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;

@@ -12,8 +12,9 @@ pub(crate) use definition::Contact;
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 
-use super::element::{ContactForce, ForceElement, ForceMemory, State, Switch, Velocities, VirtualMotion};
+use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::state::State;
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;

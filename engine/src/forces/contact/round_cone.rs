@@ -4,7 +4,7 @@
 //! shared sphere is taken off, so that a bent chain is touched as one solid. Every term has a
 //! continuous gradient.
 
-use super::super::element::State;
+use super::super::state::State;
 use super::definition::{Contact, RoundCone};
 use super::pair::ContactPair;
 use super::sphere::direction;

@@ -1,6 +1,6 @@
 //! The tangent of a sphere that slides along the side of a round cone as the points move.
 
-use super::super::element::State;
+use super::super::state::State;
 use super::super::terms::{Coupling, FrameTerms};
 use super::pair::ContactPair;
 use crate::lie::LieGroup;

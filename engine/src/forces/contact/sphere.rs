@@ -1,6 +1,6 @@
 //! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
-use super::super::element::State;
+use super::super::state::State;
 use super::definition::Contact;
 use super::enclosure::{self, Ball};
 use super::pair::ContactPair;

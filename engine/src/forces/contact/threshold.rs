@@ -1,6 +1,6 @@
 //! Where a contact is just about to open or to close.
 
-use super::super::element::State;
+use super::super::state::State;
 use super::definition::Contact;
 use super::round_cone::{closest, counts};
 use crate::lie::LieGroup;
