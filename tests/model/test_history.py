@@ -112,3 +112,37 @@ def test_the_file_can_say_where_paths_begin() -> None:
     model = Model(parse(TRUSS + '[start]\nnode = "-15 mm"\n'))
     assert model.equilibrium([0.0]).q[0, 0] == pytest.approx(-HEIGHT)
     assert flexor.load("finger").file.start == {}
+
+
+# A hollow rubber tube of radii 10 and 7 mm, as the solid rod of its EI and EA.
+TUBE = """
+name = "tube"
+planar = true
+gravity = { z = "-9.81 m/s^2" }
+[bodies.rod]
+kind = "rod"
+length = "1 m"
+radius = "12.206555615733702 mm"
+young_modulus = "684563.7583892618 Pa"
+poisson_ratio = 0.49
+density = "376.510067114094 kg/m^3"
+strain = { bend_y = "nodal_quadratic", extend_x = "nodal_quadratic", shear_z = "nodal_quadratic" }
+elements = 24
+gauss_points = 3
+[springs.pin]
+first = { body = "rod", at = "tip" }
+second = { world = { x = "0.6 m", z = "-0.1 m" } }
+stiffness = "1e5 N/m"
+[wrenches.down]
+body = "rod"
+at = 0.5
+force = { z = "-1 N" }
+input = true
+"""
+
+
+def test_a_load_that_comes_and_goes_leaves_the_deeper_of_two_states() -> None:
+    path = Model(parse(TUBE)).equilibrium([0, 2, 4, 6, 8, 6, 4, 2, 0])
+    assert path.stable.all()
+    np.testing.assert_allclose(path.energy[[0, -1]], [0.207, -0.294], atol=1e-3)
+    assert path.frames(-1)["rod"][:, 2, 3].min() == pytest.approx(-0.40332, abs=1e-5)
