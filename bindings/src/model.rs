@@ -306,8 +306,10 @@ impl Model {
         out.set_item("loads", found.loads.into_pyarray(py).reshape([points, inputs])?)?;
         out.set_item("q", found.q.into_pyarray(py).reshape([points, dof])?)?;
         out.set_item("status", found.status.into_pyarray(py))?;
+        out.set_item("stability", found.stability.into_pyarray(py))?;
         out.set_item("iterations", found.iterations.into_pyarray(py))?;
         out.set_item("residual", found.residual.into_pyarray(py))?;
+        out.set_item("tolerance", found.tolerance.into_pyarray(py))?;
         out.set_item("energy", found.energy.into_pyarray(py))?;
         out.set_item("pairs", found.pairs.into_pyarray(py))?;
         out.set_item("touching", found.touching.into_pyarray(py))?;

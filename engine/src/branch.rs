@@ -13,10 +13,14 @@ pub struct Branch {
     pub q: Vec<f64>,
     /// Status codes.
     pub status: Vec<u8>,
+    /// Stability codes.
+    pub stability: Vec<u8>,
     /// Iterations used.
     pub iterations: Vec<u32>,
-    /// Largest dimensionless residuals.
+    /// Largest residuals.
     pub residual: Vec<f64>,
+    /// What they may be.
+    pub tolerance: Vec<f64>,
     /// Π [J].
     pub energy: Vec<f64>,
     /// Touching sphere pairs.
@@ -37,8 +41,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
         self.loads.extend_from_slice(system.load());
         self.q.extend(report.q.iter().map(|x| number(*x)));
         self.status.push(report.status as u8);
+        self.stability.push(report.stability as u8);
         self.iterations.push(report.iterations as u32);
         self.residual.push(number(report.accuracy.residual));
+        self.tolerance.push(number(report.accuracy.tolerance));
         self.energy.push(number(system.data().energy()));
         self.pairs.push(pairs);
         self.touching.push(touching);

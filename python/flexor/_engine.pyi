@@ -62,8 +62,10 @@ class Branch(TypedDict):
     loads: NDArray[np.float64]  # (points, U), found along the branch
     q: NDArray[np.float64]
     status: NDArray[np.uint8]
+    stability: NDArray[np.uint8]
     iterations: NDArray[np.uint32]
     residual: NDArray[np.float64]
+    tolerance: NDArray[np.float64]
     energy: NDArray[np.float64]
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]

@@ -11,8 +11,8 @@ use super::options::{ArcLengthOptions, ContinuationOptions};
 use super::path::{PathSink, StepReport};
 use super::stability::Stability;
 use super::status::Status;
-use super::system::{Accuracy, System};
-use super::vector::{max_norm, norm};
+use super::system::System;
+use super::vector::norm;
 use crate::lie::LieGroup;
 
 /// A point of the branch.
@@ -63,54 +63,53 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.system.set_state(q0);
         self.system.measure_units(loads);
         self.system.set_load(first);
-        let status = self.start_branch(q0);
-        reports.report(&self.system, status);
-        if !status.is_equilibrium() {
+        let found = self.start_branch(q0);
+        reports.report(&mut self.system, found);
+        if found.is_err() {
             return;
         }
         for run in runs(loads) {
             let mut arc = ArcLength::new(&mut self.system, &self.options, &run);
             if let Err(status) = arc.follow(&run, &mut reports) {
                 self.system.set_load(run.target);
-                reports.report(&self.system, status);
+                reports.report(&mut self.system, Err(status));
                 return;
             }
         }
     }
 
     /// An equilibrium at the load at hand: `q0` itself, whatever its stability, or a stable one near it.
-    fn start_branch(&mut self, q0: &[f64]) -> Status {
+    fn start_branch(&mut self, q0: &[f64]) -> Result<Stability, Status> {
         self.system.set_state(q0);
         if self.system.evaluate() <= self.options.arc_length.start_residual {
             let load = self.system.load().to_vec();
             let mut bordered = Bordered::new(q0.len(), load.len(), 0);
             bordered.set_base_load(&load);
             if bordered.solve(&mut self.system, &[], target(&self.options)) {
-                return stability(&mut self.system, &bordered);
+                return Ok(stability(&mut self.system));
             }
             self.system.set_state(q0);
         }
-        self.find_stable(self.options.trust_region.initial_radius, 0.0)
+        match self.find_stable(self.options.trust_region.initial_radius, 0.0) {
+            Status::Converged => Ok(self.system.stability()),
+            Status::Unstable => Ok(Stability::Unstable),
+            status => Err(status),
+        }
     }
 }
 
 fn target(options: &ContinuationOptions) -> BorderedTarget {
     BorderedTarget {
         tolerance: options.tolerance,
-        negligible_step: options.arc_length.rounding_step,
+        small_step: options.arc_length.small_step,
         max_iterations: options.arc_length.max_iterations,
     }
 }
 
-/// Whether the equilibrium at hand is stable under its load.
-fn stability<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    system: &mut System<G, D, P>,
-    bordered: &Bordered,
-) -> Status {
-    let symmetric = system.is_conservative();
-    let stable =
-        if symmetric { system.factorise(0.0) } else { bordered.negative_directions(false, &[]) == Some(0) };
-    if stable { Status::Converged } else { Status::Unstable }
+/// Stability of the equilibrium at hand under its load.
+fn stability<G: LieGroup<D, P>, const D: usize, const P: usize>(system: &mut System<G, D, P>) -> Stability {
+    let definite = system.factorise(0.0);
+    if definite || !system.is_conservative() { system.stability() } else { Stability::Unstable }
 }
 
 /// Splits listed loads into straight runs.
@@ -152,20 +151,21 @@ struct Reports<'s, S> {
 impl<S> Reports<'_, S> {
     fn report<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
-        system: &System<G, D, P>,
-        status: Status,
+        system: &mut System<G, D, P>,
+        found: Result<Stability, Status>,
     ) where
         S: PathSink<G, D, P>,
     {
         let iterations = system.iterations() - self.iterations;
-        let residual = max_norm(system.residual());
-        let accuracy = Accuracy { residual, tolerance: self.tolerance };
-        let stability = match status {
-            Status::Converged => Stability::Stable,
-            Status::Unstable => Stability::Unstable,
-            _ => Stability::Unknown,
+        let (status, stability) = match found {
+            Ok(Stability::Unstable) => (Status::Unstable, Stability::Unstable),
+            Ok(stability) => (Status::Converged, stability),
+            Err(status) => (status, Stability::Unknown),
         };
-        let q = system.state();
+        if found.is_ok() {
+            system.is_balanced(self.tolerance);
+        }
+        let (q, accuracy) = (system.state(), system.accuracy());
         let report = StepReport { status, q, iterations, stability, accuracy, free: &[] };
         self.sink.step(self.index, report, system);
         self.index += 1;
@@ -215,7 +215,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
                 }
                 self.go_to(&limit);
                 // There the tangent is singular.
-                reports.report(self.system, Status::Unstable);
+                reports.report(self.system, Ok(Stability::Unstable));
                 if self.report_listed(run, &limit, &next, reports)? {
                     return Ok(());
                 }
@@ -223,8 +223,8 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
                 return Ok(());
             }
             self.go_to(&next);
-            let status = stability(self.system, &self.bordered);
-            reports.report(self.system, status);
+            let stability = stability(self.system);
+            reports.report(self.system, Ok(stability));
             length *= (self.options.turn / self.angle(&here, &next)).clamp(0.5, 2.0);
             here = next;
         }
@@ -368,8 +368,8 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         for listed in between {
             let found = self.solve_listed(run, from, to, listed);
             if found {
-                let status = stability(self.system, &self.bordered);
-                reports.report(self.system, status);
+                let stability = stability(self.system);
+                reports.report(self.system, Ok(stability));
             }
             if listed == 1.0 {
                 return if found { Ok(true) } else { Err(Status::Stalled) };

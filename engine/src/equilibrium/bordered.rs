@@ -50,8 +50,8 @@ pub struct Border<'a> {
 pub struct BorderedTarget {
     /// Largest dimensionless residual, and largest value of a constraint.
     pub tolerance: f64,
-    /// Dimensionless step that no longer changes the state.
-    pub negligible_step: f64,
+    /// Dimensionless step below which one that does not lower the residual is made by rounding.
+    pub small_step: f64,
     /// Newton steps allowed.
     pub max_iterations: usize,
 }
@@ -108,14 +108,16 @@ impl Bordered {
         borders: &[Border],
         target: BorderedTarget,
     ) -> bool {
-        let mut last = f64::INFINITY;
+        let (mut last, mut length) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..=target.max_iterations {
             let size = self.evaluate(system, borders);
             if !size.is_finite() {
                 return false;
             }
             self.factorise(system, borders);
-            if size <= target.tolerance {
+            // Where a step lowers nothing, rounding alone may be left.
+            let settled = length <= target.small_step && size > 0.5 * last;
+            if self.has_converged(system, borders, size, target.tolerance, settled) {
                 return true;
             }
             self.step.copy_from(&self.residual);
@@ -123,12 +125,10 @@ impl Bordered {
             if !self.lu.solve_mut(&mut self.step) {
                 return false;
             }
-            let length = max_norm(&self.step.as_slice()[..self.dof]);
-            // Steps that rounding makes lead nowhere: this is how far double precision goes.
-            if !length.is_finite() || (length <= target.negligible_step && size > 0.5 * last) {
-                return length <= target.negligible_step;
+            length = max_norm(&self.step.as_slice()[..self.dof]);
+            if !length.is_finite() {
+                return false;
             }
-            eprintln!("N {size:e} {length:e} {:?}", self.multipliers);
             last = size;
             system.advance(&self.step.as_slice()[..self.dof]);
             let energy = system.unit_energy();
@@ -138,6 +138,23 @@ impl Bordered {
             }
         }
         false
+    }
+
+    /// Whether constraints hold and forces balance, the largest residual being `size`.
+    fn has_converged<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+        size: f64,
+        tolerance: f64,
+        settled: bool,
+    ) -> bool {
+        if borders.iter().any(|border| matches!(border.multiplier, Multiplier::Reaction)) {
+            // Reactions balance the forces, so these do not balance by themselves.
+            return size <= tolerance || settled;
+        }
+        let held = max_norm(&self.residual.as_slice()[self.dof..]) <= tolerance;
+        held && (system.has_converged(size, tolerance) || settled && system.is_balanced(tolerance))
     }
 
     /// Evaluates and factorises everything at the system's state and the multipliers at hand.
@@ -164,9 +181,11 @@ impl Bordered {
             }
         }
         system.set_load(&self.load);
-        if !system.evaluate().is_finite() {
+        let size = system.evaluate();
+        if !size.is_finite() {
             return f64::NAN;
         }
+        let mut reacts = false;
         self.residual.as_mut_slice()[..n].copy_from_slice(system.residual());
         for (i, border) in borders.iter().enumerate() {
             let mu = self.multipliers[i];
@@ -174,13 +193,15 @@ impl Bordered {
             let gradient = &mut self.gradients[i];
             self.by_multiplier[i] = border.constraint.gradient(system.state(), mu, gradient);
             if matches!(border.multiplier, Multiplier::Reaction) {
+                reacts = true;
                 let reaction = mu / system.unit_energy();
                 for (r, (c, u)) in self.residual.iter_mut().zip(gradient.iter().zip(system.units())) {
                     *r += reaction * c * u;
                 }
             }
         }
-        max_norm(self.residual.as_slice())
+        let held = max_norm(&self.residual.as_slice()[n..]);
+        held.max(if reacts { max_norm(&self.residual.as_slice()[..n]) } else { size })
     }
 
     /// Evaluates and factorises the bordered matrix, after residual and constraints.

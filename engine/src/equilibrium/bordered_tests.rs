@@ -10,8 +10,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 type Planar<'m> = Continuation<'m, SE2, 3, 2>;
 
-const TARGET: BorderedTarget =
-    BorderedTarget { tolerance: 1e-10, negligible_step: 1e-12, max_iterations: 60 };
+const TARGET: BorderedTarget = BorderedTarget { tolerance: 1e-10, small_step: 1e-9, max_iterations: 60 };
 
 /// One coordinate has a value.
 struct Held(usize, f64);

@@ -301,9 +301,8 @@ options! {
     pub struct ArcLengthOptions {
         /// Residual (dimensionless) below which a start counts as an equilibrium, stable or not.
         start_residual: f64 = 1e-6, Interval::from(0.0).to(1.0);
-        /// A point is also found where a step below this (dimensionless) does not lower the residual:
-        /// rounding alone is left.
-        rounding_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
+        /// Forces may also balance to rounding where a step below this (dimensionless) lowers nothing.
+        small_step: f64 = 1e-7, Interval::from(0.0).to(1e-3);
         /// Newton steps of one point.
         max_iterations: usize = 10, Interval::from(1.0).to(1e3);
         /// By how much the branch should turn on one step [rad],
