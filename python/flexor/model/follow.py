@@ -154,6 +154,7 @@ def follow_branch(
     except (TypeError, ValueError) as error:
         raise InputError(f"{str(error).rstrip('.')}.") from None
     codes, found_loads = found.pop("status"), found.pop("loads")
+    stability = _STABILITY[found.pop("stability")]
     arrays = {name: array[None] for name, array in found.items()}
     none = np.zeros(0, dtype=np.uint32)
     events: Events = {
@@ -169,7 +170,8 @@ def follow_branch(
         loads=found_loads,
         status=_STATUS[codes][None],
         converged=np.isin(codes, [_CONVERGED, _UNSTABLE])[None],
-        stable=(codes == _CONVERGED)[None],
+        stable=(stability == "stable")[None],
+        stability=stability[None],
         joint_angles=arrays["q"][:, :, model.joint_columns],
         event_table=event_table(events, 1, 0, model.joint_columns),
         event_count=np.zeros(1, dtype=np.int64),
