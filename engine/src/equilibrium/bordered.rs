@@ -128,7 +128,6 @@ impl Bordered {
             if !length.is_finite() || (length <= target.negligible_step && size > 0.5 * last) {
                 return length <= target.negligible_step;
             }
-            eprintln!("N {size:e} {length:e} {:?}", self.multipliers);
             last = size;
             system.advance(&self.step.as_slice()[..self.dof]);
             let energy = system.unit_energy();
