@@ -119,3 +119,34 @@ def test_several_inputs_are_driven_by_name(flexor, tmp_path) -> None:
     assert "give key=value" in both.error
     unknown = flexor("simulate", "two.toml", "--force", "lowr=2")
     assert 'did you mean "lower"' in unknown.error
+
+
+def test_a_path_goes_on_where_a_file_ends(flexor, tmp_path) -> None:
+    first = flexor("simulate", "finger", "--force", "0:4:1", "--json")
+    saved = tmp_path / "bent.json"
+    saved.write_text(first.out, encoding="utf-8")
+    ran = flexor("simulate", "finger", "--force", "4:0:2", "--start", str(saved), "--json")
+    assert ran.code == 0
+    path = json.loads(ran.out)
+    assert path["force"] == [4, 2, 0]
+    np.testing.assert_allclose(path["q"][0], json.loads(first.out)["q"][-1], atol=1e-9)
+    np.testing.assert_allclose(path["q"][1], json.loads(first.out)["q"][2], atol=1e-7)
+
+
+def test_a_path_starts_from_coordinates_and_loads_return(flexor) -> None:
+    start = ("--start", "ph_1=20 deg", "--start", "exosuit.bend_y=30 deg")
+    forces = ("--force", "0:2:1,2:-1:1", *start)
+    ran = flexor("simulate", "finger", *forces, "--json")
+    assert ran.code == 0
+    assert json.loads(ran.out)["force"] == [0, 1, 2, 1, 0, -1]
+    refused = flexor("simulate", "finger", "--start", "ph_9=20 deg")
+    assert refused.code == 2 and "ph_9" in refused.err
+
+
+def test_arc_length_is_an_option(flexor) -> None:
+    ran = flexor("simulate", "finger", "--force", "0,3", "--follow", "arc-length", "--json")
+    assert ran.code == 0
+    forces = json.loads(ran.out)["force"]
+    assert forces[0] == 0 and forces[-1] == 3 and len(forces) > 2
+    refused = flexor("simulate", "finger", "--follow", "arc")
+    assert refused.code == 2 and "arc-length" in refused.err

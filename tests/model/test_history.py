@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -146,3 +149,131 @@ def test_a_load_that_comes_and_goes_leaves_the_deeper_of_two_states() -> None:
     assert path.stable.all()
     np.testing.assert_allclose(path.energy[[0, -1]], [0.207, -0.294], atol=1e-3)
     assert path.frames(-1)["rod"][:, 2, 3].min() == pytest.approx(-0.40332, abs=1e-5)
+
+
+def test_a_posture_chooses_the_deeper_state_and_so_does_the_file_or_a_state(tmp_path: Path) -> None:
+    model = Model(parse(TUBE))
+    deep = model.equilibrium([0.0], start={"rod.bend_y": "-90 deg"})
+    assert deep.energy[0] == pytest.approx(-0.294, abs=1e-3)
+    assert deep.frames(0)["rod"][:, 2, 3].min() == pytest.approx(-0.40332, abs=1e-5)
+    saved = tmp_path / "deep.json"
+    saved.write_text(json.dumps(deep.to_dict()), encoding="utf-8")
+    told = Model(parse(f'{TUBE}[start]\nrod = {{ bend_y = "-90 deg" }}\n'))
+    assert told.hash != model.hash
+    for path in (
+        model.equilibrium([0.0], start=saved),
+        model.equilibrium([0.0], start=deep[0]),
+        told.equilibrium([0.0]),
+    ):
+        np.testing.assert_allclose(path.q, deep.q, atol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["{}", "[1, 2]", "no JSON", '{"coordinates": [], "q": []}'])
+def test_a_file_that_holds_no_path_gets_one_sentence(
+    truss: Model, tmp_path: Path, text: str
+) -> None:
+    file = tmp_path / "state.json"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"state\.json"):
+        truss.equilibrium([0.0], start=file)
+
+
+LEE = """
+name = "lee"
+planar = true
+[bodies.column]
+kind = "rod"
+length = "120 cm"
+radius = "1 cm"
+section = { kind = "rectangular", ratio = 1.5 }
+young_modulus = "7.2e6 Pa"
+poisson_ratio = 0.3
+joint = { kind = "revolute" }
+placement = { rotation = { y = "-90 deg" } }
+strain = { bend_y = "nodal_quadratic", extend_x = "nodal_quadratic", shear_z = "nodal_quadratic" }
+elements = 10
+gauss_points = 3
+[bodies.beam]
+kind = "rod"
+parent = "column"
+length = "120 cm"
+radius = "1 cm"
+section = { kind = "rectangular", ratio = 1.5 }
+young_modulus = "7.2e6 Pa"
+poisson_ratio = 0.3
+placement = { rotation = { y = "90 deg" } }
+strain = { bend_y = "nodal_quadratic", extend_x = "nodal_quadratic", shear_z = "nodal_quadratic" }
+elements = 10
+gauss_points = 3
+[springs.pin]
+first = { body = "beam", at = "tip" }
+second = { world = { x = "120 cm", z = "120 cm" } }
+stiffness = "1e7 N/m"
+[wrenches.p]
+body = "beam"
+at = 0.2
+force = { z = "-1 N" }
+input = true
+"""
+
+
+@pytest.fixture(scope="module")
+def lee() -> Model:
+    return Model(parse(LEE))
+
+
+@pytest.mark.parametrize("steps", [5, 20])
+def test_lee_s_frame_snaps_back_in_load_and_displacement(lee: Model, steps: int) -> None:
+    path = lee.equilibrium(np.linspace(0.0, 1.9, steps), follow="arc-length")
+    assert path.converged.all() and path.force[-1] == 1.9
+    assert (path.residual <= path.tolerance).all()
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(path.force)))) + 1
+    # 1.8552 N in the literature, for a frame that neither stretches nor shears.
+    np.testing.assert_allclose(path.force[turns], [1.854657, -0.939620], atol=2e-6)
+    assert path.force[turns[0]] == pytest.approx(1.8552, rel=5e-4)
+    # The loaded point goes sideways, back and on again: no control of its displacement follows it.
+    loaded = np.array([state.frames()["beam"][6, 0, 3] for state in path])
+    assert np.abs(np.diff(np.sign(np.diff(loaded)))).sum() >= 4
+    # Stable before the first limit point, unstable in between, stable after the second.
+    assert path.stable[: turns[0]].all() and path.stable[turns[1] + 1 :].all()
+    assert not path.stable[turns[0] : turns[1]].any()
+    for state in path[:: max(1, len(path) // 12)]:
+        if abs(state.force - path.force[turns]).min() < 1e-3:
+            continue
+        tangent = lee.engine.tangent(lee.parameters, state.q, [state.force])
+        assert state.stable == (np.linalg.eigvalsh(tangent).min() > 0.0), state.force
+
+
+def test_every_equilibrium_at_a_listed_load_is_met(truss: Model) -> None:
+    path = truss.equilibrium([0.0, 0.1, 0.5], start={"node": "20 mm"}, follow="arc-length")
+    met = np.sort(path.q[path.force == 0.1, 0])
+    # Heights at which the two springs carry 0.1 N, from the closed form.
+    z = np.linspace(-0.03, HEIGHT, 200_001)
+    exact = z[np.flatnonzero(np.diff(np.sign(force(z) - 0.1)))]
+    np.testing.assert_allclose(met, exact, atol=1e-6)
+    peak = force(z[z > 0.0]).max()
+    assert path.force[path.force < 0.4].max() == pytest.approx(peak, rel=1e-9)
+
+
+def test_arc_length_turns_where_loads_turn_and_starts_where_it_is_told(truss: Model) -> None:
+    path = truss.equilibrium([0.0, 0.2, 0.0], follow="arc-length", start={"node": "20 mm"})
+    assert path.force[0] == path.force[-1] == 0.0 and 0.2 in path.force
+    np.testing.assert_allclose(path.q[-1], path.q[0], atol=1e-9)
+    whole = truss.equilibrium([0.0, 0.5], start={"node": "20 mm"}, follow="arc-length")
+    unstable = next(state for state in whole if not state.stable)
+    # An unstable equilibrium is kept as a start.
+    on = truss.equilibrium([0.5], start=unstable, follow="arc-length")
+    assert not on.stable[0] and on.force[0] == unstable.force and on.force[-1] == 0.5
+
+
+def test_the_figure_of_a_loop_has_both_ways_and_dashes(truss: Model) -> None:
+    from flexor import plot
+
+    loop = plot.path(truss.equilibrium([0.0, 0.2, 0.4, 0.2, -0.4, 0.0], start={"node": "20 mm"}))
+    assert len(loop.axes) == 2
+    branch = plot.path(truss.equilibrium([0.0, 0.5], start={"node": "20 mm"}, follow="arc-length"))
+    (panel,) = (axes for axes in branch.axes if axes.get_xlabel() == "load / N")
+    styles = {line.get_linestyle() for line in panel.lines}
+    assert {"-", "--"} <= styles
+    rising = plot.path(truss.equilibrium([0.0, 0.1], start={"node": "20 mm"}))
+    assert len(rising.axes) == 1
