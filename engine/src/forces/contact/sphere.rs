@@ -1,4 +1,4 @@
-//! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
+//! Contact between spheres (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
 use super::super::element::State;
 use super::definition::Contact;
@@ -48,7 +48,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let (squared, near) = (r.dot(&r), reach + margin);
                 if squared < near * near {
                     let distance = squared.sqrt();
-                    // Coincident centres push nowhere in particular; any fixed direction will do.
+                    // For coincident centres the direction is arbitrary, but fixed.
                     let normal =
                         if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
                     let distance = distance.max(1e-12 * reach);
