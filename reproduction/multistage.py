@@ -28,7 +28,7 @@ ON_BOUND = 0.15
 VARIED, KEEP_ON_BOUND, KEEP = 20, 0.8, 0.4
 # Fractions of the evaluations for sampling, variation, pattern search, differential evolution, and
 # for CMA-ES and L-BFGS-B from each of the best; the rest is for the final pattern search.
-SAMPLING, VARIATION, PATTERN, EVOLUTION, CMA, BFGS = 0.2, 0.3, 0.15, 0.1, 0.04, 0.03
+EXPLORE, VARIATION, PATTERN, EVOLUTION, CMA, BFGS = 0.2, 0.3, 0.15, 0.1, 0.04, 0.03
 BEST_STARTS = 3
 BATCH = 256
 # Minimum distance of two starts in some parameter, as a fraction of its range: of the starts of the
@@ -96,7 +96,7 @@ class MultistageSearch(Method):
 
     def _explore(self, run: Run, known: Known, random: np.random.Generator) -> None:
         known(run.starts(1, random))
-        count = int(SAMPLING * self.evaluations)
+        count = int(EXPLORE * self.evaluations)
         zeros, ones = np.zeros(run.size), np.ones(run.size)
         points = _some_on_bounds(starting_designs(None, count, zeros, ones, random), random)
         for first in range(0, count, BATCH):

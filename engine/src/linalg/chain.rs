@@ -208,7 +208,7 @@ impl<const R: usize> ChainCholesky<R> {
                 self.y[p] -= y * along;
             }
             let i = self.order[p];
-            // A pivot lost to cancellation counts as not positive; NaN fails the comparison, too.
+            // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
             if !(column[0] > 1e-14 * (a.scaled(i, i).abs() + shift)) {
                 return false;
             }

@@ -50,7 +50,7 @@ impl Cholesky {
                 for other in above {
                     subtract_row(row, other[r], other);
                 }
-                // A pivot lost to cancellation counts as not positive; NaN fails the comparison, too.
+                // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
                 if !(row[r] > 1e-14 * largest[r]) {
                     return false;
                 }

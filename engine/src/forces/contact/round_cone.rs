@@ -40,7 +40,7 @@ pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radi
     let r = from - axis * t;
     let radius = radii[0] + t * taper;
     let distance = r.norm();
-    // On the axis itself the direction is arbitrary.
+    // On the axis itself no direction is better than another.
     let smallest = 1e-12 * radius;
     let inside = distance <= smallest;
     let normal = if inside { Vector::unit(P - 1) } else { r * (1.0 / distance) };

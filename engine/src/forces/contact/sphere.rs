@@ -48,7 +48,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let (squared, near) = (r.dot(&r), reach + margin);
                 if squared < near * near {
                     let distance = squared.sqrt();
-                    // For coincident centres the direction is arbitrary, but fixed.
+                    // Coincident centres push nowhere in particular; any fixed direction will do.
                     let normal =
                         if distance > 1e-12 * reach { r * (1.0 / distance) } else { Vector::unit(P - 1) };
                     let distance = distance.max(1e-12 * reach);
