@@ -1,4 +1,4 @@
-"""The conclusions of the paper, tested one by one."""
+"""Tests of every conclusion of the paper."""
 
 from __future__ import annotations
 
