@@ -52,7 +52,8 @@ def contests(quick: bool) -> list[Contest]:
         ]
         solved = [gap for gap, (_, good) in zip(gaps, found, strict=True) if good]
         alike = [gap for gap in solved if gap < 1e-3]
-        text = f"{len(solved)} of {count} designs solved at every force, {len(alike)} alike"
+        text = f"{len(solved)} of {count} designs solved at every force, "
+        text += f"{len(alike)} on the same branch"
         return max(alike, default=float("nan")), text
 
     return [

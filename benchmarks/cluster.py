@@ -1,11 +1,11 @@
-"""What a cluster costs: batches of 256 designs on two workers, against two threads of one process.
+"""Overhead of a cluster: batches of 256 designs on two workers and on two threads of one process.
 
-A real scheduler and two workers on this machine, one thread each, evaluate random designs of L+R01
-on the paper's finger (0 to 5 N in 1 N steps), many batches at once as landscapes and generations
-give them; threads and cluster take turns, and each number is a median. Wall times of two ways that
-take turns are disturbed alike by whatever else runs; their processor times hardly. The processor
-time of the cluster is that of scheduler, client and both workers, so that the difference is what
-sending designs and outcomes to and fro costs. Bytes are those of the pickled messages.
+A scheduler and two workers on this machine, with one thread each, evaluate random designs of L+R01
+on the paper's finger (0 to 5 N in 1 N steps), many batches at once, as in landscapes and population
+methods. Threads and cluster are interleaved, so that other load affects their wall times equally,
+and their processor times hardly; each number is a median. The processor time of the cluster is that
+of scheduler, client and both workers, so that the difference is the cost of communication. Numbers
+of bytes are those of the pickled messages.
 """
 
 from __future__ import annotations
@@ -38,56 +38,58 @@ WORKERS = 2
 
 
 @dataclass
-class Taken:
-    """What one way took, run by run."""
+class Times:
+    """Times of one executor, run by run [s]."""
 
     wall: list[float]
     processor: list[float]
 
 
 def main() -> None:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--batches", type=int, default=16, help="of 256 designs, in each run")
-    reading.add_argument("--runs", type=int, default=5, help="of which the median is printed")
-    asked = reading.parse_args()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--batches", type=int, default=16, help="number of batches of 256 designs in each run"
+    )
+    parser.add_argument("--runs", type=int, default=5, help="number of runs; medians are reported")
+    options = parser.parse_args()
     model = flexor.load("finger", "calibrated")
     chosen = parameter_set("L+R01", model.design)
     problem = Problem(model, chosen, objective("bending"))
     random = np.random.default_rng(1)
     span = chosen.upper - chosen.lower
-    designs = chosen.lower + span * random.random((asked.batches * SIZE, chosen.size))
-    taken = {"threads": Taken([], []), "cluster": Taken([], [])}
+    designs = chosen.lower + span * random.random((options.batches * SIZE, chosen.size))
+    taken = {"threads": Times([], []), "cluster": Times([], [])}
     with Cluster(f"local:{WORKERS}") as cluster, Progress(console=Console(stderr=True)) as progress:
-        ways: dict[str, Executor] = {"threads": Threads(WORKERS), "cluster": cluster}
-        expected = problem.evaluate(designs)  # warms caches, as the next does
+        executors: dict[str, Executor] = {"threads": Threads(WORKERS), "cluster": cluster}
+        expected = problem.evaluate(designs)  # a warm-up, like the next line
         cluster.evaluate(problem, designs)
-        for _ in progress.track(range(asked.runs), description="batches"):
-            for name, executor in ways.items():
+        for _ in progress.track(range(options.runs), description="batches"):
+            for name, executor in executors.items():
                 found, wall, processor = timed(partial(executor.evaluate, problem, designs))
-                assert same(found, expected), "the cluster's outcomes differ"
+                assert same(found, expected), "the results of the cluster differ"
                 taken[name].wall.append(wall)
                 taken[name].processor.append(processor)
         trips = [timed(lambda: cluster.evaluate(problem, designs[:1]))[1] for _ in range(30)]
-    report(taken, asked.batches, asked.runs, statistics.median(trips), problem, designs[:SIZE])
+    report(taken, options.batches, options.runs, statistics.median(trips), problem, designs[:SIZE])
 
 
 def timed(work: Callable[[], Paths]) -> tuple[Paths, float, float]:
-    """Return what came out, wall time and processor time of this process and its children [s]."""
+    """Return result, wall time and processor time of this process and its children [s]."""
     wall, processor = time.perf_counter(), processor_time()
     found = work()
     return found, time.perf_counter() - wall, processor_time() - processor
 
 
 def processor_time() -> float:
-    """Return the processor time of this process and of those it started [s]."""
+    """Return the processor time of this process and its children [s]."""
     here = psutil.Process(os.getpid())
     times = [each.cpu_times() for each in (here, *here.children(recursive=True))]
     return float(sum(each.user + each.system for each in times))
 
 
 def same(one: Paths, other: Paths) -> bool:
-    """Say whether two outcomes agree to the last bit."""
+    """Return whether two results are bit-identical."""
     return all(
         getattr(one, name).tobytes() == getattr(other, name).tobytes()
         for name in ("value", "joint_angles", "tip_force", "touching", "total_iterations")
@@ -95,7 +97,7 @@ def same(one: Paths, other: Paths) -> bool:
 
 
 def report(
-    taken: dict[str, Taken],
+    taken: dict[str, Times],
     batches: int,
     runs: int,
     trip: float,
@@ -104,7 +106,7 @@ def report(
 ) -> None:
     """Print the tables."""
     console, count = Console(), batches * SIZE
-    table = Table("where", "designs/s", "processor time, ms a design", "wall", "processor")
+    table = Table("where", "designs/s", "processor time, ms per design", "wall", "processor")
     for column in table.columns[1:]:
         column.justify = "right"
     for name, each in taken.items():
@@ -123,7 +125,7 @@ def report(
         markup=False,
     )
     console.print(table)
-    console.print("wall and processor: as multiples of the threads'; outcomes the same to the bit")
+    console.print("wall and processor: multiples of those of the threads; results bit-identical")
     extra = [
         (a - b) / batches
         for a, b in zip(taken["cluster"].processor, taken["threads"].processor, strict=True)
@@ -131,10 +133,10 @@ def report(
     sent = len(dumps((evaluate, (batch, False))))
     back = len(pickle.dumps(problem.evaluate(batch), protocol=5))
     console.print(
-        f"a batch costs {1e3 * statistics.median(extra):.1f} ms of processor time more; "
-        f"one design there and back takes {1e3 * trip:.1f} ms\n"
-        f"the problem, with each task: {len(PickledProblem.of(problem).content):,} bytes; "
-        f"a design: {sent / SIZE:.0f} bytes there, {back / SIZE:.0f} back",
+        f"additional processor time per batch: {1e3 * statistics.median(extra):.1f} ms; "
+        f"round trip of one design: {1e3 * trip:.1f} ms\n"
+        f"problem, sent with each task: {len(PickledProblem.of(problem).content):,} bytes; "
+        f"per design: {sent / SIZE:.0f} bytes sent, {back / SIZE:.0f} received",
         markup=False,
     )
 

@@ -1,14 +1,13 @@
-"""What exact gradients cost, how exact they are, and what they save, on all seven parameter sets.
+"""Cost, accuracy and benefit of exact gradients on all seven parameter sets.
 
-Three tables: the processor time of value and gradient over that of the value alone, from random
-designs followed on one thread; derivatives of joint angles and tip force along a random direction
-against central differences of sixth order, at random designs that the engine calls regular and
-whose stencil crosses no change of contact; and the designs that searches need for f_b within 1 %
-(and 0.1 %) of the best value that any of them found.
+The first table has the processor time of value and gradient relative to that of the value alone,
+for random designs on one thread, and the errors of derivatives of joint angles and tip force along
+a random direction relative to central differences of sixth order, at random designs that the engine
+reports as regular and whose stencil crosses no change of contact. The others have the evaluations
+that searches need until f_b is within 1 % (and 0.1 %) of the best value found by any of them.
 
-Searches begin at the same random designs. Each is begun again from the next seed until all are
-spent: the number is the designs of all seeds over the seeds that arrived (designs after the arrival
-are not counted), which is what one has to expect with restarts.
+All searches start from the same random designs. The number of evaluations is the expected one with
+restarts: the evaluations of all seeds, up to their success, divided by the number of successes.
 """
 
 from __future__ import annotations
@@ -42,27 +41,31 @@ WITHIN = (0.01, 0.001)
 
 
 def main() -> None:
-    """Measure, and print the tables."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=200, help="of each set")
-    reading.add_argument("--runs", type=int, default=3, help="of the timing; medians are shown")
-    reading.add_argument("--seeds", type=int, default=8, help="of each search")
-    reading.add_argument("--budget", type=int, default=3000, help="designs of each search")
-    asked = reading.parse_args()
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=200, help="number of designs per set")
+    parser.add_argument(
+        "--runs", type=int, default=3, help="number of timed runs; medians are reported"
+    )
+    parser.add_argument("--seeds", type=int, default=8, help="number of seeds per method")
+    parser.add_argument("--budget", type=int, default=3000, help="evaluations per search")
+    options = parser.parse_args()
     model, console = flexor.load("finger", "calibrated"), Console()
-    section = measure(asked.designs, asked.runs)
+    section = measure(options.designs, options.runs)
     section.report()
-    found = {name: searches(model, name, asked.seeds, asked.budget) for name in SETS}
+    found = {name: searches(model, name, options.seeds, options.budget) for name in SETS}
     for within in WITHIN:
-        saved = Table("set", "best f_b", *METHODS, "times fewer")
+        saved = Table("set", "best f_b", *METHODS, "reduction factor")
         for name, results in found.items():
             saved.add_row(name, *savings(results, within))
-        console.print(f"Designs to within {within:.1%} of the best known f_b, {asked.seeds} seeds")
+        console.print(
+            f"Evaluations until f_b is within {within:.1%} of the best, {options.seeds} seeds"
+        )
         console.print(saved)
 
 
 def measure(designs: int, runs: int) -> Section:
-    """Measure cost and error of gradients, and write it up."""
+    """Measure cost and error of gradients; return the report."""
     made = table("set", "time", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
     model = flexor.load("finger", "calibrated")
     with progress() as bar:
@@ -71,16 +74,16 @@ def measure(designs: int, runs: int) -> Section:
     section = Section("Gradients", "./dev bench gradients")
     section.parts += [
         f"Value and gradient of {designs} random designs of each parameter set: *time*, processor "
-        f"time over that of the value alone (median of {runs} runs); and relative errors of "
-        "derivatives along a random direction against central differences of sixth order, at "
-        "designs that the engine calls regular and whose stencil crosses no change of contact.",
+        f"time relative to the value alone (median of {runs} runs); and relative errors of "
+        "derivatives along a random direction with respect to sixth-order central differences, at "
+        "designs that are regular and whose stencil crosses no change of contact.",
         made,
     ]
     return section
 
 
 def accuracy(model: Model, name: str, count: int, runs: int) -> list[str]:
-    """Return the cells of a set's derivatives."""
+    """Return the table cells for the derivatives of a set."""
     chosen = parameter_set(name, model.design)
     designs = random_designs(chosen, count)
     ratio = np.median([cost(model, chosen, designs) for _ in range(runs)])
@@ -92,13 +95,13 @@ def accuracy(model: Model, name: str, count: int, runs: int) -> list[str]:
 
 
 def random_designs(chosen: ParameterSet, count: int) -> NDArray[np.float64]:
-    """Draw designs from the whole of the bounds, (count, k)."""
+    """Draw designs uniformly within the bounds, (count, k)."""
     unit = np.random.default_rng(5).uniform(size=(count, chosen.size))
     return chosen.lower + unit * (chosen.upper - chosen.lower)
 
 
 def cost(model: Model, chosen: ParameterSet, designs: NDArray[np.float64]) -> float:
-    """Processor time of value and gradient, chained to the parameters, over that of the value."""
+    """Return the processor time of value and gradient, relative to that of the value."""
     geometry, seconds = chosen.geometry(designs, model.X), []
     for gradient in (False, True):
         began = time.process_time()
@@ -125,25 +128,25 @@ def searches(model: Model, name: str, seeds: int, budget: int) -> dict[str, list
 
 
 def savings(results: dict[str, list[SearchResult]], within: float) -> list[str]:
-    """Return the cells of a set's searches."""
+    """Return the table cells for the searches of a set."""
     best = min(run.value for runs in results.values() for run in runs)
     needed = {label: expected(runs, best * (1.0 + within)) for label, runs in results.items()}
     cells = [
-        f"{count:.0f} ({arrived}/{len(results[label])})" if arrived else "never"
-        for label, (count, arrived) in needed.items()
+        f"{count:.0f} ({successes}/{len(results[label])})" if successes else "never"
+        for label, (count, successes) in needed.items()
     ]
     plain, *others = (count for count, _ in needed.values())
     return [f"{best:.4f}", *cells, f"{plain / min(others):.1f}"]
 
 
 def expected(runs: list[SearchResult], target: float) -> tuple[float, int]:
-    """Return the designs per arrival at a value, with restarts, and how many runs arrived."""
-    spent = arrived = 0
+    """Return the expected evaluations until a value, with restarts, and the number of successes."""
+    spent = successes = 0
     for run in runs:
-        there = np.flatnonzero(run.improvement_values <= target)
-        arrived += int(there.size > 0)
-        spent += int(run.improvement_evaluations[there[0]]) if there.size else run.evaluations
-    return (spent / arrived if arrived else np.inf), arrived
+        below = np.flatnonzero(run.improvement_values <= target)
+        successes += int(below.size > 0)
+        spent += int(run.improvement_evaluations[below[0]]) if below.size else run.evaluations
+    return (spent / successes if successes else np.inf), successes
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""Where the engine's time goes: samples of `perf`, by the part of the engine they fell into.
+"""Profile of the engine: samples of `perf` by part of the engine.
 
-Needs Linux with `perf` and `addr2line`. The engine is built once more with its symbols (in
-`target/profile`, which takes a few minutes the first time), the finger is followed on one thread,
-and each sample is counted for the innermost function that says what it is for: small products and
-group operations belong to whoever asked for them.
+Requires Linux with `perf` and `addr2line`. A build of the engine with symbols (in `target/profile`;
+a few minutes the first time) evaluates the finger on one thread. Each sample is attributed to the
+innermost function that belongs to a specific part; small products and group operations count for
+their callers.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from _timing import progress
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "target" / "profile"
 FREQUENCY = 2_000  # Hz
-# Elements of the exosuit and designs, each about as long.
+# Elements of the exosuit, and numbers of designs that take about the same time.
 LOADS = ((10, 4_000), (80, 400), (320, 60))
 QUICK_LOADS = ((10, 1_500), (80, 100))
-# The first that fits, from the innermost inlined function outward: part, file, function.
+# Part, file, function: the first match counts, from the innermost inlined function outward.
 PARTS: tuple[tuple[str, str, str], ...] = (
     ("geometry of designs", "forces/", "update_design"),
     ("contact", "forces/contact/", ""),
@@ -61,17 +61,17 @@ CLEARING = -1  # in place of an address
 
 
 def main() -> int:
-    """Measure, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--runs", type=int, default=3, help="of which medians are shown")
-    reading.add_argument("--quick", action="store_true", help="shorter runs")
-    reading.add_argument("--load", nargs=3, help=argparse.SUPPRESS)
-    asked = reading.parse_args()
-    if asked.load:
-        follow(Path(asked.load[0]), int(asked.load[1]), int(asked.load[2]))
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3, help="number of runs; medians are reported")
+    parser.add_argument("--quick", action="store_true", help="shorter runs")
+    parser.add_argument("--load", nargs=3, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.load:
+        follow(Path(options.load[0]), int(options.load[1]), int(options.load[2]))
         return 0
     try:
-        section = measure(asked.runs, quick=asked.quick)
+        section = measure(options.runs, quick=options.quick)
     except Missing as missing:
         print(f"error: {missing}", file=sys.stderr)
         return 2
@@ -80,47 +80,47 @@ def main() -> int:
 
 
 def measure(runs: int, *, quick: bool) -> Section:
-    """Measure everything, and write it up."""
+    """Profile all sizes; return the report."""
     for tool in ("perf", "addr2line", "cargo"):
         if shutil.which(tool) is None:
-            raise Missing(f"{tool} is missing, with which the engine is profiled.")
+            raise Missing(f"{tool} is required to profile the engine, but not installed.")
     loads = QUICK_LOADS if quick else LOADS
     with tempfile.TemporaryDirectory() as folder:
-        engine = built(Path(folder))
+        engine = build_with_symbols(Path(folder))
         samples = dict[int, list[Counter[int]]]()
         with progress() as bar:
             for elements, designs in loads:
                 turns = bar.track(range(runs), description=f"profile, {elements} elements")
-                samples[elements] = [sampled(engine, elements, designs) for _ in turns]
-        shares = list(shared(engine, samples))
+                samples[elements] = [sample(engine, elements, designs) for _ in turns]
+        shares = list(part_shares(engine, samples))
     made = table("part", *(f"{2 * elements + 5} DOF" for elements, _ in loads))
     order = {name for share in shares for name in share}
     for part in sorted(order, key=lambda part: -shares[0].get(part, 0.0)):
         if any(share.get(part, 0.0) >= 0.002 for share in shares):
             made.add_row(part, *(f"{share.get(part, 0.0):.1%}" for share in shares))
-    section = Section("Where the time goes", "./dev bench hotspots" + " --quick" * quick)
+    section = Section("Profile", "./dev bench hotspots" + " --quick" * quick)
     section.parts += [
-        "Samples of the processor's clock (`perf`) while random designs of finger and exosuit are "
-        "followed from 0 to 5 N on one thread, by the part of the engine they fell into, for the "
-        "exosuit of the paper and finer ones:",
+        "Samples of processor time (`perf`) by component of the engine, for random designs of "
+        "finger and exosuit from 0 to 5 N on one thread, with the paper's discretisation and finer "
+        "ones:",
         made,
     ]
     return section
 
 
-def built(folder: Path) -> Path:
+def build_with_symbols(folder: Path) -> Path:
     """Build the engine with symbols, and return the extension module."""
     build = ("build", "--quiet", "--release", "--locked", "--package", "flexor-bindings")
     options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false")
     if subprocess.run(["cargo", *build, *options], cwd=ROOT, check=False).returncode:
-        raise Missing("cargo could not build the engine with its symbols.")
+        raise Missing("cargo could not build the engine with symbols.")
     module = folder / "_engine_native.abi3.so"
     shutil.copy(TARGET / "release" / "lib_engine.so", module)
     return module
 
 
 def follow(module: Path, elements: int, designs: int) -> None:
-    """Follow random designs with the engine in a file: what is sampled."""
+    """Evaluate random designs with the engine in a file: the sampled program."""
     name = "flexor._engine_native"
     spec = spec_from_file_location(name, module, loader=ExtensionFileLoader(name, str(module)))
     assert spec is not None and spec.loader is not None
@@ -134,8 +134,8 @@ def follow(module: Path, elements: int, designs: int) -> None:
     model.evaluate(random_designs(model, designs), threads=1)
 
 
-def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
-    """Sample one run: how often each address of the engine was met (`CLEARING`: of libc)."""
+def sample(module: Path, elements: int, designs: int) -> Counter[int]:
+    """Sample one run; return the count of each address of the engine (`CLEARING`: of libc)."""
     data = module.parent / "samples"
     command = [sys.executable, __file__, "--load", str(module), str(elements), str(designs)]
     record = ["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(FREQUENCY), "-o", str(data)]
@@ -158,10 +158,10 @@ def sampled(module: Path, elements: int, designs: int) -> Counter[int]:
     return addresses
 
 
-def shared(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dict[str, float]]:
-    """Yield each load's share of every part, the median of its runs."""
-    met = {address for runs in samples.values() for run in runs for address in run}
-    part_of = {a: part(stack) for a, stack in stacks(module, sorted(met - {CLEARING})).items()}
+def part_shares(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dict[str, float]]:
+    """Yield, for each size, the share of every part (median of the runs)."""
+    seen = {address for runs in samples.values() for run in runs for address in run}
+    part_of = {a: part(stack) for a, stack in stacks(module, sorted(seen - {CLEARING})).items()}
     part_of[CLEARING] = "clearing and copying of memory"
     for runs in samples.values():
         shares = []
@@ -175,7 +175,7 @@ def shared(module: Path, samples: dict[int, list[Counter[int]]]) -> Iterator[dic
 
 
 def virtual(module: Path, offset: int) -> int:
-    """Return the address at which a place of the file is meant to be loaded."""
+    """Return the virtual address of an offset in the file."""
     listed = subprocess.run(
         ["readelf", "-lW", str(module)], capture_output=True, text=True, check=True
     ).stdout
@@ -185,16 +185,18 @@ def virtual(module: Path, offset: int) -> int:
             start, address, size = (int(word, 16) for word in (words[1], words[2], words[4]))
             if start - 4096 < offset <= start + size and "E" in words[6:-1]:
                 return address + offset - start
-    raise Missing("the engine's file has no code where perf found it.")
+    raise Missing("the engine's file has no code at the address that perf reports.")
 
 
 def stacks(module: Path, addresses: list[int]) -> dict[int, list[tuple[str, str]]]:
-    """Return function and file of every address, from the innermost inlined one outward."""
-    asked = "\n".join(f"{address:#x}" for address in addresses)
+    """Return functions and files of every address, from the innermost inlined function outward."""
+    requests = "\n".join(f"{address:#x}" for address in addresses)
     command = ["addr2line", "-a", "-f", "-i", "-C", "-e", str(module)]
-    said = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
+    output = subprocess.run(
+        command, input=requests, capture_output=True, text=True, check=True
+    ).stdout
     found: dict[int, list[tuple[str, str]]] = {}
-    lines = iter(said.splitlines())
+    lines = iter(output.splitlines())
     for line in lines:
         if re.fullmatch(r"0x[0-9a-f]+", line):
             address = int(line, 16)
@@ -205,7 +207,7 @@ def stacks(module: Path, addresses: list[int]) -> dict[int, list[tuple[str, str]
 
 
 def part(stack: list[tuple[str, str]]) -> str:
-    """Name the part of the engine that a place belongs to."""
+    """Return the name of the part of the engine that a stack belongs to."""
     small = ("linalg/fixed.rs", "lie/")
     for function, file in stack:
         if "engine/src/" not in file or any(name in file for name in small):

@@ -1,9 +1,9 @@
-"""Whether the load step matters: random designs taken to 5 N in 1 N and in 0.1 N steps.
+"""Dependence on the load step: random designs loaded to 5 N in 1 N and in 0.1 N steps.
 
 States (joint angles, bending as L kappa, strains) are compared at every force of the coarse path
-that lies before the first event of either path, all of them where there is none; the exit code is 1
-if they differ by more than 1e-8 anywhere. Events say where a branch ended; designs with events are
-counted, and how many of them end alike all the same.
+before the first event of either path. The exit code is 1 if they differ by more than 1e-8 anywhere.
+The report also counts the designs with events, where a branch ends, and those among them that reach
+the same final state.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ BAR = 1e-8  # rad
 
 
 def main() -> int:
-    """Evaluate, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=1_000, help="of each set of constants")
-    reading.add_argument(
-        "--seeds", type=int, nargs="+", default=[3], help="of so many designs each"
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--designs", type=int, default=1_000, help="number per set of constants and seed"
     )
-    asked = reading.parse_args()
-    section, good = measure(asked.designs, tuple(asked.seeds))
+    parser.add_argument("--seeds", type=int, nargs="+", default=[3], help="random seeds")
+    options = parser.parse_args()
+    section, good = measure(options.designs, tuple(options.seeds))
     section.report()
     return 0 if good else 1
 
 
 def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]:
-    """Evaluate so many random designs from each seed, and write it up; say whether all is well."""
+    """Evaluate random designs from each seed; return the report and whether the states agree."""
     columns = ("calibrated", "printed")
     rows: dict[str, list[str]] = {}
     good = True
@@ -64,13 +64,13 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
         good &= max(apart) <= BAR
         facts = {
             "designs": f"{total:,}",
-            "without an event": f"{(~events).sum():,}",
-            "of them ending alike to 1e-8 rad": f"{(same & ~events).sum():,}",
-            "with an event": f"{events.sum():,}",
-            "of them ending alike all the same": f"{(same & events).sum():,}",
-            "steps compared, before any event": f"{compared:,}",
-            "largest difference there / rad": f"{max(apart):.1e}",
-            "designs that differ there": f"{sum(gap > BAR for gap in apart):,}",
+            "without events": f"{(~events).sum():,}",
+            "with equal final states (1e-8 rad)": f"{(same & ~events).sum():,}",
+            "with events": f"{events.sum():,}",
+            "with equal final states nevertheless": f"{(same & events).sum():,}",
+            "steps compared before any event": f"{compared:,}",
+            "largest difference / rad": f"{max(apart):.1e}",
+            "designs that differ": f"{sum(gap > BAR for gap in apart):,}",
         }
         for name, value in facts.items():
             rows.setdefault(name, []).append(value)
@@ -80,8 +80,8 @@ def measure(designs: int, seeds: tuple[int, ...] = (3,)) -> tuple[Section, bool]
     command = f"./dev bench load_steps --designs {designs} --seeds {' '.join(map(str, seeds))}"
     section = Section("Independence of the load step", command)
     section.parts += [
-        "Random designs taken to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
-        "coarse path before the first event of either:",
+        "Random designs loaded to 5 N in 1 N and in 0.1 N steps, compared at every force of the "
+        "coarse path before the first event of either path:",
         made,
     ]
     return section, good

@@ -1,8 +1,9 @@
-"""How 10,000 random designs end: every status, with both sets of constants.
+"""Status of 10,000 random designs with two sets of constants.
 
-Designs are drawn from the whole of the search bounds of L+R01 and followed from 0 to 5 N in 1 N
-steps. A design counts by the worst that happened on its way; the exit code is 1 if a number of a
-step that converged is not finite, or fewer than 99.9 % converged and are stable at every step.
+Designs are drawn uniformly within the search bounds of L+R01 and loaded from 0 to 5 N in 1 N steps.
+A design is counted by its worst status along the path. The exit code is 1 if a converged step has a
+value that is not finite, or fewer than 99.9 % of the designs converged to stable states at every
+step.
 """
 
 from __future__ import annotations
@@ -26,20 +27,20 @@ GOOD = "converged and stable at every step"
 
 
 def main() -> int:
-    """Evaluate, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=10_000, help="of each set of constants")
-    asked = reading.parse_args()
-    table = Table("constants", "how designs end", "designs", "share")
+    """Run the benchmark and print its report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=10_000, help="number per set of constants")
+    options = parser.parse_args()
+    table = Table("constants", "status", "designs", "share")
     for column in table.columns[2:]:
         column.justify = "right"
     good = True
     for constants in ("calibrated", "printed"):
         model = flexor.load("finger", constants)
-        vectors = random_vectors(model, asked.designs, seed=2)
+        vectors = random_vectors(model, options.designs, seed=2)
         ends: Counter[str] = Counter()
         events = iterations = snapping = broken = 0
-        parts = range(0, asked.designs, PART)
+        parts = range(0, options.designs, PART)
         for first in track(parts, f"{constants} constants", console=Console(stderr=True)):
             batch = model.evaluate(geometry(model, vectors[first : first + PART]))
             ends.update(worst(batch))
@@ -47,14 +48,14 @@ def main() -> int:
             snapping += int((batch.event_count > 0).sum())
             iterations += int(batch.iterations.sum())
             broken += not_finite(batch)
-        good &= ends[GOOD] >= 0.999 * asked.designs and broken == 0
+        good &= ends[GOOD] >= 0.999 * options.designs and broken == 0
         for status, count in ends.most_common():
-            table.add_row(constants, status, f"{count:,}", f"{count / asked.designs:.2%}")
+            table.add_row(constants, status, f"{count:,}", f"{count / options.designs:.2%}")
             constants = ""
-        table.add_row("", "of them with events", f"{snapping:,}", f"{snapping / asked.designs:.2%}")
-        table.add_row("", "events per design", f"{events / asked.designs:.2f}", "")
-        table.add_row("", "iterations per design", f"{iterations / asked.designs:.1f}", "")
-        table.add_row("", "converged steps with a number not finite", f"{broken:,}", "")
+        table.add_row("", "with events", f"{snapping:,}", f"{snapping / options.designs:.2%}")
+        table.add_row("", "events per design", f"{events / options.designs:.2f}", "")
+        table.add_row("", "iterations per design", f"{iterations / options.designs:.1f}", "")
+        table.add_row("", "converged steps with non-finite values", f"{broken:,}", "")
         table.add_section()
     console = Console()
     console.print(machine(), markup=False)
@@ -63,7 +64,7 @@ def main() -> int:
 
 
 def worst(batch: Paths) -> list[str]:
-    """Name the first status of each design that is not the good one."""
+    """Return the first unsuccessful status of each design, or `GOOD`."""
     names = []
     for words, stable in zip(batch.status.tolist(), batch.stable.tolist(), strict=True):
         bad = [word for word in words if word != "converged"]
@@ -72,7 +73,7 @@ def worst(batch: Paths) -> list[str]:
 
 
 def not_finite(batch: Paths) -> int:
-    """Count the converged steps of which any number is not finite."""
+    """Count the converged steps with non-finite values."""
     finite = np.isfinite(batch.q).all(axis=2)
     for numbers in (batch.energy, batch.residual, batch.tip_force):
         finite &= np.isfinite(numbers)

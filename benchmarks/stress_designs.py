@@ -1,15 +1,15 @@
-"""One million designs far outside the search bounds: each must end, in bounded time, with a status.
+"""One million designs far outside the search bounds: each must end with a status in bounded time.
 
 Lengths and radii are drawn up to ten times beyond the search bounds on either side, contact and
-joint stiffnesses and Young's modulus over six decades, the lever over two, the load up to 100 N
-either way in up to five steps; one design in fifty has a number that makes no sense, such as NaN,
-zero or 1e300; one in ten is differentiated as well. A design counts by the first step that did not
-converge. The exit code is 1 if a number of a step that converged is not finite, a step exceeds its
-iterations or a design 10 ms of processor time for each iteration of a step, a design with a number
-that is not finite is followed, or anything is raised.
+joint stiffnesses and Young's modulus over six decades, the lever over two, the load up to ±100 N in
+up to five steps. 2 % of the designs have an invalid value such as NaN, zero or 1e300; 10 % are
+differentiated as well. A design is counted by the first step that did not converge. The exit code
+is 1 if a converged step has a value that is not finite, if a step exceeds its iterations, if a
+design takes more than 10 ms of processor time per iteration allowed in a step, if a design with a
+value that is not finite is accepted, or if an exception is raised.
 
-The work is done in parts that depend on nothing but the seed and their number; what was counted is
-kept in `--state` after each, and the same command goes on from there.
+The designs of a chunk depend on the seed and its number only. The counts are saved in `--state`
+after each chunk, and the same command resumes from there.
 """
 
 from __future__ import annotations
@@ -45,16 +45,16 @@ from flexor.model import Model
 
 Array = NDArray[np.float64]
 PART = 500
-# Most designs are of the model that people optimise; the other is spatial.
+# Most designs are of the model that is usually optimised; the last model is spatial.
 MODELS = {"finger": 0.8, "finger-2-links": 0.1, "tendon-arm": 0.1}
-BROKEN = (0.0, -1.0, np.nan, np.inf, -np.inf, 5e-324, 1e-300, 1e300)
+INVALID = (0.0, -1.0, np.nan, np.inf, -np.inf, 5e-324, 1e-300, 1e300)
 LONGEST = 0.01  # processor time of a design for each iteration allowed in a load step [s]
 NONE = np.empty(0, dtype=np.int64), np.empty((1, 0))
 
 
 @dataclass
 class Count:
-    """What has been counted so far."""
+    """Counts so far."""
 
     seed: int
     limit: int
@@ -65,30 +65,30 @@ class Count:
     slowest: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     most_iterations: int = 0
     events: int = 0
-    complaints: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
 
 
 def main() -> int:
-    """Evaluate what is left, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--designs", type=int, default=1_000_000)
-    reading.add_argument("--seed", type=int, default=1)
-    reading.add_argument("--limit", type=int, default=100, help="iterations of one load step")
-    reading.add_argument("--state", type=Path, default=Path("stress-designs.json"))
-    asked = reading.parse_args()
-    count = resumed(asked.state, Count(asked.seed, asked.limit, engine()))
+    """Evaluate the remaining chunks and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--limit", type=int, default=100, help="iterations of one load step")
+    parser.add_argument("--state", type=Path, default=Path("stress-designs.json"))
+    options = parser.parse_args()
+    count = resumed(options.state, Count(options.seed, options.limit, engine()))
     models = [flexor.load(name) for name in MODELS]
-    parts = -(-asked.designs // PART)
+    parts = -(-options.designs // PART)
     console = Console(stderr=True)
     columns = (TextColumn("designs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
         bar = progress.add_task("", total=parts * PART, completed=count.parts * PART)
         while count.parts < parts:
             evaluate(count, models)
-            keep(asked.state, count)
+            save(options.state, count)
             progress.update(bar, completed=count.parts * PART)
-    tell(count)
-    return 1 if count.complaints else 0
+    report(count)
+    return 1 if count.failures else 0
 
 
 def engine() -> str:
@@ -98,32 +98,32 @@ def engine() -> str:
 
 
 def resumed(path: Path, fresh: Count) -> Count:
-    """Read what was counted earlier, or begin."""
+    """Return the saved counts, or fresh ones."""
     if not path.exists():
         return fresh
     count = Count(**json.loads(path.read_text()))
     for key in ("seed", "limit", "engine"):
         if getattr(count, key) != getattr(fresh, key):
             was = getattr(count, key)
-            sys.exit(f'error: "{path}" is of {key} {was}: give another --state to begin anew.')
+            sys.exit(f'error: "{path}" is of {key} {was}: choose another --state to start again.')
     return count
 
 
-def keep(path: Path, count: Count) -> None:
-    """Write what was counted, whole or not at all."""
+def save(path: Path, count: Count) -> None:
+    """Write the counts atomically."""
     draft = path.with_name(f"{path.name}.new")
     draft.write_text(json.dumps(asdict(count), indent=1))
     draft.replace(path)
 
 
 def evaluate(count: Count, models: list[Model]) -> None:
-    """Evaluate one part and count it."""
+    """Evaluate and count one chunk."""
     random = np.random.default_rng([count.seed, count.parts])
     which = random.choice(len(models), size=PART, p=list(MODELS.values()))
     for row, index in enumerate(which.tolist()):
         model = models[index]
-        parameters, loads = drawn(model, random)
-        sound = not broken(parameters, random) if random.uniform() < 0.02 else True
+        parameters, loads = extreme_design(model, random)
+        valid = not invalidate(parameters, random) if random.uniform() < 0.02 else True
         slopes = np.arange(len(parameters)) if random.uniform() < 0.1 else None
         name = f"{model.name}, design {row} of part {count.parts}"
         began = time.thread_time()
@@ -134,26 +134,26 @@ def evaluate(count: Count, models: list[Model]) -> None:
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt):
                 raise
-            count.complaints.append(f"{name}: {type(error).__name__}: {error}")
+            count.failures.append(f"{name}: {type(error).__name__}: {error}")
             continue
         seconds = time.thread_time() - began
         if seconds > LONGEST * count.limit:
-            count.complaints.append(f"{name}: {seconds:.1f} s")
+            count.failures.append(f"{name}: {seconds:.1f} s")
         count.seconds += seconds
         if seconds > count.slowest[0]:
             count.slowest = [seconds, float(count.parts), float(row)]
         count.events += len(found["events"]["design"])
         count.most_iterations = max(count.most_iterations, int(found["iterations"].max()))
-        for what in wrong(found, sound, count.limit):
-            count.complaints.append(f"{name}: {what}")
+        for what in violations(found, valid, count.limit):
+            count.failures.append(f"{name}: {what}")
         ends = count.ends.setdefault(model.name, {})
         end = first_failure(found["status"][0].tolist(), len(found["events"]["design"]))
         ends[end] = ends.get(end, 0) + 1
     count.parts += 1
 
 
-def drawn(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
-    """Draw parameters (P,) and loads (steps, 1) far outside of anything sensible."""
+def extreme_design(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
+    """Draw parameters (P,) and loads (steps, 1) far outside the usual range."""
     parameters, space = model.parameters.copy(), model.design
     slots = model.engine.slots
 
@@ -161,7 +161,7 @@ def drawn(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
         return float(low * (high / low) ** random.uniform())
 
     radius = [logarithmic(0.1 * space.radius_bounds[0], 10 * space.radius_bounds[1]) for _ in "bt"]
-    wave = random.uniform(-0.5, 0.5) * min(radius)  # a surface that is not straight either
+    wave = random.uniform(-0.5, 0.5) * min(radius)  # added to the linear profile
     turns = np.pi * random.integers(1, 6)
     X = space.points
     surface = radius[0] + (radius[1] - radius[0]) * X + wave * np.sin(turns * X)
@@ -182,7 +182,7 @@ def drawn(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
             values[name] = logarithmic(0.1, 1e5)
         elif name.endswith(".lever"):
             values[name] = parameters[start:stop] * logarithmic(0.1, 10.0)
-    if random.uniform() < 0.5:  # on the finger, as a search has it; or anywhere about it
+    if random.uniform() < 0.5:  # on the finger, as in a search, or anywhere near it
         height = 0.0216 + radius[0] if "finger" in model.name else 0.0
     else:
         height = random.uniform(-0.1, 0.1)
@@ -194,49 +194,49 @@ def drawn(model: Model, random: np.random.Generator) -> tuple[Array, Array]:
     return parameters, np.linspace(0.0, last, int(random.integers(2, 7)))[:, None]
 
 
-def broken(parameters: Array, random: np.random.Generator) -> bool:
-    """Put a number that makes no sense somewhere; whether the engine must refuse it."""
-    place, value = int(random.integers(len(parameters))), float(random.choice(BROKEN))
+def invalidate(parameters: Array, random: np.random.Generator) -> bool:
+    """Set a random parameter to an invalid value; return whether the engine must reject it."""
+    place, value = int(random.integers(len(parameters))), float(random.choice(INVALID))
     parameters[place] = value
     return not np.isfinite(value)
 
 
-def wrong(found: dict[str, Any], sound: bool, limit: int) -> list[str]:
-    """Say what must not be."""
-    said = []
+def violations(found: dict[str, Any], valid: bool, limit: int) -> list[str]:
+    """Return descriptions of results that must not occur."""
+    violations = []
     status = found["status"][0]
     good = status == STATUS.index("converged")
     finite = np.isfinite(found["q"][0]).all(axis=1)
     for numbers in ("energy", "residual", "tip_force"):
         finite &= np.isfinite(found[numbers][0])
     if (good & ~finite).any():
-        said.append("a step converged with a number that is not finite")
+        violations.append("a step converged with a number that is not finite")
     if status.max() >= len(STATUS):
-        said.append(f"status {status.max()}")
-    # A try at a sub-step or a descent is finished once it has begun.
+        violations.append(f"status {status.max()}")
+    # A trial sub-step or a minimisation is completed once it has started.
     if int(found["iterations"].max()) > 2 * limit + 40:
-        said.append(f"{found['iterations'].max()} iterations in a step")
-    if not sound and (status != STATUS.index("invalid-design")).any():
-        said.append("a number that is not finite went through")
+        violations.append(f"{found['iterations'].max()} iterations in a step")
+    if not valid and (status != STATUS.index("invalid-design")).any():
+        violations.append("a parameter that is not finite was accepted")
     regular = "gradient" in found and REGULARITY[found["regularity"][0]] == "regular"
     if regular and not np.isfinite(found["gradient"]).all():
-        said.append("a regular gradient is not finite")
+        violations.append("a regular gradient is not finite")
     for numbers in ("before", "after", "load"):
         if not np.isfinite(found["events"][numbers]).all():
-            said.append("an event has a number that is not finite")
-    return said
+            violations.append("an event has a number that is not finite")
+    return violations
 
 
 def first_failure(codes: list[int], events: int) -> str:
-    """Name how a path ended."""
+    """Return the status of the first step that did not converge, or a word for success."""
     names = [STATUS[code] for code in codes if STATUS[code] != "converged"]
     return names[0] if names else "converged, with snaps" if events else "converged"
 
 
-def tell(count: Count) -> None:
+def report(count: Count) -> None:
     """Print the table."""
     designs = sum(sum(ends.values()) for ends in count.ends.values())
-    table = Table("model", "how designs end", "designs", "share")
+    table = Table("model", "status", "designs", "share")
     for column in table.columns[2:]:
         column.justify = "right"
     whole: Counter[str] = Counter()
@@ -252,17 +252,17 @@ def tell(count: Count) -> None:
     console.print(machine(), markup=False)
     console.print(table)
     seconds, part, row = count.slowest
-    said = (
+    lines = (
         f"{designs:,} designs, seed {count.seed}, Flexor {count.engine}",
         f"at most {count.limit} iterations in a load step",
         f"processor time: {1e3 * count.seconds / designs:.2f} ms per design, at most "
         f"{1e3 * seconds:.0f} ms (design {row:.0f} of part {part:.0f})",
         f"most iterations of a load step: {count.most_iterations}",
         f"snaps: {count.events:,}",
-        f"complaints: {len(count.complaints)}",
-        *count.complaints[:20],
+        f"failures: {len(count.failures)}",
+        *count.failures[:20],
     )
-    for line in said:
+    for line in lines:
         console.print(line, markup=False, highlight=False)
 
 

@@ -1,12 +1,12 @@
-"""A hundred thousand damaged files: each is read, or refused in one sentence.
+"""A hundred thousand damaged files: each must be read, or rejected with one clear sentence.
 
 Model files, targets files and study folders (settings, model or record) are damaged at random:
-bits, cuts, pasted pieces, odd numbers, values of other types, pages of the record. A file that is
-read is used too: a model is written and read again, a study is read to its last row and one in ten
-is resumed. The exit code is 1 if anything but one clean sentence was raised or a file took longer
-than `--longest` seconds of processor time; the file is then kept in `--keep`.
+flipped bits, truncation, pasted pieces, extreme numbers, values of other types, misplaced pages of
+the record. Files that can be read are also used: a model is written and read again, a study is read
+to its last row and 10 % are resumed. The exit code is 1 if a file raises anything but one clear
+sentence or takes longer than `--longest` seconds of processor time; it is then saved in `--keep`.
 
-File n depends on the seed and n alone: `--first n --files 1` repeats it.
+File n depends on the seed and n only: `--first n --files 1` repeats it.
 """
 
 from __future__ import annotations
@@ -42,47 +42,47 @@ PARTS = {"settings": "settings.json", "study model": "model.toml", "record": "re
 
 
 def main() -> int:
-    """Damage and read, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--files", type=int, default=100_000)
-    reading.add_argument("--first", type=int, default=0, help="number of the first file")
-    reading.add_argument("--seed", type=int, default=1)
-    reading.add_argument("--longest", type=float, default=5.0, help="for a file [s]")
-    reading.add_argument("--keep", type=Path, default=Path("stress-files"))
-    asked = reading.parse_args()
+    """Damage and read the files, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--files", type=int, default=100_000)
+    parser.add_argument("--first", type=int, default=0, help="number of the first file")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--longest", type=float, default=5.0, help="time limit per file [s]")
+    parser.add_argument("--keep", type=Path, default=Path("stress-files"))
+    options = parser.parse_args()
     counts: dict[str, Counter[str]] = {kind: Counter() for kind in KINDS}
-    complaints: list[str] = []
+    failures: list[str] = []
     slowest, began = (0.0, 0), time.process_time()
     with tempfile.TemporaryDirectory() as place:
-        files = Files(Path(place), asked.seed)
-        numbers = range(asked.first, asked.first + asked.files)
+        files = Files(Path(place), options.seed)
+        numbers = range(options.first, options.first + options.files)
         for number in track(numbers, "files", console=Console(stderr=True)):
-            # What hangs in compiled code is shown and ended; the file is still in its place.
-            faulthandler.dump_traceback_later(30.0 * asked.longest, exit=True, file=ERRORS)
+            # Ends a hang in compiled code with a traceback; the file remains in the folder.
+            faulthandler.dump_traceback_later(30.0 * options.longest, exit=True, file=ERRORS)
             kind, path = files.damaged(number)
             start = time.process_time()
-            said, end = "", "read"
+            failure, end = "", "read"
             try:
                 USES[kind](path, number)
-            except InputError as refusal:
-                end, said = "refused", unclear(str(refusal))
+            except InputError as error:
+                end, failure = "rejected", unclear(str(error))
             except Exception as error:
-                end, said = "raised", f"{type(error).__name__}: {error}"
+                end, failure = "failed", f"{type(error).__name__}: {error}"
             seconds = time.process_time() - start
-            if seconds > asked.longest:
-                said = said or f"{seconds:.1f} s"
+            if seconds > options.longest:
+                failure = failure or f"{seconds:.1f} s"
             slowest = max(slowest, (seconds, number))
             counts[kind][end] += 1
-            if said:
-                complaints.append(f"file {number} ({kind}): {said[:300]}")
-                keep(path, asked.keep / str(number))
+            if failure:
+                failures.append(f"file {number} ({kind}): {failure[:300]}")
+                save(path, options.keep / str(number))
         faulthandler.cancel_dump_traceback_later()
-    tell(counts, asked.seed, slowest, time.process_time() - began, complaints)
-    return 1 if complaints else 0
+    report(counts, options.seed, slowest, time.process_time() - began, failures)
+    return 1 if failures else 0
 
 
 class Files:
-    """Sound files, and a place where damaged ones are put."""
+    """Valid files, and a folder for damaged ones."""
 
     def __init__(self, place: Path, seed: int) -> None:
         self.place, self.seed = place, seed
@@ -90,18 +90,18 @@ class Files:
         self.models = [locate(name).read_bytes() for name in presets()] + [everything.read_bytes()]
         targets = sorted((ROOT / "examples").glob("*-targets.toml"))
         self.targets = [path.read_bytes() for path in targets]
-        self.study = place / "sound"
+        self.study = place / "valid"
         model = flexor.load("finger", "calibrated")
         optimize(model, "R01", method="bfgs", budget=8, folder=self.study).close()
         self.parts = {kind: (self.study / name).read_bytes() for kind, name in PARTS.items()}
 
     def damaged(self, number: int) -> tuple[str, Path]:
-        """Make the file or study with a number, and say of what kind it is."""
+        """Write the damaged file or study with a number; return its kind and path."""
         random = np.random.default_rng([self.seed, number])
         kind = str(random.choice(list(KINDS), p=list(KINDS.values())))
         if kind in ("model", "targets"):
-            sound = self.models if kind == "model" else self.targets
-            content = sound[int(random.integers(len(sound)))]
+            valid = self.models if kind == "model" else self.targets
+            content = valid[int(random.integers(len(valid)))]
             path = self.place / f"{kind}.toml"
             path.write_bytes(damaged_text(content, self.models + self.targets, random))
             return kind, path
@@ -125,7 +125,7 @@ def use_model(path: Path, number: int) -> None:
     model = Model(file, source=str(path))
     model.engine.energy(model.parameters, np.zeros(model.dof), np.zeros(len(model.inputs)))
     if parse(file.to_toml()) != file:
-        raise AssertionError("the model is another after writing and reading it")
+        raise AssertionError("the model changed by writing and reading it")
 
 
 def use_targets(path: Path, number: int) -> None:
@@ -134,7 +134,7 @@ def use_targets(path: Path, number: int) -> None:
 
 
 def use_study(folder: Path, number: int) -> None:
-    """Read a study to its last row; resume one in ten."""
+    """Read a study to its last row; resume 10 %."""
     study = Study.open(folder)
     try:
         study.table()
@@ -159,7 +159,7 @@ USES: dict[str, Callable[[Path, int], None]] = {
 
 
 def unclear(sentence: str) -> str:
-    """Say what is not clean about a refusal; nothing if it is."""
+    """Return what is wrong with the form of an error message, or an empty string."""
     if "\n" in sentence or not sentence.isprintable():
         return f"not one line: {sentence!r}"
     if not sentence.endswith("."):
@@ -169,8 +169,8 @@ def unclear(sentence: str) -> str:
     return ""
 
 
-def keep(path: Path, place: Path) -> None:
-    """Keep a file or folder that was not treated well."""
+def save(path: Path, place: Path) -> None:
+    """Copy a file or folder that caused a failure."""
     place.parent.mkdir(parents=True, exist_ok=True)
     if path.is_dir():
         shutil.copytree(path, place, dirs_exist_ok=True)
@@ -178,15 +178,15 @@ def keep(path: Path, place: Path) -> None:
         shutil.copy(path, place.with_suffix(path.suffix))
 
 
-def tell(
+def report(
     counts: dict[str, Counter[str]],
     seed: int,
     slowest: tuple[float, int],
     seconds: float,
-    complaints: list[str],
+    failures: list[str],
 ) -> None:
     """Print the table."""
-    ends = ("read", "refused", "raised")
+    ends = ("read", "rejected", "failed")
     table = Table("damaged", *ends)
     for column in table.columns[1:]:
         column.justify = "right"
@@ -196,14 +196,14 @@ def tell(
     console.print(machine(), markup=False)
     console.print(table)
     files = sum(sum(found.values()) for found in counts.values())
-    said = (
+    lines = (
         f"{files:,} files, seed {seed}",
         f"processor time: {1e3 * seconds / files:.1f} ms per file, at most {slowest[0]:.2f} s "
         f"(file {slowest[1]})",
-        f"complaints: {len(complaints)}",
-        *complaints[:40],
+        f"failures: {len(failures)}",
+        *failures[:40],
     )
-    for line in said:
+    for line in lines:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 

@@ -1,9 +1,9 @@
-"""An optimisation killed at twenty random moments and resumed after each: the same in the end.
+"""An optimisation killed at twenty random times and resumed after each, with an identical result.
 
-The study is run once undisturbed. Then it is begun again in a process that is killed (SIGKILL) at a
-random moment, resumed, killed again and so on, until it is left to end. The exit code is 1 if any
-design, outcome or bit of the record differs from the undisturbed study, or a kill cost more than
-the one batch that was being evaluated.
+The study is run once without interruption. Then it is started in a process that is killed (SIGKILL)
+at a random time, resumed, killed again and so on, and finally completed. The exit code is 1 if any
+design, result or bit of the record differs from the uninterrupted study, or if a kill lost more
+than the batch that was being evaluated.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from flexor.study import Executor, Problem, Record, Study, optimize, resume
 
 
 @dataclass(frozen=True)
-class Logged(Executor):
-    """Evaluates, and writes down every batch before it does."""
+class LoggingExecutor(Executor):
+    """Evaluates designs and logs every batch before its evaluation."""
 
     log: Path
 
@@ -48,8 +48,8 @@ class Logged(Executor):
 
 
 def run(folder: Path, starts: int) -> None:
-    """Begin the study, or go on with it."""
-    executor = Logged(folder.with_name(f"{folder.name}.log"))
+    """Start or resume the study."""
+    executor = LoggingExecutor(folder.with_name(f"{folder.name}.log"))
     if (folder / "settings.json").exists():
         resume(folder, executor=executor).close()
         return
@@ -65,64 +65,69 @@ def run(folder: Path, starts: int) -> None:
 
 
 def main() -> int:
-    """Kill and resume, and print the table."""
-    reading = argparse.ArgumentParser(description=__doc__)
-    reading.add_argument("--kills", type=int, default=20)
-    reading.add_argument("--starts", type=int, default=16, help="how large the study is")
-    reading.add_argument("--seed", type=int, default=1, help="of the moments")
-    reading.add_argument("--child", type=Path, help=argparse.SUPPRESS)
-    asked = reading.parse_args()
-    if asked.child is not None:
-        run(asked.child, asked.starts)
+    """Kill and resume the study, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument(
+        "--starts",
+        type=int,
+        default=16,
+        help="starts of the search, which set the size of the study",
+    )
+    parser.add_argument("--seed", type=int, default=1, help="random seed of the times")
+    parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.child is not None:
+        run(options.child, options.starts)
         return 0
-    complaints: list[str] = []
-    table = Table("kill", "batches begun", "designs recorded", "designs lost")
+    failures: list[str] = []
+    table = Table("kill", "batches started", "designs recorded", "designs lost")
     for column in table.columns:
         column.justify = "right"
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
-        run(place / "whole", asked.starts)
+        run(place / "whole", options.starts)
         last = len(logged(place / "whole"))
-        moments = drawn(asked.kills, last, np.random.default_rng(asked.seed))
+        moments = random_moments(options.kills, last, np.random.default_rng(options.seed))
         kills = 0
         for moment in track(moments, "kills", console=Console(stderr=True)):
             before, begun = recorded(place / "pieces"), len(logged(place / "pieces"))
-            if not killed(place / "pieces", asked.starts, moment):
-                complaints.append("it ended before all kills")
+            if not killed(place / "pieces", options.starts, moment):
+                failures.append("the study ended before the last kill")
                 break
             kills += 1
             batches = logged(place / "pieces")[begun:]
             lost = sum(batches) - (recorded(place / "pieces") - before)
             if lost not in (0, batches[-1] if batches else 0):
-                complaints.append(f"kill {kills} cost {lost} designs of the batches {batches}")
+                failures.append(f"kill {kills} lost {lost} designs of the batches {batches}")
             table.add_row(
                 str(kills), str(begun + len(batches)), str(before + sum(batches) - lost), str(lost)
             )
-        run(place / "pieces", asked.starts)
-        complaints += unlike(place / "whole", place / "pieces")
+        run(place / "pieces", options.starts)
+        failures += differences(place / "whole", place / "pieces")
     console = Console()
     console.print(machine(), markup=False)
     console.print(table)
-    said = (
-        f"{kills} kills, seed {asked.seed}, a study of {last} batches",
-        f"complaints: {len(complaints)}",
-        *complaints,
+    lines = (
+        f"{kills} kills, seed {options.seed}, a study of {last} batches",
+        f"failures: {len(failures)}",
+        *failures,
     )
-    for line in said:
+    for line in lines:
         console.print(line, markup=False, highlight=False)
-    return 1 if complaints else 0
+    return 1 if failures else 0
 
 
 @dataclass(frozen=True)
 class Moment:
-    """When to kill: so long after so many batches have been begun, or after the process has."""
+    """Time of a kill: seconds after the start of a batch, or of the process (batch −1)."""
 
     batch: int
     seconds: float
 
 
-def drawn(kills: int, last: int, random: np.random.Generator) -> list[Moment]:
-    """Draw moments all along the study; one in four while a process is starting or replaying."""
+def random_moments(kills: int, last: int, random: np.random.Generator) -> list[Moment]:
+    """Draw times over the whole study; a quarter of them while a process starts or replays."""
     batches = np.sort(random.integers(0, max(1, int(0.9 * last)), kills)).tolist()
     return [
         Moment(-1, float(random.uniform(0.0, 2.0)))
@@ -133,7 +138,7 @@ def drawn(kills: int, last: int, random: np.random.Generator) -> list[Moment]:
 
 
 def killed(folder: Path, starts: int, moment: Moment) -> bool:
-    """Run the study in a process and kill that; False if it ended by itself."""
+    """Run the study in a process and kill it; return False if it ended before."""
     words = [sys.executable, __file__, "--starts", str(starts), "--child", str(folder)]
     process = subprocess.Popen(words)
     while process.poll() is None and len(logged(folder)) < moment.batch:
@@ -144,7 +149,7 @@ def killed(folder: Path, starts: int, moment: Moment) -> bool:
 
 
 def logged(folder: Path) -> list[int]:
-    """Sizes of the batches begun so far."""
+    """Return the sizes of the batches started so far."""
     log = folder.with_name(f"{folder.name}.log")
     return [int(line) for line in log.read_text().split()] if log.exists() else []
 
@@ -160,23 +165,23 @@ def recorded(folder: Path) -> int:
         record.close()
 
 
-def unlike(whole: Path, pieces: Path) -> list[str]:
-    """Say what differs between two studies."""
-    said = []
+def differences(whole: Path, pieces: Path) -> list[str]:
+    """Return descriptions of the differences between two studies."""
+    found = []
     one, other = Study.open(whole), Study.open(pieces)
     if one.best.vector.tobytes() != other.best.vector.tobytes():
-        said.append(f"the best design differs: {one.best} and {other.best}")
+        found.append(f"the best design differs: {one.best} and {other.best}")
     if one.finished != other.finished:
-        said.append(f"the end differs: {one.finished} and {other.finished}")
+        found.append(f"the final states differ: {one.finished} and {other.finished}")
     if one.record.designs().tobytes() != other.record.designs().tobytes():
-        said.append("the designs differ")
+        found.append("the designs differ")
     pair = one.record.outcomes(), other.record.outcomes()
     for name in ("value", "joint_angles", "tip_force", "total_iterations", "event_count"):
         if getattr(pair[0], name).tobytes() != getattr(pair[1], name).tobytes():
-            said.append(f"the outcomes differ: {name}")
+            found.append(f"the results differ: {name}")
     one.close()
     other.close()
-    return said
+    return found
 
 
 if __name__ == "__main__":

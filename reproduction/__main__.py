@@ -1,7 +1,6 @@
 """Reproduce the published study: `./dev reproduce`.
 
-Every finished result is kept in the folder at once: run the same command again after an
-interruption, and it continues.
+Every result is saved as soon as it is computed; after an interruption, the same command resumes.
 """
 
 from __future__ import annotations
@@ -15,54 +14,58 @@ from rich.console import Console
 
 from flexor.errors import InputError
 from reproduction.report import ITEMS, chosen, write_docs, write_report
-from reproduction.study import BRIEF, HERE, Effort, Study
+from reproduction.study import HERE, QUICK, Effort, Study
 
 DOCS = HERE.parent / "docs" / "reproduction.md"
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; return its exit code."""
-    reading = argparse.ArgumentParser(prog="dev reproduce", description=__doc__)
-    reading.add_argument(
-        "--what", metavar="ITEMS", help=f"some of {', '.join(ITEMS)}, with commas; all by default"
+    parser = argparse.ArgumentParser(prog="dev reproduce", description=__doc__)
+    parser.add_argument(
+        "--what",
+        metavar="ITEMS",
+        help=f"comma-separated subset of {', '.join(ITEMS)}; default: all",
     )
-    reading.add_argument(
+    parser.add_argument(
         "--out", type=Path, default=Path("out/reproduction"), help="folder of results and report"
     )
-    reading.add_argument("--seed", type=int, default=0, help="random seed")
-    reading.add_argument(
-        "--brief", action="store_true", help="tiny budgets, to try the scripts: no valid numbers"
+    parser.add_argument("--seed", type=int, default=0, help="random seed")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="tiny budgets, to test the scripts; the numbers are not valid",
     )
-    reading.add_argument(
+    parser.add_argument(
         "--write", action="store_true", help="also write docs/reproduction.md and its images"
     )
-    asked = reading.parse_args(arguments)
+    options = parser.parse_args(arguments)
     console, began = Console(stderr=True), time.monotonic()
     try:
-        names = chosen(asked.what)
-        if asked.write and (asked.brief or names != tuple(ITEMS)):
-            raise InputError("--write needs the whole study: leave out --what and --brief.")
-        if asked.seed < 0:
-            raise InputError(f"--seed must be at least 0, got {asked.seed}.")
+        names = chosen(options.what)
+        if options.write and (options.quick or names != tuple(ITEMS)):
+            raise InputError("--write requires the whole study: omit --what and --quick.")
+        if options.seed < 0:
+            raise InputError(f"--seed must be at least 0, got {options.seed}.")
         with console.status("") as status:
             study = Study(
-                asked.out, BRIEF if asked.brief else Effort(), asked.seed,
+                options.out, QUICK if options.quick else Effort(), options.seed,
                 lambda what: status.update(f"computing {what}"),
             )  # fmt: skip
             results = {}
             for name in names:
-                first = time.monotonic()
+                started = time.monotonic()
                 results[name] = ITEMS[name].compute(study)
-                console.print(f"{name:<12} {time.monotonic() - first:6.1f} s", highlight=False)
+                console.print(f"{name:<12} {time.monotonic() - started:6.1f} s", highlight=False)
             status.update("drawing")
             report = write_report(study, results)
-            if asked.write:
+            if options.write:
                 write_docs(report, DOCS)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("interrupted; run the same command again to continue.", file=sys.stderr)
+        print("interrupted; run the same command again to resume.", file=sys.stderr)
         return 130
     print(f"report: {report / 'report.html'} ({time.monotonic() - began:.0f} s)")
     return 0

@@ -1,10 +1,10 @@
-"""Calibrate again with one thing changed that the paper leaves open, and tabulate the results.
+"""Repeat the calibration under alternative assumptions that the paper leaves open.
 
     python reproduction/choices.py [--out DIR] [NAME ...]
 
-Each choice is one calibration of a targets file beside this script, in a folder of its own, which
-is resumed if it exists; all of them take about ten minutes on two cores. The table goes into
-`choices.md`.
+Each choice is one calibration of a targets file in this folder, with a separate results folder; it
+is resumed if that exists. All of them take ten minutes on two cores. The table of constants,
+angles and held-out optima is written to `choices.md`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ DESIGN, OPTIMUM = "paper-targets.toml", "paper-optimum-targets.toml"
 
 @dataclass(frozen=True)
 class Choice:
-    """Targets, changes of both models and of the two-link finger alone, and constants to fix."""
+    """Targets, changes of both models and of each finger, and constants that are not fitted."""
 
     targets: str
     both: Mapping[str, object] = field(default_factory=dict)
@@ -74,7 +74,7 @@ CHOICES = {
 
 
 def prepare(name: str, choice: Choice, out: Path) -> tuple[Model, Path]:
-    """Return the model under a choice, and its targets file, which is written into `out`."""
+    """Write the targets file of a choice into `out`; return the changed model and the file."""
     document = tables((HERE / choice.targets).read_text(encoding="utf-8"), choice.targets)
     document["title"] = f"{document['title']}: {name}"
     document["constant"] = [c for c in document["constant"] if c["name"] not in choice.fixed]
@@ -93,7 +93,7 @@ def slug(name: str) -> str:
 
 
 def run(name: str, choice: Choice, out: Path) -> Calibration:
-    """Calibrate under a choice in a folder below `out`; resume it if it exists."""
+    """Calibrate with a choice in a subfolder of `out`, resuming it if it exists."""
     model, targets = prepare(name, choice, out)
     folder = out / slug(name)
     return calibrate(model, targets, folder=folder, resume=(folder / "settings.json").is_file())
@@ -133,12 +133,12 @@ def table(found: Mapping[str, Calibration]) -> str:
 def main() -> int:
     """Run the choices named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help="choices; all unless given")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="choices (default: all)")
     parser.add_argument("--out", type=Path, default=Path("out/choices"), help="folder of results")
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in CHOICES]
     if unknown:
-        parser.error(f'unknown choice "{unknown[0]}"; there are: {", ".join(CHOICES)}')
+        parser.error(f'unknown choice "{unknown[0]}"; expected one of: {", ".join(CHOICES)}')
     found = {}
     for name in options.names or CHOICES:
         print(name, file=sys.stderr, flush=True)

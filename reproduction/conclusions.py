@@ -1,4 +1,4 @@
-"""The conclusions of the paper, tested one by one."""
+"""Tests of every conclusion of the paper."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def _on_mechanics(study: Study, constants: str, best: Data) -> list[Row]:
             "joints": degrees(bending(held)),
         }
 
-    turned = study.kept(f"tip-angles-{constants}", compute)
+    turned = study.cached(f"tip-angles-{constants}", compute)
     furthest = max(SETS, key=lambda name: best[name]["bending"])
     angles = best[furthest]["joint_angles"]
     return [
@@ -263,7 +263,7 @@ def _published_linear_as_legendre(study: Study, constants: str) -> float:
         design = np.concatenate((line[:1], as_legendre(line[1:], size)))
         return evaluated("L+RLP", design, constants=constants)
 
-    return float(study.kept(f"published-lifted-{constants}", compute)["bending"])
+    return float(study.cached(f"published-lifted-{constants}", compute)["bending"])
 
 
 def _ends(name: str, design: Array) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The constants in doubt: the fit of `surface`, and what each set of constants gives."""
+"""The uncertain constants: the fit of `surface`, and the results of each set of constants."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ UNIT_FORCES = np.arange(0.0, 5.1, 1.0)  # N
 
 
 def compute(study: Study) -> Data:
-    """Fit two constants, and follow the experiments of the paper with every set."""
+    """Fit two constants, and compute the experiments of the paper with every set."""
     sets = {
-        name: study.kept(f"constants-{name}", partial(_experiments, name))
+        name: study.cached(f"constants-{name}", partial(_experiments, name))
         for name in (PRINTED, *CONSTANTS)
     }
     return {
-        "fit": study.kept("fit", lambda: _fit(study)),
+        "fit": study.cached("fit", lambda: _fit(study)),
         "sets": sets,
         "optima": {name: optimum(study, LINEAR, "bending", name) for name in CONSTANTS},
         "distance": {name: distance(study, name) for name in CONSTANTS},
@@ -52,7 +52,7 @@ def compute(study: Study) -> Data:
 
 
 def draw(study: Study, data: Data) -> dict[str, Figure]:
-    """Draw the free exosuit and the finger at every newton, with three sets of constants."""
+    """Draw the free exosuit and the finger in 1 N steps, with three sets of constants."""
     names = (PRINTED, *CONSTANTS[:2])
     panels = []
     for body, what in ((ALONE, "exosuit alone"), (FINGER, "on the finger")):

@@ -47,7 +47,7 @@ def compute(study: Study) -> Data:
             ]
         }
 
-    return study.kept("fig3", follow)
+    return study.cached("fig3", follow)
 
 
 def draw(study: Study, data: Data) -> dict[str, Figure]:

@@ -15,7 +15,7 @@ from reproduction.study import FINGER, PUBLISHED, SURFACE, Data, Study, model, p
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# The paper's contact is by spheres, which slide over each other in bumps; round cones are smooth.
+# The paper's contact spheres make the contact force oscillate in sliding; round cones do not.
 CONTACTS = {"spheres": {}, "round-cones": {"contacts.skin.shape": "round-cones"}}
 METHODS = {
     "levenberg-marquardt": ("L", "Levenberg-Marquardt", PUBLISHED["fig4"]["least_squares_starts"]),
@@ -24,9 +24,9 @@ METHODS = {
 
 
 def compute(study: Study) -> Data:
-    """Survey both landscapes and run both methods from random starts."""
+    """Evaluate both landscapes and run both methods from random starts."""
     best = optimum(study, "R01")
-    searches = study.kept("fig4-searches", lambda: _searches(study))
+    searches = study.cached("fig4-searches", lambda: _searches(study))
     reached = target(study, best["value"])
     return {
         "best": best,
@@ -37,13 +37,13 @@ def compute(study: Study) -> Data:
             for method in METHODS
         },
         "methods": METHODS,
-        "at_published": study.kept("fig4-published-minimum", _at_published_minimum),
-        "landscapes": {contact: _described(_landscape(study, contact)) for contact in CONTACTS},
+        "at_published": study.cached("fig4-published-minimum", _at_published_minimum),
+        "landscapes": {contact: _summary(_landscape(study, contact)) for contact in CONTACTS},
     }
 
 
 def draw(study: Study, data: Data) -> dict[str, Figure]:
-    """Draw both landscapes, the searches on the paper's."""
+    """Draw both landscapes, that of the paper with the search paths."""
     from flexor import plot
 
     paths = [
@@ -64,27 +64,27 @@ def draw(study: Study, data: Data) -> dict[str, Figure]:
 
 
 def _landscape(study: Study, contact: str) -> flexor.Landscape:
-    place, begun = study.subfolder(f"landscape-{contact}")
-    if not begun:
+    folder, exists = study.subfolder(f"landscape-{contact}")
+    if not exists:
         study.report_progress(f"landscape, contact by {contact}")
     chosen = flexor.load(FINGER, SURFACE, CONTACTS[contact])
     return flexor.landscape(
-        chosen, "R01", "bending", grid=study.effort.grid, folder=place, resume=begun
+        chosen, "R01", "bending", grid=study.effort.grid, folder=folder, resume=exists
     )
 
 
-def _described(survey: flexor.Landscape) -> Data:
-    value = np.where(survey.failed, np.nan, survey.value)
-    best = survey.minimum
+def _summary(landscape: flexor.Landscape) -> Data:
+    value = np.where(landscape.failed, np.nan, landscape.value)
+    best = landscape.minimum
     return {
-        "designs": survey.value.size,
+        "designs": landscape.value.size,
         "radii": (100.0 * best.vector).tolist(),
         "value": best.value,
         "bending": best.bending,
-        "minima": len(survey.local_minima()),
+        "minima": len(landscape.local_minima()),
         "largest_step": max(float(np.nanmax(np.abs(np.diff(value, axis=i)))) for i in (0, 1)),
-        "snapping": 100.0 * float((survey.events > 0).mean()),
-        "failed": int(survey.failed.sum()),
+        "snapping": 100.0 * float((landscape.events > 0).mean()),
+        "failed": int(landscape.failed.sum()),
     }
 
 
@@ -93,18 +93,18 @@ def _at_published_minimum() -> Data:
 
 
 def _searches(study: Study) -> Data:
-    """Run both methods; every improvement of each search."""
+    """Run both methods; return the improvements of each search."""
     random = np.random.default_rng(study.seed)
     chosen = parameters("R01")
     found: Data = {}
     for method, (_, _, count) in METHODS.items():
-        # One hypercube for each method, so that its starts are spread over the range.
+        # One Latin hypercube per method, so that its starts cover the range.
         starts = starting_designs(None, count, chosen.lower, chosen.upper, random)
         found[method] = []
         for start in starts:
             done = flexor.optimize(
                 model(), chosen, "bending", method, start=start, seed=study.seed,
-                budget=study.effort.search,
+                budget=study.effort.pattern_search,
             ).result  # fmt: skip
             assert done is not None
             found[method].append(

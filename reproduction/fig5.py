@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def compute(study: Study) -> Data:
-    """Return how far each design bends the finger [rad]."""
+    """Return the bending of each design [rad]."""
     best = {name: optimum(study, name)["bending"] for name in SETS}
     return {"bending": {"default": default_design(study)["bending"], **best}}
 

@@ -1,4 +1,4 @@
-"""Fig. 6: how far the finger bends under the optimum of each objective."""
+"""Fig. 6: bending against force for the optimum of each objective."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from reproduction.study import LINEAR, OBJECTIVES, Data, Study, bending, follow,
 if TYPE_CHECKING:
     import flexor
 
-# Okabe and Ito's colours, each with a marker and a dash of its own.
-LOOKS = (
+# Colours of Okabe and Ito, each with a different marker and line style.
+STYLES = (
     ("#0072B2", "o", "-"),
     ("#D55E00", "s", "--"),
     ("#009E73", "^", "-."),
@@ -62,10 +62,10 @@ def _curves(data: Data) -> Figure:
         figure = Figure(figsize=(COLUMN, 0.85 * COLUMN), layout="constrained")
         axes = figure.add_subplot()
         for i, (name, angles) in enumerate(data["bending"].items()):
-            colour, marker, dash = LOOKS[i]
+            colour, marker, dash = STYLES[i]
             axes.plot(
                 data["force"], angles, dash, color=colour, marker=marker, label=LABELS[name],
-                # Lines that fall together stay visible: the later ones are thinner.
+                # Later lines are thinner, so that coincident ones remain visible.
                 linewidth=2.6 - 0.4 * i, markersize=6.5 - 0.8 * i,
                 zorder=1.5 if name == "default" else 2.0,
             )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How results depend on the mesh of the exosuit."""
+"""Mesh dependence of the results."""
 
 from __future__ import annotations
 
@@ -49,4 +49,4 @@ def compute(study: Study) -> Data:
             )
         return {"rows": found}
 
-    return {each: study.kept(f"mesh-{each}", partial(rows, each)) for each in CONSTANTS}
+    return {each: study.cached(f"mesh-{each}", partial(rows, each)) for each in CONSTANTS}

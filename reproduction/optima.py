@@ -1,4 +1,4 @@
-"""Optima: as published, as one pattern search finds them, and as a thorough search does."""
+"""Optima: published, found by one pattern search, and found by a multistage search."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import flexor
 from flexor.objectives import objective as named_objective
 from flexor.study import Problem
+from reproduction.multistage import MultistageSearch
 from reproduction.study import (
     LINEAR,
     SURFACE,
@@ -21,18 +22,18 @@ from reproduction.study import (
     parameters,
     published_design,
 )
-from reproduction.thorough import Thorough
 
 # Each set contains those on the right: its optimum cannot be worse than theirs.
 NESTED = {"L+R01": ("L", "R01"), "L+Rsc": ("Rsc",), "L+RLP": ("L", "RLP")}
-# Evaluations do not grow with the number of parameters without end.
-MOST_COUNTED = 3
-# The other objectives count contacts or look at one sphere: they jump where f_b is smooth.
-OTHERS_HARDER = 2
-# Designs have so many digits, and more where rounding moves the objective by more than this.
-DIGITS, UNCHANGED = 5, 2e-5
-# A search has found a minimum if it has this part of its gain over the default design.
-FOUND = 0.99
+# Evaluations grow with the number of parameters up to this number.
+MAX_COUNTED = 3
+# The other objectives count contacts or depend on a single sphere: they are discontinuous where f_b
+# is smooth, and get more evaluations.
+OTHER_OBJECTIVES = 2
+# Minimum number of digits of a design, and the largest change of its objective by rounding.
+DIGITS, ROUNDING = 5, 2e-5
+# A search has found a minimum if it achieves this fraction of its gain over the default design.
+SUCCESS = 0.99
 
 
 def objective_value(name: str, design: Array, objective: str, constants: str) -> float:
@@ -44,7 +45,7 @@ def objective_value(name: str, design: Array, objective: str, constants: str) ->
 def evaluated(
     name: str, design: Array, objective: str = "bending", constants: str = SURFACE
 ) -> Data:
-    """Return what a design does at 5 N.
+    """Return the response of a design at 5 N.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def evaluated(
     dict
         ``design`` in SI and ``shown`` in the units of the paper, ``value`` of the objective,
         ``bending`` and ``joint_angles`` [rad], ``tip_force`` [N], ``touching`` spheres, largest
-        ``overlap`` [m] and ``snaps`` on the way.
+        ``overlap`` [m], and number of ``snaps`` along the path.
     """
     path = follow(name, design, constants)
     return {
@@ -75,8 +76,8 @@ def evaluated(
 
 
 def default_design(study: Study, constants: str = SURFACE) -> Data:
-    """Return what the default design (Table I) does."""
-    return study.kept(
+    """Return the response of the default design (Table I)."""
+    return study.cached(
         f"default-{constants}",
         lambda: evaluated("L", parameters("L").start, constants=constants),
     )
@@ -85,17 +86,17 @@ def default_design(study: Study, constants: str = SURFACE) -> Data:
 def published(
     study: Study, name: str, objective: str = "bending", constants: str = SURFACE
 ) -> Data:
-    """Return what the published optimum of a set does."""
-    return study.kept(
+    """Return the response of the published optimum of a set."""
+    return study.cached(
         f"published-{name}-{objective}-{constants}",
         lambda: evaluated(name, published_design(name, objective), objective, constants),
     )
 
 
 def target(study: Study, best: float, constants: str = SURFACE) -> float:
-    """Return the f_b from which on a search has found a minimum."""
+    """Return the f_b at or below which a search counts as successful."""
     default = float(default_design(study, constants)["value"])
-    return default - FOUND * (default - best)
+    return default - SUCCESS * (default - best)
 
 
 def pattern_search(study: Study, name: str) -> Data:
@@ -103,31 +104,36 @@ def pattern_search(study: Study, name: str) -> Data:
 
     def compute() -> Data:
         found = flexor.optimize(
-            model(), name, "bending", "pattern-search", seed=study.seed, budget=study.effort.search
+            model(),
+            name,
+            "bending",
+            "pattern-search",
+            seed=study.seed,
+            budget=study.effort.pattern_search,
         )
         return {**evaluated(name, found.best.vector), "evaluations": found.evaluations}
 
-    return study.kept(f"pattern-search-{name}", compute)
+    return study.cached(f"pattern-search-{name}", compute)
 
 
 def optimum(study: Study, name: str, objective: str = "bending", constants: str = SURFACE) -> Data:
-    """Search a set thoroughly, and round the design to as many digits as it needs.
+    """Return the optimum of a set by multistage search, rounded to the digits that it needs.
 
-    The search starts from the default design, the published optima and the optima of the sets
-    that it contains, so that a set is never worse than one of those.
+    The search starts from the default design, the published optima and the optima of the sets that
+    this one contains, so that its optimum is never worse than theirs.
 
     Returns
     -------
     dict
-        As `evaluated`, of the rounded design; and ``digits`` and ``evaluations``.
+        As `evaluated`, for the rounded design, and ``digits`` and ``evaluations``.
     """
-    most = study.effort.thorough * min(parameters(name).size, MOST_COUNTED)
+    budget = study.effort.multistage * min(parameters(name).size, MAX_COUNTED)
     if objective != "bending":
-        most *= OTHERS_HARDER
+        budget *= OTHER_OBJECTIVES
 
     def compute() -> Data:
         found = flexor.optimize(
-            model(constants=constants), name, objective, Thorough(most),
+            model(constants=constants), name, objective, MultistageSearch(budget),
             start=_starts(study, name, objective, constants), seed=study.seed,
         )  # fmt: skip
         design, digits = rounded(name, found.best.vector, objective, constants)
@@ -137,27 +143,27 @@ def optimum(study: Study, name: str, objective: str = "bending", constants: str 
             "evaluations": found.evaluations,
         }
 
-    return study.kept(f"optimum-{name}-{objective}-{constants}", compute)
+    return study.cached(f"optimum-{name}-{objective}-{constants}", compute)
 
 
 def rounded(
     name: str, design: Array, objective: str = "bending", constants: str = SURFACE
 ) -> tuple[Array, int]:
-    """Round a design to the fewest digits, five at least, that leave its objective as it is.
+    """Round a design to the fewest digits, at least five, that preserve its objective.
 
     Returns
     -------
     design : (k,) array
-        SI, of decimal numbers in the units of the paper.
+        SI, rounded in the units of the paper.
     digits : int
-        Significant digits and decimals that each has at most.
+        Maximum number of significant digits and decimals of each parameter.
     """
     chosen = parameters(name)
     value = objective_value(name, design, objective, constants)
     for digits in range(DIGITS, 17):
         shown = [round(float(f"{each:.{digits}g}"), digits) for each in design / chosen.scale]
         candidate = np.clip(np.array(shown) * chosen.scale, chosen.lower, chosen.upper)
-        if abs(objective_value(name, candidate, objective, constants) - value) <= UNCHANGED:
+        if abs(objective_value(name, candidate, objective, constants) - value) <= ROUNDING:
             return candidate, digits
     return design, 17
 
@@ -190,16 +196,16 @@ def _starts(study: Study, name: str, objective: str, constants: str) -> Array:
 
 
 def _contained(name: str) -> tuple[str, ...]:
-    """Sets whose optima a search begins from."""
+    """Return the sets whose optima a search starts from."""
     shape = name.removeprefix("L+")
     inner = ("L", shape) if shape != name else ()
     return (*inner, *{"RLP": ("R01",), "L+RLP": (LINEAR,)}.get(name, ()))
 
 
 def as_legendre(radii: Array, count: int) -> Array:
-    """Return the coefficients (12) of the straight surface between two radii (2,) [m].
+    """Return the coefficients (12) of the linear profile between two radii (2,) [m].
 
-    They may lie outside the bounds of the set.
+    They may be outside the bounds of the set.
     """
     coefficients = np.zeros(count)
     coefficients[0] = 100.0 * radii[0] / 2.0
@@ -208,7 +214,7 @@ def as_legendre(radii: Array, count: int) -> Array:
 
 
 def distance(study: Study, constants: str) -> float:
-    """Return how far the optima lie from the published ones.
+    """Return the mean deviation of the optima from the published ones.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The comparison of optimisers that the paper mentions and does not show."""
+"""The comparison of optimisers that the paper mentions without showing it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reproduction.study import SETS, Data, Study, model
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Bayesian search is left out: its own work for a design takes longer than a hundred designs here.
+# Bayesian optimisation is omitted: proposing one design takes longer than evaluating a hundred.
 METHODS = (
     "levenberg-marquardt",
     "pattern-search",
@@ -56,8 +56,8 @@ def draw(study: Study, data: Data) -> dict[str, Figure]:
 
 
 def _comparison(study: Study) -> flexor.MethodComparison:
-    """Carry out the comparison, or read the finished one; measured against the optima."""
-    place, begun = study.subfolder("comparison")
+    """Run or load the comparison, with the optima as best known designs."""
+    folder, exists = study.subfolder("comparison")
 
     def progress(at: ComparisonProgress) -> None:
         study.report_progress(f"comparison of optimisers, search {at.done:,} of {at.total:,}")
@@ -68,5 +68,5 @@ def _comparison(study: Study) -> flexor.MethodComparison:
         seeds=range(study.seed, study.seed + study.effort.seeds),
         budget=study.effort.budget,
         known={name: optimum(study, name)["value"] for name in SETS},
-        folder=place, resume=begun, progress=progress,
+        folder=folder, resume=exists, progress=progress,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Figures of panels to one scale, each with scenes one over the other."""
+"""Figures of panels with a common scale, each with overlaid scenes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MARGINS = 0.62  # in, beside the axes: labels of the leftmost column
 TITLE, TITLE_LINE = 0.16, 0.14  # in, above each row of axes, and for each line of a title
 LEGEND = 0.62  # in, above all axes, and the numbers and label below them
-TICKS = 5.0  # cm, alike on both axes
+TICKS = 5.0  # cm, on both axes
 AT_REST = "#C3CBD2"
 COLUMNS = 4
 
@@ -39,7 +39,7 @@ class Layer:
 
     @classmethod
     def along(cls, path: flexor.Path, opacity: float, last: float | None = None) -> list[Layer]:
-        """Return a layer for each step of a path, coloured by load; the last may be denser."""
+        """Return a layer for each step of a path, coloured by load; the last may be more opaque."""
         colours = [tuple(shade) for shade in shades(len(path))]
         layers = [cls(read_scene(path, i), colour, opacity) for i, colour in enumerate(colours)]
         return [*layers[:-1], cls(layers[-1].scene, colours[-1], last or opacity)]
@@ -47,7 +47,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Panel:
-    """A title, and layers from below to above."""
+    """A title, and layers from bottom to top."""
 
     title: str
     layers: list[Layer]
@@ -66,7 +66,7 @@ def load_handles(forces: Iterable[float], chamber: str = "chamber") -> list[Arti
 
 
 def draw_designs(paths: Mapping[str, flexor.Path]) -> Figure:
-    """Draw designs at rest and at their last load, by the titles of their panels."""
+    """Draw designs at rest and at their last load, one panel per title."""
     panels = [
         Panel(
             title,
@@ -87,7 +87,7 @@ def draw_designs(paths: Mapping[str, flexor.Path]) -> Figure:
 
 
 def draw_panels(panels: Sequence[Panel], columns: int, handles: Sequence[Artist]) -> Figure:
-    """Draw panels row by row, all to one scale, as wide as a page."""
+    """Draw panels row by row, to a common scale, one page wide."""
     scenes = [layer.scene for panel in panels for layer in panel.layers]
     rows = -(-len(panels) // columns)
     with style():

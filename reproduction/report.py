@@ -1,4 +1,4 @@
-"""The report: Markdown from templates, the figures beside it, and one HTML page with both."""
+"""The report as Markdown from templates with figures, and as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def chosen(names: str | None) -> tuple[str, ...]:
         if name not in ITEMS:
             raise unknown("item of the study", name, ITEMS)
     if not wanted:
-        raise InputError(f"no item of the study is named: give some of {', '.join(ITEMS)}.")
+        raise InputError(f"no item of the study is named: expected some of {', '.join(ITEMS)}.")
     return tuple(name for name in ITEMS if name in wanted)
 
 
@@ -103,7 +103,7 @@ def render(results: Data, study: Study) -> str:
         keep_trailing_newline=True,
         autoescape=False,  # Markdown
     )
-    environment.filters["design"] = shown_design
+    environment.filters["design"] = format_design
     environment.filters["number"] = number
     environment.filters["yes"] = lambda holds: "yes" if holds else "no"
     text = environment.get_template("report.md.j2").render(
@@ -131,7 +131,7 @@ def render(results: Data, study: Study) -> str:
 
 
 def html(text: str, folder: Path) -> str:
-    """Return the report as one HTML page with its figures inside."""
+    """Return the report as HTML with embedded figures."""
     body = MarkdownIt("commonmark").enable("table").render(text)
     body = re.sub(
         r'src="(figures/[\w-]+\.png)"',
@@ -147,8 +147,8 @@ def html(text: str, folder: Path) -> str:
     )
 
 
-def shown_design(values: list[float], name: str, digits: int = 4) -> str:
-    """Return a design in the units of the paper, with at most so many decimals."""
+def format_design(values: list[float], name: str, digits: int = 4) -> str:
+    """Return a design in the units of the paper, with at most ``digits`` decimals."""
     chosen_set = parameters(name)
     words: list[str] = []
     for unit in dict.fromkeys(chosen_set.units):
@@ -162,13 +162,13 @@ def shown_design(values: list[float], name: str, digits: int = 4) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return a number with at most so many decimals, without trailing zeros or -0."""
+    """Return a number with at most ``decimals`` decimals, without trailing zeros or -0."""
     text = f"{value + 0.0:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{value:.0f}"
     return "0" if text in ("-0", "") else text
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits, without trailing zeros or -0."""
+    """Return a number with ``digits`` significant digits, without trailing zeros or -0."""
     if value is None:
         return "–"
     if isinstance(value, int):

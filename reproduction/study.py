@@ -1,4 +1,4 @@
-"""What the scripts share: published numbers, settings, models, and results that are kept."""
+"""Shared by the scripts: published numbers, settings, models and cached results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HERE = Path(__file__).resolve().parent
 PUBLISHED: Data = tomllib.loads((HERE / "published.toml").read_text(encoding="utf-8"))
 
 FINGER, TWO_LINKS, ALONE = "finger", "finger-2-links", "exosuit-alone"
-# Sets of constants: the default of the study, and those whose optima stand beside its own.
+# Sets of constants: the default of the study, and those that it is compared with.
 SURFACE, PRINTED = "surface", "printed"
 CONSTANTS = (SURFACE, "calibrated", "calibrated-optimum")
 SETS: tuple[str, ...] = tuple(PUBLISHED["table3"])
@@ -44,34 +44,34 @@ SYMBOLS = {
     "bending-contact": "f_bc",
     "bending-contact-printed": "f_bc as printed",
 }
-# The set that Table IV and Fig. 6 are about.
+# The parameter set of Table IV and Fig. 6.
 LINEAR = "L+R01"
 LIBRARIES = ("numpy", "scipy", "pymoo", "cma", "PyNomadBBO")
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is computed.
+    """Resolutions and budgets of the study.
 
     Attributes
     ----------
     grid : int
         Points along each axis of the landscape of Fig. 4.
-    search : int
-        Designs that a search done as in the paper may evaluate.
-    thorough : int
-        Designs that the search for a true optimum evaluates, for each of at most three parameters.
+    pattern_search : int
+        Maximum number of evaluations of a pattern search configured as in the paper.
+    multistage : int
+        Evaluations of the search for a global optimum, per parameter (at most three are counted).
     samples, starts : int
-        Points of the global search of a fit of constants, and how many of them are refined.
+        Sample points of the fit of constants, and the number of them that are refined.
     seeds, budget : int
-        Searches of each method on each set in the comparison, and evaluations of each.
+        Searches per method and set in the comparison, and evaluations per search.
     elements : tuple of int
-        Meshes whose results are compared.
+        Numbers of elements of the meshes that are compared.
     """
 
     grid: int = 81
-    search: int = 10_000
-    thorough: int = 1500
+    pattern_search: int = 10_000
+    multistage: int = 1500
     samples: int = 512
     starts: int = 6
     seeds: int = 10
@@ -79,30 +79,31 @@ class Effort:
     elements: tuple[int, ...] = (5, 10, 20, 40, 80)
 
 
-# As little as runs every line; the numbers mean nothing.
-BRIEF = Effort(
-    grid=5, search=20, thorough=50, samples=8, starts=1, seeds=1, budget=10, elements=(5, 10)
-)
+# Runs every line; the numbers are not valid.
+QUICK = Effort(
+    grid=5, pattern_search=20, multistage=50, samples=8, starts=1, seeds=1, budget=10,
+    elements=(5, 10),
+)  # fmt: skip
 
 
 class Study:
-    """The study in a folder, where every finished result is kept.
+    """The study in a folder that caches every finished result.
 
     Parameters
     ----------
     folder : Path
-        Made if it is not there. What it holds already is not computed again.
+        Created if it does not exist. Results that it contains are not computed again.
     effort : Effort
-        How much is computed.
+        Resolutions and budgets.
     seed : int
         Random seed.
     report_progress : callable, optional
-        Called with what is being computed.
+        Called with the name of the result being computed.
 
     Raises
     ------
     InputError
-        If the folder cannot be used, or holds results of other settings, models or versions.
+        If the folder cannot be used, or contains results of other settings, models or versions.
     """
 
     def __init__(
@@ -132,26 +133,26 @@ class Study:
                     f"{value}: delete the folder or choose another with --out."
                 )
 
-    def kept(self, name: str, compute: Callable[[], Data]) -> Data:
-        """Return the plain values that `compute` returns, computed once and kept in the folder."""
+    def cached(self, name: str, compute: Callable[[], Data]) -> Data:
+        """Return the values of `compute` (JSON types), computed once and saved in the folder."""
         file = self.folder / "results" / f"{name}.json"
         if not file.is_file():
             self.report_progress(name)
             began = time.perf_counter()
             values = compute()
             write_json(file, {"seconds": time.perf_counter() - began, **values})
-        # Read back also what was just computed, so that a resumed report cannot differ.
+        # Fresh results are read back, too, so that a resumed report cannot differ.
         return read_json(file)
 
     def subfolder(self, name: str) -> tuple[Path, bool]:
-        """Return the folder of a study of Flexor's own, and whether it is there to be resumed."""
+        """Return the folder of a study or landscape, and whether it exists and is to be resumed."""
         place = self.folder / "studies" / name
         place.parent.mkdir(parents=True, exist_ok=True)
         return place, place.exists()
 
 
 def provenance() -> Data:
-    """Return what decides the numbers besides the settings: models and versions."""
+    """Return what determines the numbers besides the settings: models and versions."""
     found = {f"model {name}": model(name).hash for name in (FINGER, TWO_LINKS, ALONE)}
     for library in ("flexor", *LIBRARIES):
         try:
@@ -189,7 +190,7 @@ def follow(
 
 
 def tip_angle(path: flexor.Path, step: int = -1) -> float:
-    """Return the angle by which the exosuit's tip has turned, whole turns counted [rad]."""
+    """Return the rotation of the exosuit's tip, full turns included [rad]."""
     frames = path.frames(step)["exosuit"]
     headings = np.unwrap(-np.arctan2(frames[:, 2, 0], frames[:, 0, 0]))
     return float(headings[-1] - headings[0])
@@ -201,7 +202,7 @@ def bending(path: flexor.Path, step: int = -1) -> float:
 
 
 def write_json(file: Path, values: Data) -> None:
-    """Write plain values, whole or not at all."""
+    """Write JSON values atomically."""
     draft = file.with_name(f".{file.name}.new")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -212,7 +213,7 @@ def write_json(file: Path, values: Data) -> None:
 
 
 def read_json(file: Path) -> Data:
-    """Read plain values."""
+    """Read JSON values."""
     try:
         values: Data = json.loads(file.read_text(encoding="utf-8"))
         return {**values}

@@ -1,4 +1,4 @@
-"""Table III: the optimum of every parameter set, published and ours."""
+"""Table III: published and computed optimum of every parameter set."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def compute(study: Study) -> Data:
             f"{outer} than {inner}"
             for outer, contained in NESTED.items()
             for inner in contained
-            # Designs are rounded where that changes a value by less than this.
+            # Rounding of the designs changes values by less than this.
             if ours[outer]["value"] > ours[inner]["value"] + 1e-4
         ],
     }

@@ -1,4 +1,4 @@
-"""Table IV: three objectives, one of them in two readings, on length and radii."""
+"""Table IV: three objectives, one of them in two interpretations, over length and radii."""
 
 from __future__ import annotations
 

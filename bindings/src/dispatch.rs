@@ -1,4 +1,4 @@
-//! Planar and spatial models behind one type.
+//! Dispatch over planar and spatial models.
 
 use flexor_engine::Data;
 use flexor_engine::lie::{SE2, SE3};
@@ -10,7 +10,7 @@ pub enum AnyModel {
     Spatial(Box<Model<SE3, 6, 3>>),
 }
 
-/// Runs the same code on whichever model it is.
+/// Runs the same code on a planar or a spatial model.
 macro_rules! on_model {
     ($any:expr, $model:ident => $body:expr) => {
         match $any {
@@ -43,7 +43,7 @@ impl AnyModel {
     }
 }
 
-/// What a single state is asked for.
+/// The evaluation of a single state.
 pub struct State {
     pub energy: f64,
     pub residual: Vec<f64>,
@@ -51,13 +51,13 @@ pub struct State {
     pub lengths: Vec<f64>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
-    pub touches: Vec<Touch>,
+    pub contacts: Vec<ContactForce>,
 }
 
 /// A contact force.
-pub struct Touch {
+pub struct ContactForce {
     pub first: usize,
-    /// −1 where the first touches what is fixed in the world.
+    /// −1 for contact with a fixed obstacle.
     pub second: i64,
     pub cone: bool,
     pub force: [f64; 3],
@@ -79,7 +79,7 @@ impl AnyModel {
                 lengths: data.actuator_lengths(model, q),
                 frames: data.homogeneous_frames(),
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
-                touches: data.contact_forces(model).iter().map(|t| Touch {
+                contacts: data.contact_forces(model).iter().map(|t| ContactForce {
                     first: t.first,
                     second: t.nearest.map_or(-1, |i| i as i64),
                     cone: t.cone,

@@ -1,7 +1,7 @@
 //! The compiled module `flexor._engine`: arrays in, arrays out, the GIL released while solving.
 //!
-//! One library, a name for each build: for every processor, for AVX2 with FMA, for AVX-512, for the
-//! machine it was built on. `flexor._dispatch` imports the one that fits.
+//! Each build has its own module name: baseline, AVX2 with FMA, AVX-512, and native (the machine that
+//! it was built on). `flexor._dispatch` imports the fastest that the processor supports.
 
 mod dispatch;
 mod error;
@@ -44,7 +44,7 @@ fn cpu_runs() -> Vec<&'static str> {
     Vec::new()
 }
 
-/// Defines the module under the name that a build of it is installed by.
+/// Defines the module under the name of a build.
 macro_rules! engine {
     ($name:ident) => {
         #[pymodule]

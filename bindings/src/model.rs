@@ -1,6 +1,6 @@
 //! The class `Model`.
 
-use crate::dispatch::{AnyModel, State, Touch, on_model};
+use crate::dispatch::{AnyModel, ContactForce, State, on_model};
 use crate::error::value_error;
 use crate::{options, structure};
 use flexor_engine::equilibrium::{Stability, Status};
@@ -165,18 +165,18 @@ impl Model {
         parameters: Numbers<'_>,
         q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let touches = self.state(&parameters, &q, None)?.touches;
-        let vectors = |pick: fn(&Touch) -> [f64; 3]| {
-            let flat: Vec<f64> = touches.iter().flat_map(pick).collect();
-            flat.into_pyarray(py).reshape([touches.len(), 3])
+        let contacts = self.state(&parameters, &q, None)?.contacts;
+        let vectors = |pick: fn(&ContactForce) -> [f64; 3]| {
+            let flat: Vec<f64> = contacts.iter().flat_map(pick).collect();
+            flat.into_pyarray(py).reshape([contacts.len(), 3])
         };
         let out = PyDict::new(py);
-        out.set_item("first", touches.iter().map(|t| t.first).collect::<Vec<_>>().into_pyarray(py))?;
-        out.set_item("second", touches.iter().map(|t| t.second).collect::<Vec<_>>().into_pyarray(py))?;
-        out.set_item("cone", touches.iter().map(|t| t.cone).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("first", contacts.iter().map(|t| t.first).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("second", contacts.iter().map(|t| t.second).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("cone", contacts.iter().map(|t| t.cone).collect::<Vec<_>>().into_pyarray(py))?;
         out.set_item("force", vectors(|t| t.force)?)?;
         out.set_item("point", vectors(|t| t.point)?)?;
-        out.set_item("depth", touches.iter().map(|t| t.depth).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("depth", contacts.iter().map(|t| t.depth).collect::<Vec<_>>().into_pyarray(py))?;
         Ok(out)
     }
 

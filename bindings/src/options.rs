@@ -1,4 +1,4 @@
-//! The solver's options: what Python is told of them, and how it sets them.
+//! The solver options: their description for Python, and conversion from Python.
 
 use crate::error::value_error;
 use flexor_engine::equilibrium::ContinuationOptions;

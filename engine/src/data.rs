@@ -1,4 +1,4 @@
-//! The workspace of one thread: a design, a state, and what follows from them.
+//! The workspace of one thread: a design, a state, and derived quantities.
 
 use crate::assembly::Assembly;
 use crate::design::Design;
@@ -11,7 +11,7 @@ use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 
-/// A reusable workspace; after it is made, evaluating and solving allocate nothing.
+/// A reusable workspace; evaluating and solving allocate no memory.
 #[derive(Clone, Debug)]
 pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
@@ -29,7 +29,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         }
     }
 
-    /// Takes over a vector of parameters, in the order of [`Model::layout`].
+    /// Sets the parameters, in the order of [`Model::layout`].
     ///
     /// # Panics
     /// If the length is not that of the model's parameters.

@@ -1,4 +1,4 @@
-//! One design: everything that follows from a vector of parameters but not from the state.
+//! One design: quantities that depend on the parameters but not on the state.
 
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -9,7 +9,7 @@ use crate::units::Units;
 #[derive(Clone, Debug)]
 pub(crate) struct Design<G, const D: usize, const P: usize> {
     pub geometry: Geometry<G, D, P>,
-    /// What each force derives from the parameters.
+    /// Derived quantities of each force.
     pub forces: Designs<P>,
     pub units: Units,
 }
@@ -25,7 +25,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Design<G, D, P> {
         design
     }
 
-    /// Takes over a vector of parameters, without allocating.
+    /// Sets the parameters, without allocating.
     pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) {
         self.geometry.parameters.copy_from_slice(parameters);
         self.update(model);

@@ -1,4 +1,4 @@
-//! The geometry of one design: what bodies, strains, points and spheres are for a vector of parameters.
+//! The geometry of one design: bodies, strains, points and spheres as functions of the parameters.
 
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};

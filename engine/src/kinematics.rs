@@ -35,10 +35,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         }
     }
 
-    /// Moves everything to the state `q`.
+    /// Computes all poses at the state `q`.
     pub fn update(&mut self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, q: &[f64]) {
         tree.coordinate_blocks.gather(q, &mut self.coordinates);
-        // Every motion by itself, then their products: only the last loop has anything to wait for.
+        // All motions first, then their products: only the last loop is sequential.
         for (f, frame) in tree.frames.iter().enumerate().skip(1) {
             let omega = match &frame.motion {
                 Motion::Rigid(_) => continue,

@@ -29,7 +29,7 @@ pub use data::Data;
 pub use forces::contact::ContactSummary;
 pub use forces::element::ContactForce;
 
-// The systems of the integration tests, for tests of what is not public.
+// The systems of the integration tests, for tests of private items.
 #[cfg(test)]
 extern crate self as flexor_engine;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-"""The study as a whole, with budgets so small that only its form can be tested."""
+"""The study as a whole, with budgets so small that only the form of its output can be tested."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ pytestmark = pytest.mark.xdist_group("reproduction")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """The whole study, in small; interrupted once."""
+    """The whole study with tiny budgets, interrupted once."""
     out = tmp_path_factory.mktemp("reproduction") / "out"
-    # A study of some items is continued by the others.
-    assert main(["--brief", "--what", "fig3, table4", "--out", str(out)]) == 0
+    # A study of some items is completed by the others.
+    assert main(["--quick", "--what", "fig3, table4", "--out", str(out)]) == 0
     before = (out / "results" / "optimum-L-bending-surface.json").read_bytes()
-    assert main(["--brief", "--out", str(out)]) == 0
+    assert main(["--quick", "--out", str(out)]) == 0
     assert (out / "results" / "optimum-L-bending-surface.json").read_bytes() == before
     return out
 
@@ -39,7 +39,7 @@ def result(folder: Path, name: str) -> dict:
     return json.loads((folder / "results" / f"{name}.json").read_text())
 
 
-def test_every_table_is_sound_and_every_figure_is_there(folder, text) -> None:
+def test_tables_are_well_formed_and_figures_exist(folder, text) -> None:
     for block in re.split(r"\n\n+", text):
         lines = block.splitlines()
         if lines[0].startswith("|"):
@@ -53,7 +53,7 @@ def test_every_table_is_sound_and_every_figure_is_there(folder, text) -> None:
     assert "\n\n\n" not in text and "{{" not in text
 
 
-def test_the_page_needs_nothing_else(folder) -> None:
+def test_the_html_report_is_self_contained(folder) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r'src="([^"]{0,30})', page)
     assert len(sources) == 8
@@ -63,16 +63,16 @@ def test_the_page_needs_nothing_else(folder) -> None:
 
 def test_every_published_number_is_shown(text) -> None:
     for name in SETS:
-        assert f"| {report.shown_design(PUBLISHED['table3'][name]['design'], name)} |" in text
+        assert f"| {report.format_design(PUBLISHED['table3'][name]['design'], name)} |" in text
         assert f"| {PUBLISHED['table3'][name]['minutes']} |" in text
     for row in PUBLISHED["table4"].values():
-        assert f"| {report.shown_design(row['design'], 'L+R01')} |" in text
+        assert f"| {report.format_design(row['design'], 'L+R01')} |" in text
         assert f"| {row['minutes']} |" in text
     for value in (1.05, 0.27, 1.43, "0.53, 0.52 cm", "82°", 25, 42):
         assert str(value) in text
 
 
-def test_a_printed_design_gives_the_number_beside_it(folder, text) -> None:
+def test_a_printed_design_reproduces_its_printed_bending(folder, text) -> None:
     for name in ("L", "R01", "L+R01"):
         found = result(folder, f"optimum-{name}-bending-surface")
         ending = f"| {PUBLISHED['table3'][name]['minutes']} |"
@@ -106,7 +106,7 @@ def test_sets_that_contain_others_are_at_least_as_good(folder) -> None:
     for outer, contained in NESTED.items():
         for inner in contained:
             assert value[outer] <= value[inner] + 1e-4
-    # Even searches as small as these begin at the default design.
+    # Even these short searches start from the default design.
     assert all(each <= default + 1e-4 for each in value.values())
 
 
@@ -135,13 +135,13 @@ def test_straight_surfaces_as_legendre_coefficients() -> None:
     ("value", "shown"),
     [(1.0499863, "1.05"), (-0.0, "0"), (1e-15, "0"), (6561, "6,561"), (None, "–"), (0.27, "0.27")],
 )
-def test_numbers_as_people_read_them(value, shown: str) -> None:
+def test_format_of_numbers(value, shown: str) -> None:
     assert report.number(value) == shown
 
 
-def test_designs_as_people_read_them() -> None:
-    assert report.shown_design([13.322000000000001], "L", 5) == "13.322 cm"
-    assert report.shown_design([-1e-9, 0.5, -2.0, 0.0], "Rsc") == "0, 0.5; -2, 0"
+def test_format_of_designs() -> None:
+    assert report.format_design([13.322000000000001], "L", 5) == "13.322 cm"
+    assert report.format_design([-1e-9, 0.5, -2.0, 0.0], "Rsc") == "0, 0.5; -2, 0"
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_designs_as_people_read_them() -> None:
     [
         (["--what", "fig33"], 'unknown item of the study "fig33" (did you mean "fig3"?)'),
         (["--what", ","], "no item of the study is named"),
-        (["--what", "fig3", "--write"], "--write needs the whole study"),
+        (["--what", "fig3", "--write"], "--write requires the whole study"),
         (["--seed", "-1"], "--seed must be at least 0"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Results are kept, and a folder is never continued with other settings."""
+"""Results are cached, and a folder is never resumed with other settings."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import json
 import pytest
 
 from flexor.errors import InputError
-from reproduction.study import BRIEF, Effort, Study
+from reproduction.study import QUICK, Effort, Study
 
 
 @pytest.fixture
 def study(tmp_path) -> Study:
-    return Study(tmp_path / "out", BRIEF)
+    return Study(tmp_path / "out", QUICK)
 
 
 def test_a_result_is_computed_once_and_read_back_exactly(study) -> None:
@@ -22,8 +22,8 @@ def test_a_result_is_computed_once_and_read_back_exactly(study) -> None:
         calls.append(1)
         return {"third": 1.0 / 3.0, "list": [1, 2.5e-300]}
 
-    first = study.kept("r", compute)
-    again = Study(study.folder, BRIEF).kept("r", compute)
+    first = study.cached("r", compute)
+    again = Study(study.folder, QUICK).cached("r", compute)
     assert len(calls) == 1
     assert first == again
     assert again["third"] == 1.0 / 3.0
@@ -34,12 +34,12 @@ def test_an_interrupted_result_leaves_nothing_behind(study) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        study.kept("r", interrupted)
+        study.cached("r", interrupted)
     results = study.folder / "results"
     results.mkdir(exist_ok=True)
     (results / ".s.json.new").write_text('{"seconds": 1.0, "da', encoding="utf-8")
     for name in ("r", "s"):
-        assert study.kept(name, lambda: {"a": 1})["a"] == 1
+        assert study.cached(name, lambda: {"a": 1})["a"] == 1
 
 
 @pytest.mark.parametrize("text", ["{", "[]"])
@@ -47,19 +47,19 @@ def test_a_damaged_result_is_named(study, text: str) -> None:
     (study.folder / "results").mkdir()
     (study.folder / "results" / "r.json").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=r"r\.json\" is damaged: delete it"):
-        study.kept("r", dict)
+        study.cached("r", dict)
 
 
 def test_other_settings_and_models_are_refused(study) -> None:
     with pytest.raises(InputError, match="were made with grid = 5, not 81"):
         Study(study.folder, Effort())
     with pytest.raises(InputError, match="were made with seed = 0, not 1"):
-        Study(study.folder, BRIEF, seed=1)
+        Study(study.folder, QUICK, seed=1)
     stamp = study.folder / "settings.json"
     values = json.loads(stamp.read_text())
     stamp.write_text(json.dumps({**values, "model finger": "another"}))
     with pytest.raises(InputError, match="were made with model finger = another, not"):
-        Study(study.folder, BRIEF)
+        Study(study.folder, QUICK)
 
 
 def test_a_folder_of_something_else_is_refused(tmp_path) -> None:

@@ -61,8 +61,8 @@ def test_full_circle(case: Case) -> None:
     """Pure bending to a full circle.
 
     A rod under a moment M at its tip bends to an arc of curvature κ = M/EI; at M = 2πEI/L it
-    closes. The potential is −½ M² L/EI. The same with all six strains in space, and with a chamber
-    at the distance S from the axis of a rod that cannot extend, where EI κ = u S.
+    closes. The potential is −½ M² L/EI. Repeated with all six strains in space, and with a chamber
+    at the distance S from the axis of an inextensible rod, where EI κ = u S.
     """
     plane = _by_moment(PLANAR)
     path = plane.equilibrium(TURNS)

@@ -118,18 +118,19 @@ def cantilever(strain: object = "nodal_quadratic", frame: str = "world", **field
 def test_cantilever(case: Case) -> None:
     """A cantilever at large deflection.
 
-    An inextensible rod, clamped at one end, under a load P across its other end that keeps its
-    direction, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and Drucker,
-    1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.
+    An inextensible rod, clamped at one end, under a dead load P perpendicular to the undeformed
+    axis at the free end, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and
+    Drucker, 1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.
     """
     _compare(case, "world", [elliptic(alpha, X)[:2] for alpha in ALPHA])
 
 
 def test_following_load(case: Case) -> None:
-    """A cantilever under a load that follows its tip.
+    """A cantilever under a follower load.
 
-    The same rod under a load that stays across its tip, which has no potential. Seen from the tip
-    the rod obeys the equation of a pendulum from rest; elliptic integrals of parameter ½ solve it.
+    The same rod under a load that stays perpendicular to its tip and has no potential. From the
+    tip, the angle obeys the equation of a pendulum starting at rest, which elliptic integrals of
+    parameter ½ solve.
     """
     _compare(case, "body", [follower(alpha, X) for alpha in ALPHA])
 

@@ -48,8 +48,8 @@ def _strain(model: Model, q: Array, mode: str) -> Array:
 def test_extension(case: Case) -> None:
     """A chamber on the axis.
 
-    A chamber along the axis extends a cylinder by ε = u/EA and does nothing else. Circular,
-    elliptic and rectangular sections, all six strains free.
+    A chamber along the axis extends a cylinder by ε = u/EA without bending it. Circular, elliptic
+    and rectangular sections, all six strains free.
     """
     comparisons = []
     for kind, (area, _, _) in SECTIONS.items():
@@ -121,10 +121,9 @@ LEVER = 1.5
 def test_tapered_chamber(case: Case) -> None:
     """A chamber on the surface of a cone.
 
-    Where the chamber follows a sloping surface at the distance d = 1.5 S(X), only the part cos α
-    of its force along the axis acts: EI κ = u d cos α, EA ε = u cos α, tan α = d′/(1 + ε + κ d),
-    at every X for itself (root by bisection). Flexor has Legendre polynomials of degree 14 for
-    both strains.
+    Along a sloping surface at the distance d = 1.5 S(X), only the axial component cos α of the
+    chamber's force acts: EI κ = u d cos α, EA ε = u cos α, tan α = d′/(1 + ε + κ d), at each X
+    separately (root by bisection). Flexor has Legendre polynomials of degree 14 for both strains.
     """
     strain = {"bend_y": legendre(14), "extend_x": legendre(14)}
     model = _model(strain, {"z": LEVER}, radius=(BASE, TIP), elements=8, gauss_points=8)

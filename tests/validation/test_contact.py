@@ -78,9 +78,9 @@ def _cone(where: str) -> tuple[Model, Array]:
 def test_pressed_spheres(case: Case) -> None:
     """Two spheres pressed by a spring.
 
-    A sphere on a slide is pulled against a fixed one by a spring and pushed by a force. The
-    contact law (8) is linear in the overlap, so the distance x solves k (R₁ + R₂ − x) = k_s (x + a
-    − ℓ₀) + P. In space and in the plane, along oblique lines.
+    A sphere on a prismatic joint is pulled against a fixed one by a spring and pushed by a force.
+    The contact law (8) is linear in the overlap, so the distance x solves k (R₁ + R₂ − x) = k_s (x
+    + a − ℓ₀) + P. In space and in the plane, along oblique lines.
     """
     comparisons = []
     for where in LINES:
@@ -108,10 +108,10 @@ def test_pressed_spheres(case: Case) -> None:
 def test_pressed_cone(case: Case) -> None:
     """A sphere pressed against a round cone by a spring.
 
-    A sphere on a slide is pulled and pushed against the side of a fixed round cone. Seen from the
-    sphere, the side of a cone of half-angle α is a plane, so the overlap is linear in the distance
-    and k c (R + r − c x) = k_s (x + a − ℓ₀) + P, c being the cosine between the slide and the
-    side's normal. In space and in the plane, along oblique lines.
+    A sphere on a prismatic joint is pulled and pushed against the side of a fixed round cone. In
+    the plane through its axis the side of a cone is a straight line, so the overlap is linear in
+    the distance and k c (R + r − c x) = k_s (x + a − ℓ₀) + P, c being the cosine of the angle
+    between the joint's axis and the side's normal. In space and in the plane, along oblique lines.
     """
     comparisons = []
     taper = CONE[1] - CONE[0]

@@ -46,11 +46,11 @@ def _order(sizes: Array, errors: Array) -> float:
 
 
 def test_convergence_elements(case: Case) -> None:
-    """Finer meshes.
+    """Mesh convergence.
 
-    The cantilever at PL²/EI = 2 against elliptic integrals on 4 to 64 elements. Every basis gives
-    the tip to the order of the Magnus steps, 4 or 2; smoother ones have smaller errors, and
-    Hermite elements give the angle to 4th order too.
+    The cantilever at PL²/EI = 2 on 4 to 64 elements compared with elliptic integrals. With every
+    basis the tip converges with the order of the Magnus steps, 4 or 2; smoother bases have smaller
+    errors, and with Hermite elements the angle converges with order 4, too.
     """
     sizes = 1.0 / np.array(ELEMENTS)
     errors = {
@@ -98,10 +98,10 @@ def _draw_elements(figure: Figure, errors: dict[str, Array]) -> None:
 
 
 def test_convergence_degree(case: Case) -> None:
-    """Polynomials of higher degree.
+    """Convergence with the polynomial degree.
 
-    The same with Legendre polynomials along the whole rod: the error falls geometrically with the
-    degree, down to that of 256 Magnus steps.
+    The same with Legendre polynomials along the whole rod: the error decreases geometrically with
+    the degree, down to that of 256 Magnus steps.
     """
     models = [cantilever(legendre(d), elements=64, gauss_points=3) for d in DEGREES]
     errors = np.array([_errors(model)[0] for model in models])
@@ -152,10 +152,10 @@ def _integrated() -> Array:
 
 
 def test_convergence_magnus(case: Case) -> None:
-    """Shorter Magnus steps.
+    """Convergence of the Magnus steps.
 
-    Pose of the tip of a rod whose six strains are given cubics, against `solve_ivp` of SciPy
-    (DOP853, 10⁻¹³): steps of order 2 and 4.
+    Tip pose of a rod whose six strains are prescribed cubics, compared with SciPy's `solve_ivp`
+    (DOP853, 10⁻¹³), for steps of order 2 and 4.
     """
     wanted = _integrated()
     strain = {mode: {"basis": "monomial", "order": 3} for mode in MODES}

@@ -93,12 +93,12 @@ def cantilever(basis: str, elements: int) -> Model:
 
 @pytest.mark.slow
 def test_relaxed_cantilever(case: Case) -> None:
-    """A cantilever relaxed to rest.
+    """A cantilever by dynamic relaxation.
 
     A slender rod under its weight and an oblique force at its tip, bent and twisted in space.
-    Reference: PyElastica's discrete Cosserat rod with 20 and 40 elements, damped critically until
-    it rests (32 s in 80,000 steps) and extrapolated at 2nd order. Its sections shrink as they are
-    stretched and Flexor's do not: with stretches up to 6·10⁻⁵ here, results may differ by 10⁻⁴.
+    Reference: PyElastica's discrete Cosserat rod with 20 and 40 elements, critically damped until
+    it is at rest (32 s in 80,000 steps), with second-order extrapolation. Its cross-sections shrink
+    when stretched, unlike Flexor's: with stretches up to 6·10⁻⁵ here, results may differ by 10⁻⁴.
     """
     coarse, fine = relaxed(20), relaxed(40)
     extrapolated = (4.0 * fine[:, -1] - coarse[:, -1]) / 3.0

@@ -75,7 +75,7 @@ def test_buckling_load(case: Case) -> None:
     """Euler's buckling loads.
 
     A straight inextensible column, clamped at one end, has the critical loads (2n−1)² P_E with P_E
-    = π² EI/4L²: there Flexor's tangent is singular, and beyond the first one not positive
+    = π² EI/4L²: where Flexor's tangent must be singular, and beyond the first of them not positive
     definite. A thick column that shortens and shears buckles where P (1 + P/GA − P/EA) = P_E.
     """
     model = _column({"bend_y": "nodal_quadratic"})
@@ -118,10 +118,9 @@ def test_elastica(case: Case) -> None:
     """The buckled column.
 
     Beyond P_E the column follows the elastica sin(θ/2) = k sn(s√(P/EI)) with elliptic integrals
-    from `scipy.special` (Love, *Mathematical Theory of Elasticity*, § 263). The path from zero
-    load must leave the straight state, which stays an equilibrium but is unstable, for the stable
-    shape. The shape of three quarter waves, found by Newton's method alone, must be reported
-    unstable.
+    from `scipy.special` (Love, *Mathematical Theory of Elasticity*, § 263). The path from zero load
+    must leave the straight state, which becomes unstable, and follow the stable shape. The shape
+    with three quarter waves, found by Newton's method, must be reported as unstable.
     """
     model = _column({"bend_y": "nodal_quadratic"})
     X = sample_points(model, "rod")

@@ -57,11 +57,11 @@ def _angle(moment: float, i: int) -> float:
 
 
 def test_joint_limits(case: Case) -> None:
-    """A finger against its limits.
+    """A finger at its joint limits.
 
-    A moment at the tip of three hinged links loads each hinge alike: K (θ − rest) + V′(θ) = M,
+    A moment at the tip of three hinged links acts equally on each hinge: K (θ − rest) + V′(θ) = M,
     with the documented energy V beyond a limit by s, k s³/6w up to the width w and k (s²/2 − w s/2
-    + w²/6) from there on. The equation is quadratic within the width and linear elsewhere.
+    + w²/6) beyond. The equation is quadratic within the width and linear elsewhere.
     """
     path = _finger().equilibrium(MOMENTS)
     wanted = np.array([[_angle(moment, i) for i in range(3)] for moment in MOMENTS])

@@ -120,9 +120,9 @@ def test_rigid_tree(case: Case) -> None:
 
     Two branched trees of frusta with oblique joints at twenty random states: one of revolute and
     prismatic joints, one of a free, revolute, universal, prismatic and spherical joint. Tips,
-    Jacobians (Flexor's are read off the residual under unit loads), gravity torques, potential
-    energy and the derivative of gravity torques (where the coordinates differ, by central
-    differences) from Pinocchio.
+    Jacobians (from the residual under unit loads in Flexor), gravity torques, potential energy and
+    the derivative of gravity torques (where the coordinates differ, by central differences) from
+    Pinocchio.
     """
     random = np.random.default_rng(7)
     comparisons = []
@@ -202,11 +202,11 @@ def _tangent(reference: PinocchioTree, q: Array) -> Array:
 
 
 def test_rigid_tree_equilibrium(case: Case) -> None:
-    """A rigid tree at rest under gravity and springs.
+    """Equilibrium of a rigid tree under gravity and springs.
 
-    The second tree with stiff joints, two springs, a taut and a slack strap. Reference: the root,
-    found by `scipy.optimize.root` from the unloaded state, of gravity torques and spring forces
-    assembled with Pinocchio's kinematics.
+    The second tree with stiff joints, two springs, a taut and a slack strap. Reference: the root of
+    gravity torques and spring forces, assembled with Pinocchio's kinematics, found by
+    `scipy.optimize.root` from the unloaded state.
     """
     model = _model(TREE, (), loose=False)
     reference = PinocchioTree(TREE, GRAVITY, DENSITY)

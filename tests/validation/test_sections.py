@@ -32,10 +32,11 @@ def rectangle(width: float, height: float) -> float:
 def test_torsion_and_shear(case: Case) -> None:
     """Torsion and shear of every section.
 
-    A moment about the axis twists a rod by ML/GJ, a force across the tip of a rod that can only
-    shear shifts it by FL/GA, without a shear correction. J is Saint-Venant's: πS⁴/2, πa³b³/(a² +
-    b²), and for the rectangle the double sine series of Prandtl's stress function (Flexor sums 20
-    terms of another series, to 3·10⁻⁸). Sections are 1.7 times as wide as high.
+    A moment about the axis twists a rod by ML/GJ, and a transverse force at the tip of a rod that
+    can only shear displaces it by FL/GA, without a shear correction factor. J is Saint-Venant's:
+    πS⁴/2, πa³b³/(a² + b²), and for the rectangle the double sine series of Prandtl's stress
+    function (Flexor sums 20 terms of another series, to 3·10⁻⁸). Sections are 1.7 times as wide as
+    high.
     """
     a, b = RATIO * RADIUS, RADIUS
     sections = {

@@ -86,9 +86,9 @@ def test_tendon_arm(case: Case) -> None:
     """A tendon-driven rod in space.
 
     A tapered rod with all six strains under gravity, a helical tendon, and a force and a moment at
-    its tip. Reference: the strong form n′ = −f, m′ = n × r′ with the law of the section inverted
-    at every place, solved by collocation (`scipy.integrate.solve_bvp`, tolerance 10⁻⁸). Flexor has
-    24 quadratic elements and follows gravity, tendon and force; the moment, which in space has no
+    its tip. Reference: the strong form n′ = −f, m′ = n × r′ with the section law inverted at every
+    point, solved by collocation (`scipy.integrate.solve_bvp`, tolerance 10⁻⁸). Flexor has 24
+    quadratic elements and follows gravity, tendon and force; the moment, which in space has no
     potential, is added by Newton's method.
     """
     strong = _strong_form()

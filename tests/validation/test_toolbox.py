@@ -108,9 +108,10 @@ def test_toolbox_finger(case: Case) -> None:
 
     Residual of (9), tip pose and touching pairs at twelve states of the paper's planar model with
     25 degrees of freedom, from the public MATLAB toolbox SoRoSim under GNU Octave. SoRoSim's
-    `Equilibrium` cuts the exponential after Ω̂³/6 where θ ≤ 0.01 (its forward kinematics does
-    not), which moves its residuals in contact by up to 4·10⁻⁸ of the largest; Flexor's exponential
-    is exact. With the cut repeated they agree to 10⁻⁹ (`engine/tests/toolbox_reference.rs`).
+    `Equilibrium` truncates the exponential after Ω̂³/6 where θ ≤ 0.01 (its forward kinematics does
+    not), which changes its residuals in contact by up to 4·10⁻⁸ of the largest; Flexor's
+    exponential is exact. With the same truncation they agree to 10⁻⁹
+    (`engine/tests/toolbox_reference.rs`).
     """
     case.check(tuple(_states(finger(), "exosuit", "sorosim_finger.json", 1.0, 1e-7)))
 

@@ -131,7 +131,7 @@ def test_variable_strain(case: Case) -> None:
     Three tapered rods in a row with Legendre, monomial and Chebyshev strains in six, three and
     three modes, a tendon in each, under gravity, at five random states: every term of the statics
     from soromox's GVS, which has the same Gauss points and 4th-order Magnus steps. (Its Gauss
-    points are accurate to 10⁻⁸ only; NumPy's replace them.)
+    points, accurate to 10⁻⁸ only, are replaced by NumPy's.)
     """
     robot, model, weightless = _theirs(), _ours(GRAVITY), _ours((0.0, 0.0, 0.0))
     engine, p = model.engine, model.parameters

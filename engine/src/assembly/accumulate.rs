@@ -1,4 +1,4 @@
-//! Outward along the tree, each coordinate's column is paired with all columns before it.
+//! Accumulation of the tangent: outward along the tree, each column is paired with all preceding ones.
 
 use super::Assembly;
 use crate::geometry::Geometry;
@@ -7,7 +7,7 @@ use crate::linalg::{LANES, Matrix, Vector};
 use crate::model::Model;
 use crate::tree::Chain;
 
-/// Sums over one run of frames that share their coordinates, in blocks of columns.
+/// Sums over one run of frames with the same coordinates, in blocks of columns.
 #[derive(Clone, Debug)]
 pub(super) struct Run<const D: usize> {
     /// Σ S.
@@ -40,8 +40,8 @@ impl<const D: usize> Run<D> {
 }
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
-    /// The frames of one rod element move with the same coordinates; such a run meets the columns
-    /// before it once, with its rows summed, and pairs its own columns among themselves.
+    /// The frames of one rod element move with the same coordinates. The rows of such a run are summed and
+    /// paired once with the preceding columns; its own columns are paired among themselves.
     pub(super) fn accumulate_tangent<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -98,7 +98,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Of a run with one block of columns, as most have: its sums stay in registers.
+    /// The same for a run with one block of columns (the usual case), whose sums stay in registers.
     #[inline]
     fn sum_block<G: LieGroup<D, P>>(
         &mut self,
@@ -147,7 +147,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// What a frame's forms make of a block: (H̄ + ½ M(w̄)) S, Q dΩ/dq, and Fᵀ dξ₁/dq, the half of the
+    /// Products of a frame's forms with a block: (H̄ + ½ M(w̄)) S, Q dΩ/dq, and Fᵀ dξ₁/dq, the half of the
     /// bracket's form dξ₁ᵀ F dξ₂ that U keeps.
     #[inline(always)]
     fn forms<G: LieGroup<D, P>>(
@@ -161,7 +161,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         [form * *column, self.curvature[f] * *motion, self.bracket[f].transpose() * *phi1]
     }
 
-    /// Adds what the coupling forms carried by the frames of a run make of its columns.
+    /// Adds the products of the coupling forms carried by the frames of a run with its columns.
     #[inline]
     fn couple_run<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, frames: std::ops::Range<usize>) {
         let width = model.coupled.len();
@@ -178,8 +178,8 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Pairs the run that starts at frame `f` with the columns before it: of those on its path, with
-    /// the ones that `partners` names for each of its coordinates.
+    /// Pairs the run that starts at frame `f` with the preceding columns on its path that `partners`
+    /// lists for each of its coordinates.
     #[inline(always)]
     fn pair_run<G: LieGroup<D, P>, I: Iterator<Item = usize>>(
         &mut self,
@@ -219,7 +219,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// The same for a chain, with its neighbours alone.
+    /// The same for a chain, with neighbouring nodes only.
     #[inline(never)]
     fn pair_run_of_chain<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, chain: &Chain, f: usize) {
         self.pair_run(model, f, |dof, path| {

@@ -1,4 +1,4 @@
-//! A tangent with the form of a chain, which a recursion from node to node can factorise.
+//! The tangent of a chain in semiseparable form, which a recursion over the nodes factorises.
 
 use super::Assembly;
 use crate::forces::terms::Coupling;
@@ -7,16 +7,16 @@ use crate::linalg::{ChainMatrix, Matrix, Vector};
 use crate::model::Model;
 use crate::tree::Chain;
 
-/// Of each coordinate of the chain, sums over the runs that move with it.
+/// For each coordinate of the chain, sums over the runs that move with it.
 #[derive(Clone, Debug)]
 pub(super) struct ChainSums<const D: usize> {
     /// Whether the tangent has the form.
     holds: bool,
-    /// Whether what follows from these sums has been written out.
+    /// Whether the full tangent has been written out from these sums.
     complete: bool,
-    /// c = Σ S, how the coordinate moves what lies beyond its runs.
+    /// c = Σ S, the twist of everything beyond the coordinate's runs.
     columns: Vec<Vector<D>>,
-    /// m = Σ (H̄ + ½ M(w̄)) S, what it makes of a twist of everything from before its runs.
+    /// m = Σ (H̄ + ½ M(w̄)) S, its generalised force per twist of everything before its runs.
     rows: Vec<Vector<D>>,
 }
 
@@ -26,7 +26,7 @@ impl<const D: usize> ChainSums<D> {
         Self { holds: false, complete: false, columns: zeros.clone(), rows: zeros }
     }
 
-    /// Begins the sums where the form holds: where nothing couples two frames that the chain moves.
+    /// Clears the sums if the form holds, that is, if no force couples two frames of the chain.
     pub fn start<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -39,7 +39,7 @@ impl<const D: usize> ChainSums<D> {
         self.rows.fill(Vector::ZERO);
     }
 
-    /// The chain, where the form holds.
+    /// The chain, if the form holds.
     #[inline]
     pub fn of<'a, G: LieGroup<D, P>, const P: usize>(&self, model: &'a Model<G, D, P>) -> Option<&'a Chain> {
         model.chain.as_ref().filter(|_| self.holds)
@@ -53,7 +53,7 @@ impl<const D: usize> ChainSums<D> {
 }
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
-    /// The tangent with what its factorisation as a chain needs, if it has that form.
+    /// The input of the factorisation as a chain, if the tangent has that form.
     pub fn chain_matrix<'a>(&'a self, scale: &'a [f64]) -> Option<ChainMatrix<'a, D>> {
         let ChainSums { holds, columns, rows, .. } = &self.chain;
         holds.then_some(ChainMatrix { full: &self.tangent, before: columns, beyond: rows, scale })
@@ -83,7 +83,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         Some(sum.sqrt())
     }
 
-    /// Writes out what follows from the form of a chain.
+    /// Writes out the full tangent.
     pub fn complete_tangent<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
         let Some(chain) = self.chain.of(model).filter(|_| !self.chain.complete) else { return };
         let nodes = chain.starts.len() - 1;

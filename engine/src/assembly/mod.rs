@@ -1,4 +1,4 @@
-//! Π, its gradient and its Hessian at a state: potentials on frames carried back to coordinates.
+//! Π, its gradient and its Hessian at a state: forces on frames are pulled back to coordinates.
 //!
 //! With world twists the columns of a chain simply add, exp(Σ ζ_i + ½ Σ_{i<j} [ζ_i, ζ_j] + …), so
 //! for coordinates i before j the second derivative is S_iᵀ (H̄_j + ½ M(w̄_j)) S_j, with w̄_j and H̄_j
@@ -24,7 +24,7 @@ use chain::ChainSums;
 /// Workspace of the assembly.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembly<const D: usize, const P: usize> {
-    /// What the forces keep of the state.
+    /// Cached quantities of the forces.
     pub forces: States<P>,
     pub terms: Terms<D>,
     pub energy: f64,
@@ -46,7 +46,7 @@ pub(crate) struct Assembly<const D: usize, const P: usize> {
     bracket: Vec<Matrix<D, D>>,
     run: Run<D>,
     chain: ChainSums<D>,
-    /// Σ of the columns met so far, one D × dof block per body.
+    /// Σ of the preceding columns, one D × dof block per body.
     prefix: Vec<f64>,
     /// Jacobians of the kept frames, one D × dof block each.
     kept: Vec<f64>,
@@ -117,8 +117,8 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         self.add_circulatory(model);
     }
 
-    /// The frame's own coordinates with their world columns, for a frame that carries something or
-    /// leads to a kept Jacobian.
+    /// The frame's own coordinates with their world columns, for a frame that carries a load or leads to
+    /// a stored Jacobian.
     pub fn columns<'a, G: LieGroup<D, P>>(
         &'a self,
         model: &'a Model<G, D, P>,
@@ -157,7 +157,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Sums X J_column of all couplings over what each frame carries; `false` when there are none.
+    /// Sums X J_column of all couplings over the frames that each frame carries; `false` without any.
     fn carry_couplings<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) -> bool {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
@@ -230,7 +230,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             }
         }
         if model.chain.is_some() {
-            // What lies off the chain is not cleared with the tangent.
+            // Entries off the chain are not cleared with the tangent.
             self.terms.coordinates.half_tangent.fill(0.0);
         }
     }

@@ -40,7 +40,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         tree.coordinate_blocks.scatter(&self.pulled, &mut self.terms.coordinates.gradient);
     }
 
-    /// Expands the motions of all frames that carry something or are asked for their Jacobian.
+    /// Expands the motions of all frames that carry a load or whose Jacobian is stored.
     pub(super) fn expand_motions<G: LieGroup<D, P>>(&mut self, at: &State<G, D, P>) {
         let State { tree, kinematics, .. } = at;
         for (f, frame) in tree.frames.iter().enumerate().skip(1) {

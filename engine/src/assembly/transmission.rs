@@ -7,7 +7,7 @@ use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 
 impl<const D: usize, const P: usize> Assembly<D, P> {
-    /// Expands the columns of the frames that carry nothing, which the tangent has no use for.
+    /// Expands the columns of the frames without load, which the tangent does not need.
     pub fn complete_columns<G: LieGroup<D, P>>(&mut self, at: &State<G, D, P>) {
         for (f, frame) in at.tree.frames.iter().enumerate().skip(1) {
             if !self.expanded[f] && !frame.blocks.is_empty() {
@@ -33,8 +33,8 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Adds the generalised force of world wrenches on all frames; each of them is left with the sum
-    /// of all that it carries.
+    /// Adds the generalised force of world wrenches on all frames. On return each wrench is the sum over
+    /// all frames that its frame carries.
     pub fn add_forces<G: LieGroup<D, P>>(
         &self,
         model: &Model<G, D, P>,

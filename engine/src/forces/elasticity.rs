@@ -42,7 +42,7 @@ impl<const P: usize> ForceMemory<P> for Elasticity {
     /// Values of K on `tree.stiffness_pattern`.
     type Design = Vec<f64>;
     type State = ();
-    /// Of every entry of the rods' stiffness: its part in K_ij, divided by S.
+    /// For every entry of the rods' stiffness: its contribution to K_ij, divided by S.
     type Sensitivity = Vec<f64>;
 }
 

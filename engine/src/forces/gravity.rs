@@ -23,7 +23,7 @@ struct PointMass {
     part: Part,
 }
 
-/// What has the mass.
+/// The body with the mass.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     /// A Gauss point of a rod (rod, Gauss point).

@@ -14,7 +14,7 @@ use crate::tree::description::AttachmentDescription;
 use crate::tree::{ModelError, Tree, finite, positive};
 use serde::Deserialize;
 
-/// A fixed plane and the spheres that it stops.
+/// A fixed plane and the sphere groups in contact with it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalfSpaceDescription {
@@ -102,7 +102,7 @@ impl<const P: usize> HalfSpaces<P> {
         }
     }
 
-    /// The pressed spheres: half-space, its stiffness, sphere, point of the sphere and depth.
+    /// The spheres in contact: half-space, its stiffness, sphere, point of the sphere and depth.
     fn pressed<'a, G: LieGroup<D, P>, const D: usize>(
         &'a self,
         at: &'a State<G, D, P>,
@@ -126,7 +126,7 @@ impl<const P: usize> HalfSpace<P> {
 
 impl<const P: usize> ForceMemory<P> for HalfSpaces<P> {
     type Design = ();
-    /// The spheres that press.
+    /// The spheres in contact.
     type State = Vec<Pressed>;
     type Sensitivity = ();
 }

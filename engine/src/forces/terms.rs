@@ -1,4 +1,4 @@
-//! What forces add to: terms in the coordinates and terms in the poses of frames.
+//! Accumulators for the forces: terms in the coordinates and terms in the poses of frames.
 
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
@@ -64,7 +64,7 @@ pub(crate) struct FrameTerms<const D: usize> {
     pub energy: f64,
     /// Derivative with respect to each frame's world twist.
     pub wrench: Vec<Vector<D>>,
-    /// Frames that carry something.
+    /// Frames that carry a load.
     pub loaded: Vec<bool>,
     /// Symmetric second derivative.
     pub stiffness: Vec<Matrix<D, D>>,

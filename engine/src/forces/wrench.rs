@@ -1,7 +1,7 @@
 //! Point loads: forces and moments, fixed in the world or following their body.
 //!
-//! A dead force has the potential −f·p. For the rest the generalised force is −Jᵀw all the same, and
-//! the tangent gains the antisymmetric part ∓½ Jᵀ M(w) J that no potential can give.
+//! A dead force has the potential −f·p. The other loads have the generalised force −Jᵀw, too, but their
+//! tangent has an antisymmetric part ∓½ Jᵀ M(w) J, so that they have no potential.
 
 use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
@@ -14,7 +14,7 @@ use crate::tree::description::AttachmentDescription;
 use crate::tree::{ModelError, Tree, finite};
 use serde::Deserialize;
 
-/// In which frame a point load keeps its direction.
+/// The frame in which the direction of a point load is constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WrenchFrame {
@@ -49,7 +49,7 @@ struct Wrench<const P: usize> {
     point: usize,
     frame: usize,
     force: Vector<P>,
-    /// Only the components that the group can turn about.
+    /// Components about the rotation axes of the group.
     moment: [f64; 3],
     follower: bool,
     /// Load input that scales it.

@@ -1,5 +1,5 @@
-//! Every closed form against a definition it was not derived from: power series of the adjoint
-//! representation, and finite differences.
+//! Every closed form is compared with an independent definition: power series of the adjoint
+//! representation, or finite differences.
 
 use super::{LieGroup, SE2, SE3, Stumpff};
 use crate::linalg::{Matrix, Vector};

@@ -1,9 +1,10 @@
 //! Cholesky factorisation of a matrix that is full, but of low rank off its band.
 //!
-//! Coordinates come in nodes. Those of neighbouring nodes meet in any way; beyond, A_ij = c_i · m_j for
-//! i before j, with c and m of length R. Elimination keeps that form: L_ji = Y_i · m_j, so that a node
-//! costs the same however many follow. To a neighbour it is Y_i · m_j + E_ji. The coordinates of a
-//! border, at the end, may meet all others.
+//! Coordinates are grouped in nodes. Blocks of neighbouring nodes are arbitrary; beyond them
+//! A_ij = c_i · m_j for i before j, with c and m of length R. Elimination preserves that form:
+//! L_ji = Y_i · m_j, so that the cost of a node does not depend on the number of nodes that follow. For
+//! neighbours it is Y_i · m_j + E_ji. The coordinates of a border, at the end, may be coupled to all
+//! others.
 
 use super::cholesky::pivot_rounding;
 use super::{Matrix, Vector};
@@ -15,7 +16,7 @@ pub struct ChainCholesky<const R: usize> {
     /// The coordinates in the order in which they are eliminated.
     order: Vec<usize>,
     nodes: Vec<Node>,
-    /// Of each column of L, where it begins in `numbers`.
+    /// The start of each column of L in `numbers`.
     columns: Vec<usize>,
     /// Column after column: the rows of its own node, E, and the rows of the border.
     numbers: Vec<f64>,
@@ -26,7 +27,7 @@ pub struct ChainCholesky<const R: usize> {
     null_pivot: Option<usize>,
     y: Vec<Vector<R>>,
     m: Vec<Vector<R>>,
-    /// Of each row j, Σ L_jk Y_k over the nodes before it,
+    /// For each row j, Σ L_jk Y_k over the nodes before it,
     gone: Vec<Vector<R>>,
     /// and Σ E_jk Y_k over the one just before.
     near: Vec<Vector<R>>,
@@ -129,7 +130,7 @@ impl<const R: usize> ChainCholesky<R> {
         self.eliminate(a, &border, shift)
     }
 
-    /// What the nodes before one have taken from its rows.
+    /// The contributions of the preceding nodes to the rows of a node.
     fn sum_up(&mut self, before: &Range<usize>, own: &Range<usize>, carried: &Matrix<R, R>) {
         for r in own.clone() {
             let mut near = Vector::ZERO;
@@ -141,7 +142,7 @@ impl<const R: usize> ChainCholesky<R> {
         }
     }
 
-    /// Column `p` of what is left of the matrix when the nodes before its own are gone.
+    /// Column `p` of the Schur complement after elimination of the preceding nodes.
     #[inline]
     fn fill_column(
         &mut self,
@@ -177,7 +178,7 @@ impl<const R: usize> ChainCholesky<R> {
         self.y[p] = c - gone;
     }
 
-    /// The border's columns of what is left when all nodes are gone.
+    /// The border's columns of the Schur complement after elimination of all nodes.
     fn fill_border(&mut self, a: ChainMatrix<R>, border: &Range<usize>) {
         let Some(start) = self.columns.get(border.start) else { return };
         let (chain, left) = self.numbers.split_at_mut(*start);

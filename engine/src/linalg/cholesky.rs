@@ -13,7 +13,7 @@ type Tile = [Row; LANES];
 #[derive(Clone, Debug, Default)]
 pub struct Cholesky {
     n: usize,
-    /// Panel after panel, filled up with the identity; only what lies above the tiles on the diagonal
+    /// Panel after panel, padded with the identity; only the part above the tiles on the diagonal
     /// is kept.
     panels: Vec<Row>,
     /// Inverses of the tiles on the diagonal, and their transposes.
@@ -152,7 +152,7 @@ impl Cholesky {
     }
 }
 
-/// A tile of `S A S`, filled up with the identity beyond order `n`.
+/// A tile of `S A S`, padded with the identity beyond order `n`.
 #[inline]
 fn scaled_tile(n: usize, a: &[f64], scale: &[f64], [i, j]: [usize; 2]) -> Tile {
     let mut tile = [[0.0; LANES]; LANES];
@@ -224,7 +224,7 @@ fn subtract_row(row: &mut Row, m: f64, u: &Row) {
     }
 }
 
-/// The first numbers of `from`, with zeros for those it lacks.
+/// The first numbers of `from`, padded with zeros.
 #[inline(always)]
 fn load(from: &[f64]) -> Row {
     match from.first_chunk() {

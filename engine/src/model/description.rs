@@ -1,4 +1,4 @@
-//! What a model is made of, as plain data: the input of [`Model::new`](super::Model::new).
+//! The description of a model, as plain data: the input of [`Model::new`](super::Model::new).
 //!
 //! SI units throughout. Bodies are named; a parent is an earlier body or the world.
 

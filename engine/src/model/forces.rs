@@ -28,19 +28,19 @@ macro_rules! registry {
             $(pub $name: $force,)*
         }
 
-        /// What they derive from the parameters.
+        /// Quantities that the forces derive from the parameters.
         #[derive(Clone, Debug)]
         pub(crate) struct Designs<const P: usize> {
             $(pub $name: <$force as ForceMemory<P>>::Design,)*
         }
 
-        /// What their residuals leave for tangents and derivatives.
+        /// Intermediate results of the residuals that tangents and derivatives reuse.
         #[derive(Clone, Debug)]
         pub(crate) struct States<const P: usize> {
             $(pub $name: <$force as ForceMemory<P>>::State,)*
         }
 
-        /// What the derivatives of all outputs share.
+        /// Quantities that the derivatives of all outputs have in common.
         #[derive(Clone, Debug)]
         pub(crate) struct Sensitivities<const P: usize> {
             $($name: <$force as ForceMemory<P>>::Sensitivity,)*

@@ -30,7 +30,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Builds the model.
     ///
     /// # Errors
-    /// [`ModelError`] names the first field that makes no sense and says what is allowed.
+    /// [`ModelError`] names the first invalid field and the allowed values.
     pub fn new(description: &Description) -> Result<Self, ModelError> {
         if description.planar != (D == 3) {
             return Err(ModelError::new("planar", "a planar system needs SE(2), a spatial one SE(3)"));

@@ -1,4 +1,4 @@
-//! What a built model consists of, by name: for those who read its arrays.
+//! The structure of a built model by name, to interpret its arrays.
 
 use super::{Description, JointKind, Model};
 use crate::lie::LieGroup;
@@ -37,7 +37,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// Of a model and the description that it was built from.
+    /// The structure of a model, given the description that it was built from.
     pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
         description: &Description,
@@ -59,9 +59,9 @@ impl Structure {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
-    /// Whether the models are the same but for the values of their parameters.
+    /// Whether two models differ only in the values of their parameters.
     pub fn has_structure_of(&self, other: &Self) -> bool {
-        // A model without parameters shows all that is constant, to the last bit.
+        // Without its parameters, the debug output of a model has all constants, exactly.
         let text = |model: &Self| {
             let tree = Tree { parameters: vec![], ..model.tree.clone() };
             format!("{:?}", Self { tree, ..model.clone() })

@@ -22,9 +22,9 @@ pub struct Adjoint<const D: usize, const P: usize> {
     wrench: Vec<Vector<D>>,
     /// Derivatives with respect to every parameter.
     gradient: Vec<f64>,
-    /// What every geometric parameter moves, whatever the output.
+    /// Design velocities of every geometric parameter, the same for all outputs.
     design_velocities: Vec<DesignVelocity<D, P>>,
-    /// What the forces derive whatever the output.
+    /// Quantities of the forces, the same for all outputs.
     forces: Sensitivities<P>,
     /// ∂y/∂q of an output, then λ.
     lambda: Vec<f64>,
@@ -64,7 +64,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         &self.gradient
     }
 
-    /// Derives what all outputs share.
+    /// Computes the quantities that all outputs have in common.
     fn prepare<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
@@ -77,7 +77,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         model.forces.update_sensitivities(&at, &data.design.forces, &mut self.forces);
     }
 
-    /// λᵀ ∂g/∂p with what was prepared, into `self.gradient`.
+    /// λᵀ ∂g/∂p from the prepared quantities, into `self.gradient`.
     fn virtual_work<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,

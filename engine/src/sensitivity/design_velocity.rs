@@ -1,8 +1,8 @@
 //! Parameters that move frames and points: lengths, radii of links, poses.
 //!
-//! λᵀg is the virtual work Σ F·v of the forces on the virtual velocities v of their points. Along a
+//! λᵀg is the virtual work Σ F·v of the forces on the virtual velocities v of their points. With a
 //! parameter the forces change because points move, the velocities because points move under a fixed
-//! twist, and the twists because the columns S_i that make them up are carried along.
+//! twist, and the twists because the columns S_i that compose them are transported.
 
 use crate::data::Data;
 use crate::forces::element::Velocities;
@@ -13,7 +13,7 @@ use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 use crate::tree::{Motion, Place, Shape};
 
-/// How frames and points move with a geometric parameter, the coordinates held.
+/// The motion of frames and points with a geometric parameter at fixed coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct DesignVelocity<const D: usize, const P: usize> {
     pub parameter: usize,
@@ -24,7 +24,7 @@ pub(super) struct DesignVelocity<const D: usize, const P: usize> {
     points: Vec<Vector<P>>,
 }
 
-/// What a geometric parameter changes.
+/// The kind of a geometric parameter.
 #[derive(Clone, Copy, Debug)]
 enum Geometric {
     /// The length of a rod.
@@ -40,7 +40,7 @@ enum Geometric {
 }
 
 impl<const D: usize, const P: usize> DesignVelocity<D, P> {
-    /// Memory for every geometric parameter that is `wanted`.
+    /// Allocates for every geometric parameter in `wanted`.
     pub fn all<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Vec<Self> {
         let mut mask = vec![false; model.parameters().len()];
         wanted.iter().for_each(|i| mask[*i] = true);

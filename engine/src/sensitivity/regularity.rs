@@ -1,4 +1,4 @@
-//! Whether a derivative means anything.
+//! Validity of derivatives.
 
 use crate::data::Data;
 use crate::equilibrium::{Status, System};
@@ -14,7 +14,7 @@ pub enum Regularity {
     Regular = 0,
     /// The state is not a stable equilibrium.
     NoEquilibrium = 1,
-    /// The path snapped on the way: the derivative holds on the final branch only.
+    /// The path snapped: the derivative holds on the final branch only.
     Snapped = 2,
     /// A contact is at the threshold of touching, or a sphere passes from the side of a round cone to
     /// its end: the derivative is one-sided.
@@ -49,7 +49,7 @@ impl Regularity {
 const SINGULAR: f64 = 1e-9;
 
 impl Regularity {
-    /// Of the equilibrium that the system holds.
+    /// The regularity of the system's current equilibrium.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
         system: &System<G, D, P>,
@@ -70,7 +70,7 @@ impl Regularity {
     }
 }
 
-/// Whether a force is just about to switch on or off, in points that can move.
+/// Whether a force is about to switch on or off at points that can move.
 fn at_threshold<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     system: &System<G, D, P>,

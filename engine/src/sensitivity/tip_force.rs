@@ -29,7 +29,7 @@ pub(super) fn set_gradient<G: LieGroup<D, P>, const D: usize, const P: usize>(
     true
 }
 
-/// Adds ∂F_t/∂p, the state held.
+/// Adds ∂F_t/∂p at fixed state.
 pub(super) fn add_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,

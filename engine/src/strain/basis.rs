@@ -44,7 +44,7 @@ impl Basis {
         }
     }
 
-    /// Whether functions live on single elements rather than on the whole rod.
+    /// Whether the functions have support on single elements rather than on the whole rod.
     pub fn is_piecewise(&self) -> bool {
         !matches!(self.kind, BasisKind::Monomial | BasisKind::Legendre | BasisKind::Chebyshev)
     }
@@ -68,7 +68,7 @@ impl Basis {
         if self.is_piecewise() { self.degree() + 1 } else { (self.order + 1).div_ceil(self.elements) }
     }
 
-    /// The functions that live on `element`, as `(index, value at X)`.
+    /// The functions with support on `element`, as `(index, value at X)`.
     pub fn evaluate(&self, element: usize, x: f64) -> Vec<(usize, f64)> {
         let s = x * self.elements as f64 - element as f64;
         let t = 2.0 * x - 1.0;

@@ -1,10 +1,10 @@
-//! Which parameters of bodies make physical sense.
+//! Admissibility of the parameters of bodies.
 
 use super::{Shape, Tree};
 use crate::lie::LieGroup;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
-    /// Whether all parameters are finite and those of the bodies in their range.
+    /// Whether all parameters are finite and those of the bodies admissible.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
         let p = parameters;
         if p.len() != self.parameters.len() || !p.iter().all(|x| x.is_finite()) {

@@ -1,9 +1,9 @@
-//! Coordinates side by side in blocks, as the columns of the frames are.
+//! Coordinates in blocks, in the layout of the columns of the frames.
 
 use crate::linalg::{LANES, Vector};
 
-/// Where each coordinate of a frame's own motion is found in the blocks; the frames of a run share
-/// theirs, and lanes without a coordinate stay zero.
+/// The position of each coordinate of a frame's own motion in the blocks. The frames of a run share
+/// their blocks; lanes without a coordinate remain zero.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CoordinateBlocks {
     /// Block, lane and coordinate.

@@ -26,7 +26,7 @@ pub(crate) enum Shape {
     Link(Link),
 }
 
-/// A rigid link: where its numbers are in the parameters.
+/// A rigid link: the positions of its parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     /// Index in `geometry.rigid` of the step from joint to tip.
@@ -58,7 +58,7 @@ pub(crate) struct Joint {
     pub angular: bool,
 }
 
-/// A rod: bases at its Gauss points and where its numbers are in the parameters.
+/// A rod: bases at its Gauss points and the positions of its parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Rod {
     pub section: Section,

@@ -1,32 +1,32 @@
-//! The longest rod as a chain of nodes, each of which bends only what lies beyond it.
+//! The longest rod as a chain of nodes, each of which moves only the frames beyond it.
 
 use super::{Motion, Tree};
 use crate::lie::LieGroup;
 
 /// With a shorter chain a dense factorisation is as fast,
 const LONG: usize = 96;
-/// and with a border of more than this share of it.
+/// and with a border larger than this fraction of it.
 const NARROW: f64 = 0.25;
 
 /// The order in which a rod's coordinates can be eliminated one node after another.
 ///
-/// A coordinate acts on a few neighbouring runs of frames; all that lies beyond them it moves as one
-/// rigid body. So two coordinates that share no run meet in the tangent through a single twist.
+/// A coordinate deforms a few neighbouring runs of frames and moves everything beyond them as a rigid
+/// body. Two coordinates without a common run are therefore coupled through a single twist.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     /// The coordinates node by node from the base, then all that are not the rod's: the border.
     pub order: Vec<usize>,
-    /// Where each node begins in `order`; last, where the border does.
+    /// The start of each node in `order`, and of the border.
     pub starts: Vec<usize>,
     /// Frames that the rod moves.
     pub moved: Vec<bool>,
-    /// What each coordinate meets in other ways than through that twist: its own node, those next to
-    /// it, and the border.
+    /// The coordinates to which each is coupled other than through that twist: those of its own node,
+    /// the neighbouring ones, and the border.
     neighbours: Vec<Vec<usize>>,
 }
 
 impl Chain {
-    /// Of the rod with most coordinates; `None` where its coordinates reach over more than two runs, as
+    /// The chain of the rod with most coordinates; `None` if they extend over more than two runs, as
     /// polynomials along the whole rod do.
     pub fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(tree: &Tree<G, D, P>) -> Option<Self> {
         let longest = (0..tree.rods.len()).max_by_key(|r| tree.rods[*r].dofs.len())?;
@@ -80,14 +80,13 @@ impl Chain {
         self
     }
 
-    /// Whether going from node to node is worth its while.
+    /// Whether the recursion over the nodes is faster.
     pub fn pays(&self) -> bool {
         let chain = self.starts[self.starts.len() - 1];
         chain >= LONG && (self.order.len() - chain) as f64 <= NARROW * chain as f64
     }
 
-    /// The coordinates that coordinate `i` meets in other ways than through one twist; `i` is among
-    /// them.
+    /// The coordinates to which coordinate `i` is coupled other than through one twist, including `i`.
     #[inline]
     pub fn neighbours(&self, i: usize) -> &[usize] {
         &self.neighbours[i]

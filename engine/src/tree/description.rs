@@ -1,4 +1,4 @@
-//! What a tree of bodies is made of, as plain data.
+//! The description of a tree of bodies, as plain data.
 
 use crate::strain::{BasisKind, Mode};
 use serde::Deserialize;

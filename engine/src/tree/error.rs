@@ -1,8 +1,8 @@
-//! What can be wrong with a description.
+//! Errors in descriptions.
 
 use thiserror::Error;
 
-/// A description that makes no model; the message names the field and says what is allowed.
+/// An invalid description; the message names the field and the allowed values.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{field}: {problem}")]
 pub struct ModelError {

@@ -1,5 +1,4 @@
-//! The tree of bodies: topology, strain bases and indices, everything about bodies that no design
-//! changes.
+//! The tree of bodies: topology, strain bases and indices, all independent of the design.
 //!
 //! Each frame follows from its parent by one motion: a rigid offset, a joint, or a Magnus step along a
 //! rod; the recursion of the paper's (4)–(7) is one loop over frames. Continuous numbers (lengths,
@@ -46,7 +45,7 @@ pub(crate) struct Frame {
     pub run_end: usize,
 }
 
-/// How a frame moves against its parent.
+/// The motion of a frame relative to its parent.
 #[derive(Clone, Debug)]
 pub(crate) enum Motion {
     /// By the pose `design.rigid[i]`.

@@ -11,7 +11,7 @@ pub(crate) struct Point<const P: usize> {
     pub offset: Vector<P>,
 }
 
-/// What the design adds to a point's local position.
+/// The design-dependent part of a point's local position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
     /// Nothing.
@@ -29,7 +29,7 @@ pub(crate) struct Sphere {
     pub radius: SphereRadius,
 }
 
-/// Where a sphere's radius comes from.
+/// The source of a sphere's radius.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SphereRadius {
     /// This parameter.

@@ -21,7 +21,7 @@ use path::{
 };
 use serde::Deserialize;
 
-/// What a thread-like actuator does with a positive input.
+/// The effect of a positive input of a thread-like actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ActuatorKind {
@@ -118,7 +118,7 @@ impl Actuators {
     }
 }
 
-/// What the residual leaves for the tangent.
+/// Intermediate results of the residual that the tangent reuses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tangents {
     /// Tension by |τ| of each Gauss point.

@@ -16,7 +16,7 @@ pub(super) struct Actuator {
     pub routing: Vec<RoutingPoint>,
 }
 
-/// The part of the path at a Gauss point that no design changes.
+/// The design-independent part of the path at a Gauss point.
 #[derive(Clone, Debug)]
 pub(super) struct RoutingPoint {
     pub offset: [f64; 2],
@@ -44,7 +44,7 @@ pub(super) fn moment_arm(mode: Mode, d: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// Adds what strains contribute to the path's tangent at the offset `d`.
+/// Adds the contribution of the strains to the path's tangent at the offset `d`.
 pub(super) fn add_tangent_of(strain: &[f64; 6], modes: &[Mode], d: [f64; 2], tau: &mut [f64; 3]) {
     for mode in modes {
         let arm = moment_arm(*mode, d);
@@ -135,7 +135,7 @@ impl Paths {
     }
 }
 
-/// Adds what coordinates contribute to the normalised strains at a Gauss point, mode by mode.
+/// Adds the contribution of the coordinates to the normalised strains at a Gauss point, by mode.
 pub(super) fn add_strain(
     strain: &mut [f64; 6],
     columns: &[(usize, usize, f64)],
@@ -147,7 +147,7 @@ pub(super) fn add_strain(
     }
 }
 
-/// What strains contribute to a path's tangent at an offset.
+/// The contribution of the strains to a path's tangent at an offset.
 pub(super) fn tangent_of<G: LieGroup<D, P>, const D: usize, const P: usize>(
     strain: &[f64; 6],
     d: [f64; 2],

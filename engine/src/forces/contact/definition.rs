@@ -1,4 +1,4 @@
-//! Which groups of spheres touch, and how hard.
+//! Definition of contacts: pairs of sphere groups with their stiffness.
 
 use crate::lie::LieGroup;
 use crate::linalg::Vector;

@@ -1,4 +1,4 @@
-//! Balls around blocks of spheres: what is far from a ball is far from all that it holds.
+//! Bounding balls of blocks of spheres, to reject distant pairs.
 
 use super::super::state::State;
 use super::definition::Contact;
@@ -8,10 +8,10 @@ use std::ops::Range;
 
 /// Spheres of one block, neighbours in their group.
 const BLOCK: usize = 8;
-/// With fewer pairs of spheres testing each is as fast.
+/// With fewer pairs of spheres a test of each pair is as fast.
 const MANY: usize = 1_000;
 
-/// A ball that holds a block of spheres of a contact's second group.
+/// A ball that contains a block of spheres of a contact's second group.
 #[derive(Clone, Debug)]
 pub(crate) struct Ball<const P: usize> {
     pub centre: Vector<P>,
@@ -28,7 +28,7 @@ pub(crate) fn count(contact: &Contact) -> usize {
     if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK) }
 }
 
-/// The `k`-th block of so many spheres.
+/// The `k`-th block of `count` spheres.
 #[inline]
 pub(crate) fn block(spheres: usize, k: usize) -> Range<usize> {
     k * BLOCK..((k + 1) * BLOCK).min(spheres)
@@ -47,7 +47,7 @@ pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
             ball.centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
             let spheres = centres.iter().zip(radii);
             let reach = spheres.map(|(centre, radius)| (*centre - ball.centre).norm() + radius);
-            // No rounding may leave a sphere outside.
+            // A margin for rounding errors.
             ball.radius = reach.fold(0.0, f64::max) * (1.0 + 1e-12);
         }
     }

@@ -35,7 +35,7 @@ pub(crate) struct ContactState<const P: usize> {
     pairs: Vec<(usize, ContactPair<P>)>,
 }
 
-/// The contacts of a state, in brief.
+/// A summary of the contacts of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
     /// Touching pairs of a sphere with a sphere or round cone.
@@ -263,7 +263,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         })
     }
 
-    /// Where two joined round cones are both touched at the sphere that they share, that counts once.
+    /// Contact of two joined round cones at their common sphere counts once.
     fn contact_forces(&self, at: &State<G, D, P>, state: &ContactState<P>, out: &mut Vec<ContactForce<P>>) {
         for (contact, k, pair) in self.pairs(at.parameters(), state) {
             let force = pair.normal * (k * pair.overlap);

@@ -1,4 +1,4 @@
-//! A pair in contact, and how it changes with all that it depends on.
+//! A pair in contact and its derivatives.
 //!
 //! Its energy is ½ k w d₊² with d = R + r(t) − ‖p − c(t)‖: a sphere at p of radius R overlaps the solid
 //! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, t being where d is largest.
@@ -73,7 +73,7 @@ impl<const P: usize> ContactPair<P> {
         self.points(tree).map(|i| of_points[i])
     }
 
-    /// How p moves against the material at c(t).
+    /// The velocity of p relative to the material at c(t).
     #[inline]
     pub fn relative(&self, [p, a, b]: &Motion<P>) -> Vector<P> {
         *p - *a * (1.0 - self.t) - *b * self.t

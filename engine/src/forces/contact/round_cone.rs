@@ -15,7 +15,7 @@ use crate::linalg::Vector;
 #[derive(Clone, Debug)]
 pub(crate) struct Closest<const P: usize> {
     pub t: f64,
-    /// Where it would be if the axis went on; `None` where one end's sphere holds the other's.
+    /// Its position on the extended axis; `None` if one end's sphere contains the other.
     pub unbounded: Option<f64>,
     pub normal: Vector<P>,
     pub distance: f64,
@@ -33,7 +33,7 @@ pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radi
     let squared = axis.dot(&axis);
     let across_squared = squared - taper * taper;
     let unbounded = (across_squared > 0.0).then(|| {
-        // The foot of the perpendicular, moved on towards the thicker end.
+        // The foot of the perpendicular, shifted towards the thicker end.
         let foot = from.dot(&axis) / squared;
         foot + taper * (from - axis * foot).norm() / (squared * across_squared).sqrt()
     });

@@ -6,12 +6,12 @@ use super::pair::ContactPair;
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 
-/// One frame's part in a pair.
+/// The contribution of one frame to a pair.
 struct Side<const D: usize, const P: usize> {
     frame: usize,
-    /// How its twist moves p against c(t).
+    /// From its twist to the velocity of p relative to c(t).
     relative: Matrix<P, D>,
-    /// How its twist changes the derivative along t.
+    /// From its twist to the rate of the derivative along t.
     slide: Vector<D>,
     curvature: Matrix<D, D>,
 }
@@ -41,7 +41,7 @@ pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let mut sides = [side(p, 1.0, 0.0), side(a, pair.t - 1.0, 1.0), side(b, -pair.t, -1.0)];
     let mut count = 3;
     if sides[1].frame == sides[2].frame {
-        // A rigid link: its two ends move as one.
+        // A rigid link: both ends have the same twist.
         let [_, a, b] = &mut sides;
         a.relative += b.relative;
         a.slide += b.slide;

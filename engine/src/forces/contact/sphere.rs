@@ -1,4 +1,4 @@
-//! Which spheres touch which (8): d = R_f + R(X) − ‖r_c‖ > 0.
+//! Contact between spheres (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
 use super::super::state::State;
 use super::definition::Contact;

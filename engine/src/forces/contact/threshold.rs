@@ -1,4 +1,4 @@
-//! Where a contact is just about to open or to close.
+//! Detection of contacts that are about to open or close.
 
 use super::super::state::State;
 use super::definition::Contact;
@@ -9,7 +9,7 @@ use crate::linalg::Vector;
 /// Gap below which a pair counts as being at the threshold, relative to the sum of its radii.
 const THRESHOLD: f64 = 1e-7;
 
-/// Whether any pair of spheres that can move against one another is just about to touch or to part.
+/// Whether any pair of spheres that can move relative to each other is about to close or open.
 pub(crate) fn of_spheres<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
     contact: &Contact,

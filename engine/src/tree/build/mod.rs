@@ -1,4 +1,4 @@
-//! From descriptions of bodies to their tree, checking everything on the way.
+//! Builds the tree of bodies from their validated descriptions.
 
 mod attachments;
 mod bodies;
@@ -11,7 +11,7 @@ use crate::lie::LieGroup;
 use std::ops::Range;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
-    /// Builds the tree, before any force acts on it.
+    /// Builds the tree, without forces.
     pub fn new(bodies: &[BodyDescription], spheres: &[SphereGroupDescription]) -> Result<Self, ModelError> {
         let mut tree = Self {
             dof: 0,

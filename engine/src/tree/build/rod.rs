@@ -128,12 +128,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     }
 }
 
-/// What a Magnus step over `[a, a + h]` takes each basis function to be at its collocation points.
+/// The value of each basis function at the collocation points of a Magnus step over `[a, a + h]`.
 ///
-/// A step needs the mean of the strain, and one of order 4 its first moment. Its collocation points
-/// give them exactly up to degree 1 and 2. Beyond, piecewise functions would not be helped by finer
-/// elements: a step is a fixed part of one, in which they look the same whatever its size. So their
-/// values are those of the straight line that has the function's own mean and first moment.
+/// A step requires the mean of the strain, and at order 4 also its first moment, which its collocation
+/// points give exactly up to degree 1 and 2, respectively. For piecewise functions of higher degree
+/// the error would not decrease with finer elements, as a step is a fixed fraction of an element. Their
+/// values are therefore those of the linear function with the same mean and first moment.
 fn step_values(basis: &Basis, element: usize, [a, h]: [f64; 2], order: usize) -> Vec<(usize, [f64; 2])> {
     let at = |t: f64| basis.evaluate(element, a + t * h);
     let points = if order == 4 { ZANNA } else { [0.5; 2] };

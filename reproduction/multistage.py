@@ -1,4 +1,4 @@
-"""A search that spares nothing, for true optima of rough landscapes."""
+"""A global search in several stages, for landscapes with many local minima and discontinuities."""
 
 from __future__ import annotations
 
@@ -21,38 +21,40 @@ from flexor.optimizers import (
 )
 from flexor.optimizers.interface import FloatArray
 
-# Probability that a parameter of a random design is put on its lower or on its upper bound.
+# Probability that a parameter of a random design is set to its lower, or to its upper bound.
 ON_BOUND = 0.15
-# Of the best designs, how many are varied, and the probabilities that a variation keeps a
-# parameter that is on a bound and one that is not.
+# Number of the best designs that are varied, and the probabilities that a variation keeps a
+# parameter on a bound and one inside.
 VARIED, KEEP_ON_BOUND, KEEP = 20, 0.8, 0.4
-# Shares of the evaluations: looking everywhere, varying, descending, evolving, and from each of the
-# best following edges and following the gradient; the rest refines the best.
-EXPLORE, VARY, DESCEND, EVOLVE, FOLLOW, SLOPE = 0.2, 0.3, 0.15, 0.1, 0.04, 0.03
-FOLLOWED = 3
+# Fractions of the evaluations for sampling, variation, pattern search, differential evolution, and
+# for CMA-ES and L-BFGS-B from each of the best; the rest is for the final pattern search.
+EXPLORE, VARIATION, PATTERN, EVOLUTION, CMA, BFGS = 0.2, 0.3, 0.15, 0.1, 0.04, 0.03
+BEST_STARTS = 3
 BATCH = 256
-# Designs closer than this in every parameter, as a fraction of its range, are alike.
-APART, NEAR = 0.1, 0.02
+# Minimum distance of two starts in some parameter, as a fraction of its range: of the starts of the
+# pattern search, and of the other stages.
+FAR, NEAR = 0.1, 0.02
 
 
 @dataclass(frozen=True)
-class Thorough(Method):
-    """Looks everywhere, descends from the best places, evolves them, and refines.
+class MultistageSearch(Method):
+    """Global sampling, then local and population methods from the best designs, then refinement.
 
-    Where a finger snaps, its landscape breaks into islands, some of them small and on the bounds
-    of the design space. Random designs therefore have each parameter on a bound now and then: so
-    they fall on faces and edges, which uniform ones never do. From the best that are not alike
-    follow a pattern search (many starts side by side), differential evolution, CMA-ES with small
-    steps (which follows the edges of islands, where polls along the axes stall), quasi-Newton steps
-    by the exact gradient (for the smooth ground of many parameters) and a last pattern search.
+    Snaps divide the landscape into separate regions, some of them small and on the bounds of the
+    design space. Random designs therefore have each parameter on a bound with some probability, so
+    that faces and edges are sampled, too, which uniform random designs never hit. From the best
+    distinct designs start a pattern search with many starts in parallel, differential evolution,
+    CMA-ES with small steps (which follows discontinuities, where polls along the axes stall),
+    L-BFGS-B with the exact gradient (for smooth regions with many parameters) and a final pattern
+    search.
 
     Attributes
     ----------
     evaluations : int
-        Designs that it evaluates at most.
+        Maximum number of evaluations.
     """
 
-    name: ClassVar[str] = "thorough"
+    name: ClassVar[str] = "multistage"
     gradients: ClassVar[bool] = True
 
     evaluations: int = 2000
@@ -64,27 +66,27 @@ class Thorough(Method):
         self._explore(run, known, random)
         self._vary(run, known, random)
         k, most = run.size, self.evaluations
-        descents = max(4, int(DESCEND * most) // (30 * k))
+        starts = max(4, int(PATTERN * most) // (30 * k))
         self._stage(
             run, known, PatternSearch(initial_mesh=0.1, tolerance=2e-3),
-            known.best(descents, APART), DESCEND * most, "descending",
+            known.best(starts, FAR), PATTERN * most, "pattern search",
         )  # fmt: skip
         population = 40
         self._stage(
             run, known, DifferentialEvolution(population=population, patience=20),
-            known.best(population, NEAR), EVOLVE * most, "evolving",
+            known.best(population, NEAR), EVOLUTION * most, "differential evolution",
         )  # fmt: skip
-        for start in known.best(FOLLOWED, NEAR):
+        for start in known.best(BEST_STARTS, NEAR):
             self._stage(
-                run, known, CmaEs(step=0.01, restarts=0), start[None, :], FOLLOW * most, "following"
+                run, known, CmaEs(step=0.01, restarts=0), start[None, :], CMA * most, "CMA-ES"
             )
-        for start in known.best(FOLLOWED, NEAR):
+        for start in known.best(BEST_STARTS, NEAR):
             self._stage(
-                run, known, MultistartBfgs(starts=1), start[None, :], SLOPE * most, "sloping"
+                run, known, MultistartBfgs(starts=1), start[None, :], BFGS * most, "L-BFGS-B"
             )
         self._stage(
             run, known, PatternSearch(initial_mesh=4e-3, largest_mesh=1e-2, tolerance=1e-8),
-            known.best(1, NEAR), max(most - len(known), most // 10), "refining",
+            known.best(1, NEAR), max(most - len(known), most // 10), "refinement",
         )  # fmt: skip
         return f"{run.function.evaluations} evaluations in seven stages"
 
@@ -95,24 +97,24 @@ class Thorough(Method):
         points = _some_on_bounds(starting_designs(None, count, zeros, ones, random), random)
         for first in range(0, count, BATCH):
             known(points[first : first + BATCH])
-            run.step("exploring")
+            run.step("sampling")
 
     def _vary(self, run: Run, known: Known, random: np.random.Generator) -> None:
-        """Draw some parameters of the best designs anew, rather those that are on no bound."""
-        for _ in range(0, int(VARY * self.evaluations), BATCH):
+        """Replace random parameters of the best designs, mainly those inside the bounds."""
+        for _ in range(0, int(VARIATION * self.evaluations), BATCH):
             best = known.best(VARIED, NEAR)
             parents = best[random.integers(len(best), size=BATCH)]
             drawn = _some_on_bounds(random.uniform(size=parents.shape), random)
             on_bound = (parents <= 0.0) | (parents >= 1.0)
             kept = random.uniform(size=parents.shape) < np.where(on_bound, KEEP_ON_BOUND, KEEP)
             known(np.where(kept, parents, drawn))
-            run.step("varying")
+            run.step("variation")
 
     def _stage(
-        self, run: Run, known: Known, search: Search, start: FloatArray, share: float, doing: str
+        self, run: Run, known: Known, search: Search, start: FloatArray, share: float, stage: str
     ) -> None:
-        def tell(_: Progress) -> None:
-            run.step(doing)
+        def report_progress(_: Progress) -> None:
+            run.step(stage)
 
         search.minimize(
             known,
@@ -121,7 +123,7 @@ class Thorough(Method):
             start=start,
             seed=run.seed,
             budget=Budget(evaluations=max(int(share), 1)),
-            progress=tell,
+            progress=report_progress,
         )
 
 
@@ -131,12 +133,12 @@ def _some_on_bounds(points: FloatArray, random: np.random.Generator) -> FloatArr
 
 
 class Known:
-    """Everything that the stages have evaluated so far, as a function of its own.
+    """The objective function of a run, with a record of all values so far.
 
     Parameters
     ----------
     run : Run
-        The run they share.
+        The run that all stages belong to.
     """
 
     def __init__(self, run: Run) -> None:
@@ -147,22 +149,22 @@ class Known:
         return len(self._values)
 
     def __call__(self, points: FloatArray) -> FloatArray:
-        """Values (n,) of points (n, k) in the unit box."""
+        """Return the values (n,) of points (n, k) in the unit box."""
         found = self._run.values(points)
         for point, value in zip(points, found.tolist(), strict=True):
             self._values[point.tobytes()] = value
         return found
 
     def gradient(self, points: FloatArray) -> FloatArray | None:
-        """Exact gradients (n, k) there; None if there are none."""
+        """Return exact gradients (n, k) at points (n, k), or None if the objective has none."""
         return self._run.gradient(points)
 
-    def best(self, count: int, apart: float) -> FloatArray:
-        """Return the best points (m, k), at most ``count``, none two of them alike."""
+    def best(self, count: int, distance: float) -> FloatArray:
+        """Return the best points (m, k), m ≤ ``count``, whose distances exceed ``distance``."""
         chosen: list[FloatArray] = []
         for key in sorted(self._values, key=lambda key: self._values[key]):
             point = np.frombuffer(key)
-            if all(np.max(np.abs(point - other)) > apart for other in chosen):
+            if all(np.max(np.abs(point - other)) > distance for other in chosen):
                 chosen.append(point)
                 if len(chosen) == count:
                     break
