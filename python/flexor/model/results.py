@@ -367,6 +367,8 @@ class Paths(Results):
     @classmethod
     def concatenate(cls, parts: Sequence[Paths]) -> Paths:
         """Join paths of one model over the same loads; arrays that a part lacks are left out."""
+        if len(parts) == 1:
+            return parts[0]
         first, joined = parts[0], dict[str, Any]()
         for each in fields(cls):
             column = [getattr(part, each.name) for part in parts]
@@ -382,11 +384,11 @@ class Paths(Results):
         return Paths(**{name: getattr(self, name) for name in recorded})
 
     def scatter(self, into: Paths, rows: NDArray[np.intp]) -> None:
-        """Write these paths into rows of others that have the same arrays."""
+        """Write these paths into rows of others, as far as both have the same arrays."""
         for each in fields(self):
-            target = getattr(into, each.name)
-            if target is not None and "n" in each.metadata["axes"]:
-                target[rows] = getattr(self, each.name)
+            mine, target = getattr(self, each.name), getattr(into, each.name)
+            if mine is not None and target is not None and "n" in each.metadata["axes"]:
+                target[rows] = mine
 
     def chained(self, jacobian: GeometryJacobian) -> Array:
         """Return derivatives with respect to the parameters from which the geometries were made.

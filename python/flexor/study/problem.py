@@ -175,9 +175,8 @@ class Problem:
             return every
         chosen = Geometry(geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
         paths = self.model.evaluate(chosen, self.force, threads, gradient=gradient, **self.options)
-        found = evaluate_objective(self.objective, paths)
+        evaluate_objective(self.objective, paths).scatter(every, np.flatnonzero(valid))
         if gradient:
             jacobian = self.parameters.jacobian(designs[valid], self.model.design.points)
-            found = replace(found, derivatives=paths.chained(jacobian))
-        found.scatter(every, np.flatnonzero(valid))
+            every.derivatives[valid] = paths.chained(jacobian)
         return every

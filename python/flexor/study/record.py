@@ -157,11 +157,10 @@ class Record:
 
     def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
         """Find derivatives (j + 1, k) of a design (k,), and their regularity; None without."""
-        rows = self._rows("derivatives, regularity", "derivatives IS NOT NULL", design)
-        if not rows:
+        found = self.outcomes(design)
+        if found.derivatives is None:
             return None
-        k, _, joints = self.sizes
-        return self._decoded([rows[0][0]], "<f8", (joints + 1, k))[0], str(rows[0][1])
+        return found.derivatives[0], str(found.regularity[0])
 
     def known(self) -> dict[bytes, float]:
         """Value of every design by its exact bytes; +inf for those that failed."""
@@ -173,13 +172,19 @@ class Record:
         return self._decoded([row[0] for row in self._rows("design")], "<f8", self.sizes[:1])
 
     def outcomes(self, design: FloatArray | None = None) -> Paths:
-        """Outcomes of one design (k,), or of all in the order of evaluation.
+        """Outcomes of one design (k,) with its derivatives, or of all in the order of evaluation.
 
         An unknown design gives outcomes of length zero.
         """
-        rows = self._rows(", ".join(_COLUMNS), design=design)
-        columns = dict(zip(_COLUMNS, zip(*rows, strict=True), strict=True)) if rows else {}
-        found = {name: list(columns.get(name, ())) for name in _COLUMNS}
+        names = _COLUMNS if design is None else (*_COLUMNS, "derivatives", "regularity")
+        rows = self._rows(", ".join(names), design=design)
+        columns = zip(*rows, strict=True) if rows else [()] * len(names)
+        found = {name: list(column) for name, column in zip(names, columns, strict=True)}
+        slopes: dict[str, Any] = {}
+        if any(blob is not None for blob in found.get("derivatives", ())):
+            k, _, joints = self.sizes
+            slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
+            slopes["regularity"] = np.array(found["regularity"], dtype=object)
         try:
             arrays: dict[str, Any] = {
                 name: self._decoded(
@@ -194,6 +199,7 @@ class Record:
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
                 **arrays,
+                **slopes,
             )
         except (TypeError, ValueError, OverflowError) as error:
             raise self.database.damaged(str(error)) from error

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 
@@ -91,20 +90,10 @@ class RecordedEvaluator(CachedEvaluator):
         """Paths with derivatives, from the record."""
         designs = normalized(designs)
         self(designs)
-        missing = [row for row in designs if self._record.derivatives(row) is None]
-        if missing:  # recorded by a search that had no use for them
-            for part, paths in self._parts(np.array(missing)):
+        found = [self._record.outcomes(row) for row in designs]
+        missing = np.array([paths.derivatives is None for paths in found])
+        if missing.any():  # recorded by a search that had no use for them
+            for part, paths in self._parts(designs[missing]):
                 self._record.append_derivatives(part, paths)
-        parts = []
-        for row in designs:
-            found = self._record.derivatives(row)
-            assert found is not None
-            derivatives, regularity = found
-            parts.append(
-                replace(
-                    self._record.outcomes(row),
-                    derivatives=derivatives[None],
-                    regularity=np.array([regularity], dtype=object),
-                )
-            )
-        return Paths.concatenate(parts)
+            found = [self._record.outcomes(row) for row in designs]
+        return Paths.concatenate(found)
