@@ -25,22 +25,12 @@ class Evaluator:
 
     Residuals are (observed - target value) / standard deviation for each value of each fitted
     target; the misfit is the sum of their squares.
-
-    Attributes
-    ----------
-    problem : Problem
-        What is evaluated.
-    record : Record
-        Where evaluations are kept.
-    threads : int
-        Threads of the engine; 0 for one per core. Values do not depend on it.
-    stopped : Event
-        Set to make every evaluation raise KeyboardInterrupt, in whatever thread.
     """
 
     problem: Problem
     record: Record
-    threads: int = 0
+    threads: int = 0  # of the engine; 0 for one per core
+    # Set to make every evaluation raise KeyboardInterrupt, in whatever thread.
     stopped: threading.Event = field(default_factory=threading.Event)
 
     def observed(self, u: Array, run: int, screening: bool = False, threads: int = 0) -> Array:

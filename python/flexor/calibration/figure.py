@@ -48,7 +48,7 @@ def draw(calibration: Calibration) -> Figure:
 def _targets(axes: Axes, shown: list[Row]) -> None:
     shown = shown[:_MOST]
     for place, row in enumerate(shown):
-        size = row.tolerance if math.isfinite(row.tolerance) else _share(row)
+        size = row.tolerance if math.isfinite(row.tolerance) else 0.05 * abs(row.wanted) or 1.0
         off = row.off / size
         inside = abs(off) <= 1.0 or row.weight == "soft"
         colour = _PREDICTED if row.weight == "held-out" else _MET if inside else _MISSED
@@ -56,7 +56,7 @@ def _targets(axes: Axes, shown: list[Row]) -> None:
         marker = "o" if clipped == off else (">" if off > 0 else "<")
         axes.plot([0.0, clipped], [place, place], color=colour, linewidth=0.8)
         axes.plot(clipped, place, marker, color=colour, markersize=4)
-        text = f"{_plain(row.found)} ({_plain(row.wanted)}) {literal(row.unit)}".rstrip()
+        text = f"{row.found:.3g} ({row.wanted:.3g}) {literal(row.unit)}".rstrip()
         axes.annotate(
             text, (1.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5
         )
@@ -119,11 +119,3 @@ def _combinations(axes: Axes, calibration: Calibration) -> None:
 def _label(row: Row) -> str:
     target = literal(row.target)
     return target if row.force is None else f"{target}, {row.force:g} N"
-
-
-def _share(row: Row) -> float:
-    return 0.05 * abs(row.wanted) or 1.0
-
-
-def _plain(value: float) -> str:
-    return f"{value:.3g}"

@@ -19,41 +19,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ObservedPaths:
-    """Paths of n sets of constants over the same s loads.
+    """Paths of n sets of constants over the same s loads."""
 
-    Attributes
-    ----------
-    model : Model
-        A model with their structure.
-    parameters : (n, P) array
-        The engine's parameters of each.
-    q : (n, s, dof) array
-        Generalized coordinates.
-    tip_force, touching : (n, s) arrays
-        F_t (14) [N], and n_c.
-    """
-
-    model: Model
-    parameters: Array
-    q: Array
-    tip_force: Array
-    touching: NDArray[np.uint32]
+    model: Model  # with their structure
+    parameters: Array  # (n, P), of the engine
+    q: Array  # (n, s, dof)
+    tip_force: Array  # (n, s), F_t (14) [N]
+    touching: NDArray[np.uint32]  # (n, s), n_c
 
 
 @dataclass(frozen=True)
 class Observable:
-    """A quantity of every equilibrium of a path.
+    """A quantity of every equilibrium of a path."""
 
-    Attributes
-    ----------
-    kind : Dimension or None
-        What it is measured in; None for plain numbers.
-    values : callable
-        From `ObservedPaths` to SI values (n, s).
-    """
-
-    kind: Dimension | None
-    values: Callable[[ObservedPaths], Array]
+    kind: Dimension | None  # what it is measured in; None for plain numbers
+    values: Callable[[ObservedPaths], Array]  # SI, (n, s)
 
 
 def observable(target: Target, model: Model, place: str) -> Observable:

@@ -24,26 +24,12 @@ class OptimumRun:
     """The optimal design of a parameter set, searched for each set of constants.
 
     Its values are the parameters of the optimal design, and its bending.
-
-    Attributes
-    ----------
-    system : System
-        The model.
-    parameters : ParameterSet
-        What is designed.
-    objective : Objective
-        Evaluated at the last of its forces.
-    method : Search
-        How to search.
-    place : str
-        File and target, for messages.
     """
 
     system: System
     parameters: ParameterSet
     objective: Objective
     method: Search
-    place: str
 
     @property
     def size(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,41 +22,14 @@ _SCREENING_ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
-class _Batch:
-    """Parameters (n, P) for the engine, of which some columns differ between rows."""
-
-    model: Model
-    parameters: Array
-    columns: NDArray[np.intp]
-    values: Array
-
-
-@dataclass(frozen=True, eq=False)
 class PathRun:
-    """The path of one system with one design through one list of loads.
-
-    Attributes
-    ----------
-    system : System
-        The model.
-    design : (k,) array or None
-        Parameters of the design, SI; None for the model's own.
-    parameters : ParameterSet or None
-        Their set.
-    loads : (s, inputs) array
-        Loads [N], the first of which is reached from no load.
-    observed : tuple of (Observable, tuple of int)
-        Observables, and at which loads.
-    place : str
-        File and target, for messages.
-    """
+    """The path of one system with one design through one list of loads."""
 
     system: System
-    design: Array | None
-    parameters: ParameterSet | None
-    loads: Array
-    observed: tuple[tuple[Observable, tuple[int, ...]], ...]
-    place: str
+    design: Array | None  # (k,), SI; None for the model's own
+    parameters: ParameterSet | None  # those of the design
+    loads: Array  # (s, inputs) [N], the first of which is reached from no load
+    observed: tuple[tuple[Observable, tuple[int, ...]], ...]  # what, at which loads
 
     @property
     def size(self) -> int:
@@ -77,10 +49,16 @@ class PathRun:
         (n, size) array
             SI values; NaN where the path failed.
         """
-        if self.system.rates is None:
-            rows = [self._follow(self._rebuilt(row), screening, 1) for row in x]
-            return np.concatenate(rows) if rows else np.empty((0, self.size))
-        return self._follow(self._moved(x), screening, threads)
+        rates = self.system.rates
+        if rates is not None:
+            base, columns = self._base
+            parameters = base + (x - self.system.middle) @ rates.T
+            return self._follow(self.system.reference, parameters, columns, screening, threads)
+        found = np.empty((len(x), self.size))
+        for i, row in enumerate(x):
+            model, none = self.system.model(row), np.zeros(0, dtype=np.intp)
+            found[i] = self._follow(model, self._parameters(model)[None, :], none, screening, 1)[0]
+        return found
 
     @cached_property
     def _base(self) -> tuple[Array, NDArray[np.intp]]:
@@ -99,29 +77,23 @@ class PathRun:
             parameters[indices] = values[0]
         return parameters
 
-    def _moved(self, x: Array) -> _Batch:
-        rates = self.system.rates
-        assert rates is not None
-        base, columns = self._base
-        parameters = base + (x - self.system.middle) @ rates.T
-        values = np.ascontiguousarray(parameters[:, columns])
-        return _Batch(self.system.reference, parameters, columns, values)
-
-    def _rebuilt(self, x: Array) -> _Batch:
-        model = self.system.model(x)
-        none = np.zeros(0, dtype=np.intp)
-        return _Batch(model, self._parameters(model)[None, :], none, np.zeros((1, 0)))
-
-    def _follow(self, at: _Batch, screening: bool, threads: int) -> Array:
+    def _follow(
+        self,
+        model: Model,
+        parameters: Array,
+        columns: NDArray[np.intp],
+        screening: bool,
+        threads: int,
+    ) -> Array:
+        """Observe parameters (n, P) of the engine, which differ in some columns."""
         loaded = int(bool(self.loads[0].any())) if self.loads.size else 0
         steps = np.concatenate([np.zeros((loaded, self.loads.shape[1])), self.loads])
         options = {"max_iterations": _SCREENING_ITERATIONS} if screening else {}
-        found = at.model.engine.path(
-            at.columns, at.values, steps, threads, base=at.parameters[0], **options
-        )
+        values = np.ascontiguousarray(parameters[:, columns])
+        found = model.engine.path(columns, values, steps, threads, base=parameters[0], **options)
         paths = ObservedPaths(
-            at.model,
-            at.parameters,
+            model,
+            parameters,
             found["q"][:, loaded:],
             found["tip_force"][:, loaded:],
             found["touching"][:, loaded:],
@@ -134,13 +106,6 @@ class PathRun:
             seen = observable.values(paths)[:, list(steps_seen)]
             parts.append(np.where(reached[:, None], seen, np.nan))
         return np.concatenate(parts, axis=1)
-
-
-def merge(runs: Sequence[PathRun]) -> PathRun:
-    """Merge runs of one system, design and loads into one with all their observables."""
-    first = runs[0]
-    observed = tuple(entry for run in runs for entry in run.observed)
-    return PathRun(first.system, first.design, first.parameters, first.loads, observed, first.place)
 
 
 def check_design(parameters: ParameterSet, system: System, place: str) -> None:

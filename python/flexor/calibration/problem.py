@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexor.calibration.constants import Constant, check_fields
 from flexor.calibration.optimum_run import OptimumRun
-from flexor.calibration.path_run import PathRun, merge
+from flexor.calibration.path_run import PathRun
 from flexor.calibration.schema import TargetsFile
 from flexor.calibration.system import System
 from flexor.calibration.targets import BoundTarget, bind, run_key
@@ -26,27 +25,13 @@ Run = PathRun | OptimumRun
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Models, and what is observed of them.
-
-    Attributes
-    ----------
-    constants : tuple of Constant
-        The c constants to be fitted.
-    systems : dict of System
-        By the model's name; the model that is calibrated first.
-    runs : tuple of PathRun or OptimumRun
-        Cheap ones first.
-    targets : tuple of BoundTarget
-        In the order of the file.
-    places : tuple of (int, slice)
-        For each target its run, and where in the run's values it is.
-    """
+    """Models, and what is observed of them."""
 
     constants: tuple[Constant, ...]
-    systems: Mapping[str, System]
-    runs: tuple[Run, ...]
-    targets: tuple[BoundTarget, ...]
-    places: tuple[tuple[int, slice], ...]
+    systems: Mapping[str, System]  # by name; the model that is calibrated first
+    runs: tuple[Run, ...]  # cheap ones first
+    targets: tuple[BoundTarget, ...]  # in the order of the file
+    places: tuple[tuple[int, slice], ...]  # of each target: its run, and where in its values
 
     @cached_property
     def fitted_runs(self) -> tuple[int, ...]:
@@ -101,46 +86,28 @@ def bind_problem(file: TargetsFile, main: Model, source: str) -> Problem:
     systems = {name: System(name, each, constants, source) for name, each in files.items()}
     for system in systems.values():
         system.check_ranges()
-    return _bound(file, constants, systems, main.name, source)
-
-
-def _bound(
-    file: TargetsFile,
-    constants: tuple[Constant, ...],
-    systems: Mapping[str, System],
-    main: str,
-    source: str,
-) -> Problem:
-    """Bind the targets, and merge runs of one model, design and loads."""
-    targets, single, parts, keys = [], [], [], []
+    targets: list[BoundTarget] = []
+    runs: dict[tuple[str, str], Run] = {}
+    parts: list[tuple[tuple[str, str], slice]] = []
     for table in file.target:
         place = f'{source}: target "{table.name}"'
-        name = main if table.model is None else table.model
+        name = main.name if table.model is None else table.model
         if name not in systems:
             raise InputError(f"{place}.model is the {unknown_name('model', name, systems)}.")
         target, run, part = bind(table, systems[name], place)
+        key = name, run_key(table)
+        shared = runs.setdefault(key, run)
+        if shared is not run and isinstance(shared, PathRun) and isinstance(run, PathRun):
+            # Targets of a path add values to it; those of an optimum share its values.
+            part = slice(shared.size, shared.size + run.size)
+            runs[key] = replace(shared, observed=shared.observed + run.observed)
         targets.append(target)
-        single.append(run)
-        parts.append(part)
-        keys.append((name, run_key(table)))
-    joined: list[tuple[Run, dict[int, slice]]] = []
-    for key in dict.fromkeys(keys):
-        members = [i for i, each in enumerate(keys) if each == key]
-        first, where = single[members[0]], {i: parts[i] for i in members}
-        if isinstance(first, PathRun):
-            # Paths are merged value by value; targets of an optimum share its values.
-            ends = list(accumulate((single[i].size for i in members), initial=0))
-            where = {i: slice(*ends[n : n + 2]) for n, i in enumerate(members)}
-            first = merge([run for i in members if isinstance(run := single[i], PathRun)])
-        joined.append((first, where))
-    joined.sort(key=lambda entry: entry[0].cost)
-    places = {
-        i: (index, part) for index, (_, each) in enumerate(joined) for i, part in each.items()
-    }
+        parts.append((key, part))
+    order = sorted(runs, key=lambda key: runs[key].cost)
     return Problem(
         constants=constants,
         systems=systems,
-        runs=tuple(run for run, _ in joined),
+        runs=tuple(runs[key] for key in order),
         targets=tuple(targets),
-        places=tuple(places[i] for i in range(len(targets))),
+        places=tuple((order.index(key), part) for key, part in parts),
     )

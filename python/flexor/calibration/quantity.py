@@ -23,21 +23,11 @@ _UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?P<unit>.*?
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit in which a value was written; empty for plain numbers.
+    """The unit in which a value was written; empty for plain numbers."""
 
-    Attributes
-    ----------
-    text : str
-        As written, such as ``"MPa"``.
-    factor : float
-        Its SI value.
-    si : str
-        The SI unit of its kind.
-    """
-
-    text: str = ""
-    factor: float = 1.0
-    si: str = ""
+    text: str = ""  # as written, such as "MPa"
+    factor: float = 1.0  # its SI value
+    si: str = ""  # the SI unit of its kind
 
     def shown(self, value: float, digits: int = 5) -> str:
         """Return an SI value in this unit, with so many significant digits."""

@@ -47,22 +47,13 @@ class Record:
     """Observed values by run and the exact bytes of the constants.
 
     A calibration that is simply run again finds its way to where it was interrupted without
-    evaluating anything twice.
-
-    Parameters
-    ----------
-    database : Database, optional
-        Where they are; in memory by default.
-
-    Attributes
-    ----------
-    evaluated, replayed : int
-        Evaluations made now, and answered from what an earlier process had recorded.
+    evaluating anything twice: `evaluated` counts evaluations made now, `replayed` those answered
+    from what an earlier process had recorded.
 
     Raises
     ------
     InputError
-        If it is damaged.
+        If the database is damaged.
     """
 
     def __init__(self, database: Database | None = None) -> None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import Any
 
-from flexor.calibration.problem import Problem, bind_problem
+from flexor.calibration.problem import bind_problem
 from flexor.calibration.reading import read
 from flexor.calibration.record import CALIBRATION, TARGETS, Record
 from flexor.calibration.result import Calibration
@@ -71,7 +70,13 @@ def calibrate(
     problem = bind_problem(file, model, str(targets))
     starts = starts or file.search.starts
     samples = samples or file.search.samples or default_samples(len(problem.constants))
-    settings = _settings(problem, text, seed, samples, starts)
+    settings = {
+        "targets": hashlib.sha256(text.encode()).hexdigest(),
+        "models": {name: system.reference.hash for name, system in problem.systems.items()},
+        "seed": seed,
+        "samples": samples,
+        "starts": starts,
+    }
     with Workspace(CALIBRATION, folder, settings, {TARGETS: text}, resume) as workspace:
         workspace.check_versions()
         record = Record(workspace.database)
@@ -89,13 +94,3 @@ def calibrate(
             evaluations=len(record),
             folder=workspace.folder,
         )
-
-
-def _settings(problem: Problem, text: str, seed: int, samples: int, starts: int) -> dict[str, Any]:
-    return {
-        "targets": hashlib.sha256(text.encode()).hexdigest(),
-        "models": {name: system.reference.hash for name, system in problem.systems.items()},
-        "seed": seed,
-        "samples": samples,
-        "starts": starts,
-    }

@@ -28,23 +28,10 @@ def screen(
     seed: int,
     report: Callable[[int, float], None],
 ) -> Array:
-    """Find good starts in the unit cube.
+    """Find good starts, (s, c) points of the unit cube that differ, the best first.
 
-    Parameters
-    ----------
-    evaluator : Evaluator
-        Of the problem.
-    samples : int
-        Points to try, a Sobol sequence scrambled by `seed`.
-    starts : int
-        Points to return at most.
-    report : callable
-        Called with the number of points tried and the lowest misfit.
-
-    Returns
-    -------
-    (s, c) array
-        Points that differ, the best first.
+    A Sobol sequence of so many samples, scrambled by `seed`, is tried; `report` is called with the
+    number of points tried and the lowest misfit.
 
     Raises
     ------

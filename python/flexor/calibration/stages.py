@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -68,10 +67,8 @@ class Stages:
         self, problem: Problem, record: Record, threads: int, progress: ProgressCallback | None
     ) -> None:
         self._problem, self._record, self._progress = problem, record, progress
-        self._workers = threads or os.cpu_count() or 1
-        self._stopped = threading.Event()
+        self._evaluator = Evaluator(problem, record, threads)
         self._lowest = np.inf
-        self._evaluator = Evaluator(problem, record, threads, self._stopped)
 
     def check_reproduces(self) -> None:
         """Raise InputError if the first recorded evaluation now gives another result."""
@@ -149,14 +146,14 @@ class Stages:
         """Apply a function to items on all cores; results in their order."""
         self._report(stage, 0, len(items))
         results: list[Result] = []
-        with ThreadPoolExecutor(self._workers) as pool:
+        with ThreadPoolExecutor(self._evaluator.threads or os.cpu_count()) as pool:
             try:
                 for future in [pool.submit(function, item) for item in items]:
                     results.append(future.result())
                     misfit = getattr(results[-1], "misfit", np.inf)
                     self._report(stage, len(results), len(items), misfit)
             except BaseException:
-                self._stopped.set()
+                self._evaluator.stopped.set()
                 pool.shutdown(cancel_futures=True)
                 raise
         return results

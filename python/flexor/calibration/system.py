@@ -19,24 +19,12 @@ _EXACT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A model as a function of the constants.
-
-    Attributes
-    ----------
-    name : str
-        Its name in the targets file.
-    file : ModelFile
-        The file.
-    constants : tuple of Constant
-        All constants of the calibration, in order; those that are no field of it leave it alone.
-    source : str
-        The targets file, for messages.
-    """
+    """A model as a function of all constants; those that are no field of it leave it alone."""
 
     name: str
     file: ModelFile
     constants: tuple[Constant, ...]
-    source: str
+    source: str  # the targets file, for messages
 
     def model(self, x: Sequence[float] | Array) -> Model:
         """Build the model with constants x (c,), SI.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,11 +24,7 @@ from flexor.objectives import objective
 from flexor.optimizers import method
 
 Array = NDArray[np.float64]
-_KINDS: dict[str, Dimension | None] = {
-    **dict.fromkeys(("m", "cm", "mm"), LENGTH),
-    **dict.fromkeys(("rad", "deg"), ANGLE),
-    "1": None,
-}
+_KINDS = {"m": LENGTH, "cm": LENGTH, "mm": LENGTH, "rad": ANGLE, "deg": ANGLE, "1": None}
 # The tolerance of a hard target is a limit: it counts as three standard deviations.
 _HARD = 3.0
 _PATTERN_SEARCH = {"starts": 8, "tolerance": 1e-3}
@@ -35,27 +32,13 @@ _PATTERN_SEARCH = {"starts": 8, "tolerance": 1e-3}
 
 @dataclass(frozen=True, eq=False)
 class BoundTarget:
-    """A target bound to its model.
-
-    Attributes
-    ----------
-    table : Target
-        The target as written in the file.
-    unit : Unit
-        The unit of its value.
-    value : (m,) array
-        Target values at m loads, SI.
-    tolerance : (m,) array
-        SI; NaN for held-out targets without one.
-    force : tuple of m float
-        Forces of the first input at which it is observed [N]; empty for optima.
-    """
+    """A target bound to its model."""
 
     table: Target
-    unit: Unit
-    value: Array
-    tolerance: Array
-    force: tuple[float, ...]
+    unit: Unit  # of its value, as written
+    value: Array  # (m,) at m loads, SI
+    tolerance: Array  # (m,), SI; NaN for held-out targets without one
+    force: tuple[float, ...]  # of the first input at each load [N]; empty for optima
 
     @property
     def fitted(self) -> bool:
@@ -103,7 +86,7 @@ def bind(
     value, tolerance, unit = _values(target, quantity.kind, place)
     force = tuple(float(u) for u in steps[list(chosen), 0]) if steps.shape[1] else ()
     design, parameters = _design(target, system, place)
-    run = PathRun(system, design, parameters, steps, ((quantity, chosen),), place)
+    run = PathRun(system, design, parameters, steps, ((quantity, chosen),))
     return BoundTarget(target, unit, value, tolerance, force), run, slice(0, run.size)
 
 
@@ -117,12 +100,11 @@ def run_key(target: Target) -> str:
 
 def _loads(target: Target, system: System, place: str) -> Array:
     model = system.reference
+    if target.force is None and not model.inputs:
+        return np.zeros((1, 0))
+    given = model.evaluation_forces if target.force is None else target.force
     try:
-        if target.force is None:
-            if not model.inputs:
-                return np.zeros((1, 0))
-            return read_loads(model.evaluation_forces, model.inputs)
-        return read_loads(target.force, model.inputs)
+        return read_loads(given, model.inputs)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
@@ -143,7 +125,10 @@ def _tolerance(given: object, value: Array, kind: Dimension | None, place: str) 
     if given is None:
         return np.full(value.shape, np.nan)
     if isinstance(given, str) and given.rstrip().endswith("%"):
-        share, _ = parse_quantity(_number(given.rstrip()[:-1]), None, place)
+        percent: Any = given.rstrip()[:-1]
+        with suppress(ValueError):
+            percent = float(percent)
+        share, _ = parse_quantity(percent, None, place)
         tolerance = np.abs(value) * share / 100.0
     else:
         tolerance = np.full(value.shape, parse_quantity(given, kind, place)[0])
@@ -151,13 +136,6 @@ def _tolerance(given: object, value: Array, kind: Dimension | None, place: str) 
         zero = " (a part of zero)" if isinstance(given, str) and "%" in given else ""
         raise InputError(f"{place} is {given!r}{zero}: it must be greater than zero.")
     return tolerance
-
-
-def _number(text: str) -> object:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _design(target: Target, system: System, place: str) -> tuple[Array | None, ParameterSet | None]:
@@ -209,5 +187,5 @@ def _optimum(target: Target, system: System, place: str) -> tuple[BoundTarget, O
         raise InputError(f"{place}: {error}") from None
     if target.force is not None:
         wanted = wanted.at(_loads(target, system, place)[:, 0])
-    run = OptimumRun(system, chosen, wanted, search, place)
+    run = OptimumRun(system, chosen, wanted, search)
     return BoundTarget(target, unit, value, tolerance, ()), run, run.column(part)
