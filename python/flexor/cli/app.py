@@ -8,21 +8,10 @@ from typing import Annotated
 
 import typer
 
-from flexor.cli import (
-    calibrate,
-    compare,
-    landscape,
-    methods,
-    optimize,
-    presets,
-    reproduce,
-    rerun,
-    sets,
-    simulate,
-)
+from flexor.cli import calibrate, compare, landscape, listings, optimize, rerun, simulate
 from flexor.cli.command import Command
 from flexor.cli.console import print_error, spell_what_streams_lack
-from flexor.cli.studies import LOST
+from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
 
 app = typer.Typer(
@@ -40,10 +29,21 @@ app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
-app.command("reproduce", hidden=True, context_settings=reproduce.ANYTHING)(reproduce.reproduce)
-app.command("presets")(presets.presets)
-app.command("sets")(sets.sets)
-app.command("methods")(methods.methods)
+app.command("presets")(listings.presets)
+app.command("sets")(listings.sets)
+app.command("methods")(listings.methods)
+
+
+@app.command(
+    "reproduce",
+    hidden=True,
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)
+def reproduce(_: typer.Context) -> int:
+    """Refer to the place of the published study."""
+    raise InputError(
+        "flexor reproduce is now `./dev reproduce`, in a clone of the repository of Flexor."
+    )
 
 
 def _version(requested: bool) -> None:
@@ -68,15 +68,8 @@ def root(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit.
+    """Run the command line, with the arguments of the process by default, and exit.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        Arguments after `flexor`; by default those of the process.
-
-    Notes
-    -----
     Exit codes: 0 success; 1 completed with failures (such as a load step without equilibrium);
     2 invalid input; 3 cluster lost; 130 interrupted.
     """
@@ -106,5 +99,5 @@ def main(arguments: list[str] | None = None) -> None:
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         print_error("interrupted.")
-        code = 130
+        code = INTERRUPTED
     sys.exit(code if isinstance(code, int) else 0)
