@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from flexor.cli import calibrate, compare, landscape, listings, optimize, rerun, simulate
-from flexor.cli.command import Command
 from flexor.cli.console import print_error, spell_what_streams_lack
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
+
+
+class Command(TyperCommand):
+    """A command that refuses options given twice, of which the last would win silently."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Check for repeated options before parsing."""
+        names = {
+            name: parameter
+            for parameter in self.params
+            if parameter.param_type_name == "option" and not parameter.multiple
+            for name in parameter.opts
+        }
+        given: set[str] = set()
+        for word in itertools.takewhile(lambda word: word != "--", args):
+            parameter = names.get(word.partition("=")[0])
+            if parameter is None or parameter.name is None:
+                continue
+            if parameter.name in given:
+                raise InputError(f"{max(parameter.opts, key=len)} is given twice: give it once.")
+            given.add(parameter.name)
+        return super().parse_args(ctx, args)
+
 
 app = typer.Typer(
     name="flexor",

@@ -160,13 +160,14 @@ def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> l
 
     summaries = [asdict(each) for each in result.summaries()]
     searches = result.table()
-    rows = [
-        dict(zip(searches, row, strict=True))
-        for row in zip(*(column.tolist() for column in searches.values()), strict=True)
-    ]
-    files = [place / "comparison.csv", place / "searches.csv"]
-    for file, lines in zip(files, (summaries, rows), strict=True):
-        write_text(file, csv_text([list(lines[0]), *(line.values() for line in lines)]))
+    columns = [column.tolist() for column in searches.values()]
+    tables = {
+        place / "comparison.csv": [summaries[0], *(each.values() for each in summaries)],
+        place / "searches.csv": [searches, *zip(*columns, strict=True)],
+    }
+    for file, rows in tables.items():
+        write_text(file, csv_text(rows))
+    files = list(tables)
     with err.status("drawing the profiles"):
         figure = plot.profiles(result)
         files += save_figure(figure, place, "profiles", also)

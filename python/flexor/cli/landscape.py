@@ -82,7 +82,8 @@ def landscape(
     """
     from flexor import study as studies
     from flexor.design import parameter_set
-    from flexor.study.landscape import Landscape, SearchPath, grid_over
+    from flexor.study import landscape as landscapes
+    from flexor.study.landscape import Landscape, SearchPath
 
     free = ("searches", "threads", "cluster", "plot", "as_json")
     check_resumable(context, "landscape", model, folder, resume, *free)
@@ -96,22 +97,21 @@ def landscape(
                 if study.finished is None:
                     study.close()
                     study = studies.resume(resume, progress=progress, executor=executor)
+                result = Landscape.of(study)
             else:
                 assert model is not None
                 loaded = load_changed(model, constants, changes)
                 chosen = parameter_set(parameters, loaded.design)
-                labels = None if axes is None else [label.strip() for label in axes.split(",")]
-                method = grid_over(chosen, grid, labels)
-                fixed = _fixed(start, chosen)
                 for each, search in overlays:
                     _check_same_set(each, search, chosen)
                 place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
-                study = studies.optimize(
+                result = landscapes.landscape(
                     loaded,
                     chosen,
                     objective,
-                    method,
-                    start=fixed,
+                    grid=grid,
+                    axes=None if axes is None else [label.strip() for label in axes.split(",")],
+                    start=_fixed(start, chosen),
                     force=force,
                     folder=place,
                     progress=progress,
@@ -119,10 +119,9 @@ def landscape(
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)
-    result = Landscape.of(study)
     seconds = time.monotonic() - began
     for each, search in overlays:
-        _check_same_set(each, search, study.problem.parameters)
+        _check_same_set(each, search, result.problem.parameters)
     paths = [SearchPath.from_study(search, each.name) for each, search in overlays]
     files = _keep(result, paths, plot)
     if as_json:

@@ -22,7 +22,7 @@ class Design:
     Attributes
     ----------
     problem : Problem
-        What it is a design of.
+        The design problem.
     vector : (k,) array
         Parameters, SI, in the order of the set's labels.
     value : float
@@ -30,7 +30,7 @@ class Design:
     shown : float
         The objective's quantity for display; NaN if failed.
     reason : str
-        Empty, or why it failed.
+        Reason of the failure; empty if there is none.
     joint_angles : (steps, j) array
         Along the path [rad].
     tip_force : (steps,) array
