@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.design.geometry import FloatArray
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped, Profile
-from flexor.design.space import PAPER, Space
 from flexor.errors import InputError
+from flexor.model.geometry import PAPER, DesignSpace, FloatArray
 
 # Step of the fourth-order central differences as a fraction of a variable's range. For a smooth
 # surface the truncation and the rounding error are then both about 1e-12.
@@ -131,7 +130,7 @@ def custom(
     *,
     units: Sequence[str] | None = None,
     minimum_radius: float | None = None,
-    rod: Space = PAPER,
+    rod: DesignSpace = PAPER,
 ) -> ParameterSet:
     """Create a parameter set from a function that describes the surface of the exosuit.
 
@@ -153,7 +152,7 @@ def custom(
         Display units: "1", "m", "cm", "mm", "rad" or "deg". Default "1".
     minimum_radius : float, optional
         Lower limit of the surface radius [m]; the rod's minimum radius by default.
-    rod : Space
+    rod : DesignSpace
         The exosuit whose length is used; `flexor.optimize` substitutes that of its model.
 
     Returns

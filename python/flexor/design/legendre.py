@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from flexor.design.geometry import FloatArray
+from flexor.model.geometry import FloatArray
 
 CENTIMETRE = 0.01
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexor.design.geometry import FloatArray
+from flexor.model.geometry import FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.design.geometry import FloatArray, Geometry, GeometryJacobian
 from flexor.design.profile import Fixed, Profile
-from flexor.design.space import PAPER, Space
 from flexor.errors import InputError, unknown
+from flexor.model.geometry import PAPER, DesignSpace, FloatArray, Geometry, GeometryJacobian
 
 # Display units of design parameters, in SI.
 UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi / 180.0}
@@ -37,7 +36,7 @@ class ParameterSet:
         Index of the length L; None if the set does not change the length.
     profile : Profile or None
         Surface S(X; p); None if the set does not change the surface.
-    rod : Space
+    rod : DesignSpace
         The exosuit that supplies the length or the surface if the set does not change it.
     """
 
@@ -49,7 +48,7 @@ class ParameterSet:
     start: FloatArray
     length_column: int | None = None
     profile: Profile | None = None
-    rod: Space = PAPER
+    rod: DesignSpace = PAPER
 
     def __post_init__(self) -> None:
         """Check consistency.
@@ -146,7 +145,7 @@ class ParameterSet:
         radius, slope = self._surface.jacobian(p, X)
         return GeometryJacobian(length, radius, slope)
 
-    def on(self, rod: Space) -> ParameterSet:
+    def on(self, rod: DesignSpace) -> ParameterSet:
         """Return the same set for another exosuit."""
         return replace(self, rod=rod)
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flexor.design.geometry import FloatArray
+from flexor.model.geometry import FloatArray
 
 
 class Profile(Protocol):

@@ -27,19 +27,7 @@ Json = dict[str, Any]
 
 
 def lower(file: ModelFile) -> Json:
-    """Describe a model to the engine.
-
-    Parameters
-    ----------
-    file
-        A checked model file.
-
-    Returns
-    -------
-    dict
-        The description, ready for JSON: SI units, parents before their children, the radius of
-        each rod at its sample points.
-    """
+    """Describe a model to the engine."""
     described: Json = {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
@@ -57,13 +45,7 @@ def lower(file: ModelFile) -> Json:
 
 
 def parents_first(bodies: dict[str, Body]) -> list[str]:
-    """Return the names of bodies in the file's order, except that parents come first.
-
-    Parameters
-    ----------
-    bodies
-        Bodies whose parents exist and form no loop.
-    """
+    """Return the names of bodies in the file's order, except that parents come first."""
     order: dict[str, None] = {}
     for name in bodies:
         line: list[str] = []

@@ -136,13 +136,7 @@ class Rod(Table):
         return self.elements * (self.gauss_points + 1) + 1
 
     def point_at(self, fraction: float) -> int | None:
-        """Return the sample point at a fraction of the length, if it is an element boundary.
-
-        Parameters
-        ----------
-        fraction
-            X in [0, 1].
-        """
+        """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
         if abs(fraction * self.elements - end) > 1e-9:
             return None

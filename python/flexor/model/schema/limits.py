@@ -21,13 +21,7 @@ def check_size(
     contacts: Mapping[str, Contact],
     actuators: Mapping[str, Actuator],
 ) -> None:
-    """Check the numbers of bodies, sample points and pairs of spheres.
-
-    Parameters
-    ----------
-    bodies, spheres, contacts, actuators
-        Tables of a model file whose references resolve.
-    """
+    """Check the numbers of bodies, sample points and pairs of spheres."""
     if len(bodies) > MAX_BODIES:
         raise field_error(f"has {len(bodies):,} entries: at most {MAX_BODIES:,}", "bodies")
     rods = {name: body for name, body in bodies.items() if isinstance(body, Rod)}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body_system import BodySystem
@@ -17,9 +17,25 @@ from flexor.model.schema.limits import check_size
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.spring import Spring
-from flexor.model.schema.start import StartTable
 from flexor.model.schema.table import Name
 from flexor.model.schema.wrench import Wrench
+from flexor.model.validation import describe, field_error
+
+StartValue = str | float
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise field_error(f'is {describe(value)}: write a coordinate, such as "20 deg"')
+    return value
+
+
+def _entry(value: object) -> object:
+    return value if isinstance(value, dict) else _value(value)
+
+
+_Value = Annotated[StartValue, BeforeValidator(_value)]
+StartTable = dict[Name, Annotated[StartValue | dict[Name, _Value], BeforeValidator(_entry)]]
 
 
 class ModelFile(BodySystem):

@@ -20,13 +20,6 @@ def round_cones(group: SphereGroup, bodies: Mapping[str, Body]) -> list[Json]:
     first sphere, at its joint, is left out: it is where the second one is); a single point is a
     sphere. Bodies that follow one another in the group and in the tree are joined: they share the
     sphere at the base of the second.
-
-    Parameters
-    ----------
-    group
-        The group.
-    bodies
-        All bodies by name.
     """
     cones: list[Json] = []
     start = 0
@@ -53,18 +46,6 @@ def length_shares(group: SphereGroup, bodies: Mapping[str, Body]) -> list[float]
     """Share the length of a group's rods out among their spheres, by the trapezoidal rule.
 
     The sphere at a rod's joint gets nothing: the one at its first sample point is there as well.
-
-    Parameters
-    ----------
-    group
-        A group of rods.
-    bodies
-        All bodies by name.
-
-    Returns
-    -------
-    list of float
-        Fractions of the length of each sphere's rod; for each rod their sum is 1.
     """
     shares: list[float] = []
     for name in group.bodies:

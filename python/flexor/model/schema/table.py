@@ -30,13 +30,7 @@ Name = Annotated[str, Strict()]
 
 @dataclass(frozen=True)
 class Choice:
-    """Pydantic annotation: one of the given names.
-
-    Parameters
-    ----------
-    *names
-        The allowed names.
-    """
+    """Pydantic annotation: one of the given names."""
 
     names: tuple[str, ...]
 
@@ -97,13 +91,7 @@ def _listed(table: type[Table]) -> str:
 
 
 def one_of(*kinds: str) -> Callable[[object], object]:
-    """Return a validator that requires a table whose ``kind`` is one of the given ones.
-
-    Parameters
-    ----------
-    *kinds
-        The allowed kinds.
-    """
+    """Return a validator that requires a table whose ``kind`` is one of the given ones."""
 
     def check(value: object) -> object:
         if isinstance(value, Table):
