@@ -139,14 +139,11 @@ def _from_file(file: FilePath, model: Structure) -> Start:
         raise InputError(
             f'start is "{file}", whose coordinates are not those of the model "{model.name}".'
         )
+    inputs, several = model.inputs, len(model.inputs) > 1
     try:
         step = max(step for step, good in enumerate(found["converged"]) if good is True)
-        loads = (
-            found["loads"]
-            if len(model.inputs) > 1
-            else {name: found["force"] for name in model.inputs}
-        )
-        load = np.array([float(loads[name][step]) for name in model.inputs])
+        loads = [found["loads"][name] for name in inputs] if several else [found["force"]]
+        load = np.array([float(each[step]) for each in loads[: len(inputs)]])
         q = np.array(found["q"][step], dtype=np.float64)
     except (ValueError, TypeError, KeyError, IndexError):
         raise InputError(f'start is "{file}": there is no equilibrium in it.') from None

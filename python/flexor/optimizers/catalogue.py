@@ -8,19 +8,17 @@ from typing import Any
 
 from flexor.errors import InputError, shortened, unknown
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
 from flexor.optimizers.extras import missing_package
-from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
 from flexor.optimizers.grid import Grid
 from flexor.optimizers.interface import Search
 from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
 from flexor.optimizers.mads import Mads
 from flexor.optimizers.multistart_bfgs import MultistartBfgs
-from flexor.optimizers.particle_swarm import ParticleSwarm
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.polished_pattern import PolishedPattern
+from flexor.optimizers.population import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm
 from flexor.optimizers.surrogate import Surrogate
 
 

@@ -9,9 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.method import Method, Run, penalize_failures
 from flexor.optimizers.options import FRACTION, Range, at_least, at_most, option
-from flexor.optimizers.unit_box import penalize_failures
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.method import Method, Run, penalize_failures
 from flexor.optimizers.options import at_least, option
-from flexor.optimizers.unit_box import penalize_failures
 
 # Finite-difference step of the local searches, as a fraction of the ranges.
 DIFFERENCE = 1e-6

@@ -17,27 +17,14 @@ MIN_DAMPING = 1e-12
 
 @dataclass
 class LocalSearch:
-    """State of the search from one start.
+    """State of the search from one start."""
 
-    Attributes
-    ----------
-    point : (k,) array
-        Current point in the unit box.
-    vector : (r,) array
-        Residual vector; NaN if the design failed.
-    damping : float
-        Damping of the next step.
-    jacobian : (r, k) array or None
-        Jacobian at the point, in the unit box; None if not yet evaluated.
-    done : str
-        Empty, or why the search has ended.
-    """
-
-    point: FloatArray
-    vector: FloatArray
-    damping: float
+    point: FloatArray  # (k,): current point in the unit box
+    vector: FloatArray  # (r,): residual vector; NaN if the design failed
+    damping: float  # Damping of the next step
+    # (r, k): jacobian at the point, in the unit box; None if not yet evaluated.
     jacobian: FloatArray | None = None
-    done: str = ""
+    done: str = ""  # Empty, or why the search has ended
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.interface import FloatArray
+from flexor.optimizers.method import Method, Run, penalize_failures
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
-from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
@@ -52,3 +52,44 @@ class MultistartBfgs(Method):
         if not valid:
             return "no start succeeded" if len(points) > 1 else "the start failed"
         return f"local searches from {len(valid)} starts ended"
+
+
+def minimize_lbfgsb(
+    run: Run, start: FloatArray, difference: float, tolerance: float, iterations: int
+) -> FloatArray:
+    """Run L-BFGS-B in the unit box from a point (k,) of finite value; return where it ends (k,).
+
+    It ends where the gradient vanishes or the line search fails, not necessarily at the best point
+    of the run. Without an exact gradient each step takes one batch of one-sided differences, taken
+    backwards at an upper bound.
+    """
+    from scipy.optimize import minimize
+
+    def value_and_gradient(point: FloatArray) -> tuple[float, FloatArray]:
+        value = float(run.values(point[None, :])[0])
+        if not np.isfinite(value):
+            return float(penalize_failures(np.array(value))), np.zeros(run.size)
+        return value, gradient(run, point, value, difference)
+
+    result = minimize(
+        value_and_gradient,
+        start,
+        jac=True,
+        method="L-BFGS-B",
+        bounds=[(0.0, 1.0)] * run.size,
+        options={"maxiter": iterations, "gtol": tolerance, "ftol": tolerance**2, "maxls": 10},
+        callback=lambda _: run.step("quasi-Newton"),
+    )
+    end: FloatArray = np.asarray(result.x, dtype=np.float64)
+    return end
+
+
+def gradient(run: Run, point: FloatArray, value: float, difference: float) -> FloatArray:
+    """Return the gradient (k,) at a point of known value, with zeros where it is not finite."""
+    exact = run.gradient(point[None, :])
+    if exact is not None:
+        return np.where(np.isfinite(exact[0]), exact[0], 0.0)
+    steps = np.where(point + difference > 1.0, -difference, difference)
+    around = run.values(point + np.diag(steps))
+    rise = np.where(np.isfinite(around), around - value, 0.0) / steps
+    return np.asarray(rise)

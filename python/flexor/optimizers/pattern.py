@@ -24,21 +24,11 @@ from flexor.optimizers.starts import starting_designs
 
 @dataclass
 class PollState:
-    """State of the search from one start.
+    """State of the search from one start."""
 
-    Attributes
-    ----------
-    design : (k,) array
-        Best design so far.
-    value : float
-        Its value.
-    mesh : float
-        Mesh size of the next poll, as a fraction of each parameter's range.
-    """
-
-    design: FloatArray
-    value: float
-    mesh: float
+    design: FloatArray  # (k,): best design so far
+    value: float  # Its value
+    mesh: float  # Mesh size of the next poll, as a fraction of each parameter's range
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.method import Method, Run
+from flexor.optimizers.multistart_bfgs import minimize_lbfgsb
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
-from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
