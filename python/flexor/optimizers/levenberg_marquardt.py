@@ -21,10 +21,10 @@ class LocalSearch:
 
     point: FloatArray  # (k,): current point in the unit box
     vector: FloatArray  # (r,): residual vector; NaN if the design failed
-    damping: float  # Damping of the next step
-    # (r, k): jacobian at the point, in the unit box; None if not yet evaluated.
+    damping: float  # of the next step
+    # (r, k): Jacobian at the point, in the unit box; None if not yet evaluated.
     jacobian: FloatArray | None = None
-    done: str = ""  # Empty, or why the search has ended
+    done: str = ""  # why the search has ended, or empty
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ class Range:
 
     # Whether a value is allowed. Comparisons with NaN are false, so NaN is rejected.
     contains: Callable[[Any], bool]
-    text: str  # The range in words, for example ``"at least 1"``
+    text: str  # the range in words, for example ``"at least 1"``
 
 
 FRACTION = Range(lambda value: 0.0 < value < 1.0, "between 0 and 1")
@@ -44,7 +44,7 @@ def option(default: T, allowed: Range) -> T:
 class Options:
     """Base class of the methods: a frozen dataclass whose fields are the options."""
 
-    name: ClassVar[str]  # Name on the command line
+    name: ClassVar[str]  # on the command line
 
     def __post_init__(self) -> None:
         """Check the options and that the method's library is installed."""

@@ -27,8 +27,8 @@ class PollState:
     """State of the search from one start."""
 
     design: FloatArray  # (k,): best design so far
-    value: float  # Its value
-    mesh: float  # Mesh size of the next poll, as a fraction of each parameter's range
+    value: float  # its value
+    mesh: float  # mesh size of the next poll, as a fraction of each parameter's range
 
 
 @dataclass(frozen=True)

@@ -13,19 +13,9 @@ MAX_LENGTH = 1.8  # cm
 
 
 def scale(scenes: Sequence[Scene]) -> tuple[float, float]:
-    """Choose the scale of the contact forces in a figure.
+    """Return the length of an arrow per newton [cm/N] and a round force for the key [N].
 
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        All scenes in the figure.
-
-    Returns
-    -------
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N]; 0 without contact.
-    key : float
-        A round force for the key, at most the largest force [N].
+    The key is at most the largest force; both are 0 without contact.
     """
     forces = [
         float(np.linalg.norm(arrow.force)) for scene in scenes for arrow in scene.contact_arrows

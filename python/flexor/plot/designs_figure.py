@@ -20,43 +20,18 @@ AT_REST = "#CBD2D8"
 
 @dataclass(frozen=True)
 class Design:
-    """One panel of the figure.
-
-    Attributes
-    ----------
-    title : str
-        Title of the design.
-    first, last : Scene
-        The model at the first and at the last load.
-    first_load, last_load : float
-        These loads [N].
-    bending : float or None
-        Sum of the joint angles at the last load [rad]; None if the model has no joints.
-    """
+    """One panel of the figure."""
 
     title: str
-    first: Scene
+    first: Scene  # at the first load
     last: Scene
-    first_load: float
+    first_load: float  # [N]
     last_load: float
-    bending: float | None
+    bending: float | None  # sum of the joint angles at the last load [rad]; None without joints
 
 
 def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
-    """Draw designs side by side to the same scale, each before and after actuation.
-
-    Parameters
-    ----------
-    designs : sequence of Design
-        The designs, from left to right.
-    planar_model : bool
-        Draw in the x-z plane; otherwise in 3-D.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One page wide.
-    """
+    """Draw designs side by side to the same scale, each before and after actuation."""
     from matplotlib.figure import Figure
 
     scenes = [scene for design in designs for scene in (design.first, design.last)]

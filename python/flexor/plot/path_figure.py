@@ -31,26 +31,7 @@ def draw_path(
     load_unit: str = "N",
     history: History | None = None,
 ) -> Figure:
-    """Draw a model at every load step, to scale.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        One scene per load step.
-    loads : array_like, shape (s,)
-        The loads, for the legend [load_unit].
-    planar_model : bool
-        Draw in the x-z plane; otherwise in 3-D.
-    load_unit : str
-        Unit of the loads.
-    history : History, optional
-        What a panel below shows over the load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column wide. Rods are coloured by load; arrows are the contact forces on the limb.
-    """
+    """Draw a model at every load step, to scale."""
     from matplotlib.figure import Figure
 
     values = np.asarray(loads, dtype=np.float64)

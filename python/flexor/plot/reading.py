@@ -18,20 +18,7 @@ Array = NDArray[np.float64]
 
 
 def read_scene(path: Path, step: int = -1) -> Scene:
-    """Return the bodies, lines and contact forces of a model at one load step.
-
-    Parameters
-    ----------
-    path : Path
-        Equilibria of a design.
-    step : int
-        Load step.
-
-    Returns
-    -------
-    Scene
-        The scene in the world frame, SI.
-    """
+    """Return the bodies, lines and contact forces of a model at one load step."""
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
     stations: dict[str, Array] = {}

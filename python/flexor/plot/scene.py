@@ -12,81 +12,41 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rod:
-    """A soft rod.
-
-    Attributes
-    ----------
-    name : str
-        The body's name.
-    frames : ndarray, shape (m, 4, 4)
-        Frames along the rod, base to tip; x along the rod, z dorsal [m].
-    half_height, half_width : ndarray, shape (m,)
-        Half-dimensions of the section along z and y [m].
-    """
+    """A soft rod."""
 
     name: str
-    frames: Array
-    half_height: Array
-    half_width: Array
+    frames: Array  # (m, 4, 4): frames, base to tip; x along the rod, z dorsal [m]
+    half_height: Array  # (m,): half-dimension of the section along z [m]
+    half_width: Array  # (m,): along y [m]
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid tapered link.
-
-    Attributes
-    ----------
-    name : str
-        The body's name.
-    base, tip : ndarray, shape (3,)
-        Ends of its axis [m].
-    radius_base, radius_tip : float
-        Radii at the ends [m].
-    moves : bool
-        Whether there is a joint at its base, which is then marked.
-    """
+    """A rigid tapered link."""
 
     name: str
-    base: Array
-    tip: Array
-    radius_base: float
-    radius_tip: float
-    moves: bool = True
+    base: Array  # (3,): where its axis begins [m]
+    tip: Array  # (3,): where its axis ends [m]
+    radius_base: float  # [m]
+    radius_tip: float  # [m]
+    moves: bool = True  # whether there is a joint at its base, which is then marked
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line along a rod, such as a chamber or a cable.
+    """A line along a rod, such as a chamber or a cable."""
 
-    Attributes
-    ----------
-    name : str
-        The actuator's name.
-    points : ndarray, shape (m, 3)
-        Points of the line [m].
-    label : str
-        Label in the legend.
-    """
-
-    name: str
-    points: Array
-    label: str
+    name: str  # of the actuator
+    points: Array  # (m, 3) [m]
+    label: str  # in the legend
 
 
 @dataclass(frozen=True)
 class ContactArrow:
-    """A contact force on the limb.
+    """A contact force on the limb."""
 
-    Attributes
-    ----------
-    point : ndarray, shape (3,)
-        Point of application [m].
-    force : ndarray, shape (3,)
-        The force [N].
-    """
-
-    point: Array
-    force: Array
+    point: Array  # (3,): point of application [m]
+    force: Array  # (3,) [N]
 
 
 @dataclass(frozen=True)
