@@ -91,13 +91,7 @@ class Constant:
 def check_fields(
     constants: Sequence[Constant], files: Mapping[str, ModelFile], source: str
 ) -> None:
-    """Demand that every field is a field of at least one of the models, once.
-
-    Raises
-    ------
-    InputError
-        Naming the first that is not, with the nearest that would be.
-    """
+    """Demand that every field is a field of at least one of the models, once."""
     owner: dict[str, str] = {}
     for constant in constants:
         for field in constant.fields:

@@ -37,13 +37,7 @@ class Observable:
 
 
 def observable(target: Target, model: Model, place: str) -> Observable:
-    """Return the observable of a target (any but an optimum); messages begin with `place`.
-
-    Raises
-    ------
-    InputError
-        If the model has nothing of this kind.
-    """
+    """Return the observable of a target (any but an optimum); messages begin with `place`."""
     if target.observable in ("bending", "angle"):
         return Observable(ANGLE, _angles(target, model, place))
     if target.observable in ("tip-force", "contacts"):

@@ -42,12 +42,9 @@ class PathRun:
         return float(len(self.loads))
 
     def evaluate(self, x: Array, screening: bool = False, threads: int = 1) -> Array:
-        """Observe n sets of constants x (n, c), SI; give up early while screening.
+        """Return observed values (n, size), SI, for constants x (n, c); NaN where a path failed.
 
-        Returns
-        -------
-        (n, size) array
-            SI values; NaN where the path failed.
+        Screening gives up early.
         """
         rates = self.system.rates
         if rates is not None:

@@ -66,11 +66,6 @@ def bind_problem(file: TargetsFile, main: Model, source: str) -> Problem:
     """Bind a targets file to the model that is calibrated.
 
     Relative models in the file are looked for beside it; `source` is its name.
-
-    Raises
-    ------
-    InputError
-        If something that the file names does not exist.
     """
     constants = tuple(Constant.of(table, source) for table in file.constant)
     if main.name in file.models:

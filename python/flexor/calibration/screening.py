@@ -33,11 +33,6 @@ def screen(
     A Sobol sequence of so many samples, scrambled by `seed`, is tried; `report` is called with the
     number of points tried and the lowest misfit.
 
-    Raises
-    ------
-    InputError
-        If no point gives equilibria for all targets.
-
     Notes
     -----
     Paths are evaluated one after the other, and a point is dropped as soon as its misfit exceeds

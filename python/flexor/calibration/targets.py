@@ -59,18 +59,7 @@ class BoundTarget:
 def bind(
     target: Target, system: System, place: str
 ) -> tuple[BoundTarget, PathRun | OptimumRun, slice]:
-    """Bind a target to the system of its model; messages begin with `place`.
-
-    Returns
-    -------
-    BoundTarget, PathRun or OptimumRun, slice
-        The target, the run that observes it, and where in the run's values it is.
-
-    Raises
-    ------
-    InputError
-        If the model has nothing that matches it, or a value cannot be read.
-    """
+    """Bind a target to the system of its model; messages begin with `place`."""
     if target.observable == "optimum":
         return _optimum(target, system, place)
     model = system.reference

@@ -6,11 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flexor.design.legendre import CENTIMETRE, Legendre
-from flexor.design.linear import Linear
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped
-from flexor.design.sine_cosine import SineCosine
+from flexor.design.published import CENTIMETRE, Legendre, Linear, SineCosine
 from flexor.design.union import union
 from flexor.errors import InputError, unknown_name
 from flexor.model.geometry import PAPER, DesignSpace
@@ -158,7 +156,7 @@ def parameter_set(
         sets = [parameter_set(each, space) for each in text]
         return sets[0] if len(sets) == 1 else union(*sets)
     if not isinstance(text, str):
-        raise InputError(f'parameter set is {text!r}: a name such as "L+R01" or a set is needed.')
+        raise InputError(f'parameter set is {text!r}: expected a name such as "L+R01" or a set.')
     factories = {_normalized(name): factory for name, factory in _FACTORIES.items()}
     parts = []
     for word in text.split("+"):

@@ -29,20 +29,11 @@ class FunctionProfile:
 
     Derivatives that are not given are computed by fourth-order central differences with step
     ``STEP`` (of X, and of each parameter's range). X stays within [0, 1].
-
-    Attributes
-    ----------
-    function : callable
-        ``function(p (k,), X (m,))`` -> S (m,) [m], or the pair S, dS/dX.
-    derivative : callable or None
-        ``derivative(p, X)`` -> dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp.
-    span : (k,) array
-        Range of each parameter, which scales its differences.
     """
 
-    function: ProfileFunction
-    derivative: ProfileFunction | None
-    span: FloatArray
+    function: ProfileFunction  # p (k,), X (m,) -> S (m,) [m], or the pair S, dS/dX
+    derivative: ProfileFunction | None  # p, X -> dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp
+    span: FloatArray  # (k,): range of each parameter, which scales its differences
 
     def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return S and dS/dX [m], each (n, m)."""
