@@ -97,11 +97,6 @@ class DesignSpace:
     def of(cls, file: ModelFile) -> DesignSpace:
         """Read the design space of a model file.
 
-        Parameters
-        ----------
-        file
-            A checked model file.
-
         Raises
         ------
         InputError
@@ -125,12 +120,7 @@ class DesignSpace:
         )
 
     def checked(self, geometry: Geometry) -> Geometry:
-        """Return a geometry as arrays of numbers, with the number of designs in front.
-
-        Parameters
-        ----------
-        geometry
-            Geometry of n designs; any object with arrays ``length``, ``radius`` and ``slope``.
+        """Return a geometry, any object with its three arrays, as arrays of numbers.
 
         Raises
         ------

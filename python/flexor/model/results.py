@@ -338,16 +338,9 @@ class Paths(Results):
     def failed(
         cls, count: int, steps: int, joints: int, reason: str, parameters: int | None = None
     ) -> Paths:
-        """Paths of designs that could not be evaluated.
+        """Paths of ``count`` designs that could not be evaluated, for this reason.
 
-        Parameters
-        ----------
-        count, steps, joints
-            Their numbers.
-        reason
-            Why they failed.
-        parameters
-            Number of parameters of the set, for `derivatives`; without these if None.
+        With the number of ``parameters`` of their set they have `derivatives`, of NaN.
         """
         derived: dict[str, Any] = {}
         if parameters is not None:

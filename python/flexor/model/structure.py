@@ -18,20 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Structure:
-    """A model without its equilibria; see `flexor.model.Model`.
-
-    Parameters
-    ----------
-    file
-        The checked model file.
-    source
-        Where it came from, for messages.
-
-    Raises
-    ------
-    InputError
-        If the engine refuses the model.
-    """
+    """A model without its equilibria, the base of `flexor.model.Model`."""
 
     def __init__(self, file: ModelFile, source: str | None = None) -> None:
         self.file = file

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexor.plot import arrows, planar, spatial
-from flexor.plot.scene import Scene
+from flexor.plot import planar, spatial
+from flexor.plot.scene import Scene, arrow_scale
 from flexor.plot.style import CHAMBER, EXOSUIT, LINE, PAGE, style
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
     from matplotlib.figure import Figure
 
     scenes = [scene for design in designs for scene in (design.first, design.last)]
-    cm_per_newton, key = arrows.scale([design.last for design in designs])
+    cm_per_newton, key = arrow_scale([design.last for design in designs])
     with style():
         figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
         for column, design in enumerate(designs, start=1):

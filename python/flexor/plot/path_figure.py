@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexor.plot import arrows, planar, spatial
+from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
-from flexor.plot.scene import Scene
+from flexor.plot.scene import Scene, arrow_scale
 from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def draw_path(
 
     values = np.asarray(loads, dtype=np.float64)
     colours = [tuple(shade) for shade in shades(len(scenes))]
-    cm_per_newton, key = arrows.scale(scenes)
+    cm_per_newton, key = arrow_scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
         grid = figure.add_gridspec(1 if history is None else 2, 1)

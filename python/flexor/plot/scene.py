@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+LONGEST_ARROW = 1.8  # cm
 
 
 @dataclass(frozen=True)
@@ -71,3 +74,22 @@ class Scene:
         if not low:
             return np.zeros(3), np.zeros(3)
         return np.min(low, axis=0), np.max(high, axis=0)
+
+
+def arrow_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
+    """Return the length of an arrow per newton [cm/N] and a round force for the key [N].
+
+    The key is at most the largest force; both are 0 without contact.
+    """
+    forces = [
+        float(np.linalg.norm(arrow.force)) for scene in scenes for arrow in scene.contact_arrows
+    ]
+    largest = max(forces, default=0.0)
+    if largest <= 0.0:
+        return 0.0, 0.0
+    return LONGEST_ARROW / largest, _round_down(largest)
+
+
+def _round_down(value: float) -> float:
+    decade = 10.0 ** math.floor(math.log10(value))
+    return next(n * decade for n in (5.0, 2.0, 1.0) if n * decade <= value * (1.0 + 1e-9))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Protocol, cast, runtime_checkable
 
 from pydantic import (
@@ -28,14 +27,11 @@ Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict()]
 
 
-@dataclass(frozen=True)
 class Choice:
     """Pydantic annotation: one of the given names."""
 
-    names: tuple[str, ...]
-
     def __init__(self, *names: str) -> None:
-        object.__setattr__(self, "names", names)
+        self.names = names
 
     @property
     def hint(self) -> str:
