@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.quantity import Unit, infer_quantity
 from flexor.calibration.schema import Constant as Table
 from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
 
-Array = NDArray[np.float64]
 _NAMED = tuple(ModelFile.named_tables())
 
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.schema import Target
 from flexor.errors import InputError, unknown_name
 from flexor.model import Model
 from flexor.model.schema import Rod
 from flexor.model.units import ANGLE, FORCE, LENGTH, Dimension
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

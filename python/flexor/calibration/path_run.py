@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import STATUS
+from flexor.arrays import Array
 from flexor.calibration.observable import Observable, ObservedPaths
 from flexor.calibration.system import System
 from flexor.design import ParameterSet
 from flexor.errors import InputError
 from flexor.model import Model
 
-Array = NDArray[np.float64]
 # Newton iterations for one load step while screening. Good models need about ten; the others would
 # take most of the time only to be dropped.
 _SCREENING_ITERATIONS = 200

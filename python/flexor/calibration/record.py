@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.store import Database, Header, Kind
 
-Array = NDArray[np.float64]
 Key = tuple[int, bool, bytes]  # run, screening, constants
 
 TARGETS = "targets.toml"

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.constants import Constant, full
 from flexor.errors import InputError
 from flexor.model import Model, ModelFile, load
 
-Array = NDArray[np.float64]
 _EXACT = 1e-9
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.observable import observable
 from flexor.calibration.optimum_run import BENDING, OptimumRun
 from flexor.calibration.path_run import PathRun, check_design
@@ -23,7 +23,6 @@ from flexor.model.units import ANGLE, LENGTH, Dimension
 from flexor.objectives import objective
 from flexor.optimizers import method
 
-Array = NDArray[np.float64]
 _KINDS = {"m": LENGTH, "cm": LENGTH, "mm": LENGTH, "rad": ANGLE, "deg": ANGLE, "1": None}
 # The tolerance of a hard target is a limit: it counts as three standard deviations.
 _HARD = 3.0

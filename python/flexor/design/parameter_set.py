@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexor.arrays import Array
 from flexor.design.profile import Fixed, Profile
 from flexor.errors import InputError, unknown
-from flexor.model.geometry import PAPER, DesignSpace, FloatArray, Geometry, GeometryJacobian
+from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian
 
 # Display units of design parameters, in SI.
 UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi / 180.0}
@@ -43,9 +44,9 @@ class ParameterSet:
     name: str
     labels: tuple[str, ...]
     units: tuple[str, ...]
-    lower: FloatArray
-    upper: FloatArray
-    start: FloatArray
+    lower: Array
+    upper: Array
+    start: Array
     length_column: int | None = None
     profile: Profile | None = None
     rod: DesignSpace = PAPER
@@ -93,7 +94,7 @@ class ParameterSet:
         return len(self.labels)
 
     @property
-    def scale(self) -> FloatArray:
+    def scale(self) -> Array:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
 
@@ -199,8 +200,8 @@ class ParameterSet:
     def _surface(self) -> Profile:
         return self.profile or Fixed(self.rod.radius_base, self.rod.radius_tip)
 
-    def _designs(self, p: ArrayLike) -> FloatArray:
-        designs: FloatArray = np.atleast_2d(np.asarray(p, dtype=np.float64))
+    def _designs(self, p: ArrayLike) -> Array:
+        designs: Array = np.atleast_2d(np.asarray(p, dtype=np.float64))
         if designs.ndim != 2 or designs.shape[1] != self.size:
             raise InputError(
                 f"parameter set {self.name} has {self.size} parameters "

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from flexor.model.geometry import FloatArray
+from flexor.arrays import Array
 
 CENTIMETRE = 0.01
 
@@ -22,12 +22,12 @@ class Linear:
     already are its minimum; a clamp would flatten the strip 0.4-0.5 cm of that search.
     """
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         base, taper = p[:, :1], p[:, 1:] - p[:, :1]
         return base + X * taper, np.repeat(taper, X.size, axis=1)
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, 2)."""
         shape = (p.shape[0], X.size, 2)
         radius = np.stack((1.0 - X, X), axis=1)
@@ -47,14 +47,14 @@ class SineCosine:
 
     radius_base: float
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         sine, cosine, amplitude = self._waves(p, X)
         radius = self.radius_base + amplitude * (np.sin(sine) + np.cos(cosine))
         slope = (amplitude * np.pi) * (p[:, 0:1] * np.cos(sine) - p[:, 1:2] * np.sin(cosine))
         return radius, slope
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, 4)."""
         sine, cosine, amplitude = self._waves(p, X)
         A, B = p[:, 0:1], p[:, 1:2]
@@ -71,7 +71,7 @@ class SineCosine:
         )
         return amplitude * radius, (amplitude * np.pi) * slope
 
-    def _waves(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    def _waves(self, p: Array, X: Array) -> tuple[Array, Array, float]:
         sine = np.pi * p[:, 0:1] * X + p[:, 2:3]
         cosine = np.pi * p[:, 1:2] * X + p[:, 3:4]
         return sine, cosine, self.radius_base / 20.0
@@ -88,7 +88,7 @@ class Legendre:
 
     count: int = 10
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         radius_basis, slope_basis = self._basis(X)
         radius = np.zeros((p.shape[0], X.size))
@@ -100,7 +100,7 @@ class Legendre:
             slope += p[:, n : n + 1] * slope_basis[n]
         return radius, slope
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, count); both are constant in p."""
         shape = (p.shape[0], X.size, self.count)
         radius_basis, slope_basis = self._basis(X)
@@ -109,7 +109,7 @@ class Legendre:
             np.broadcast_to(slope_basis.T, shape).copy(),
         )
 
-    def _basis(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _basis(self, X: Array) -> tuple[Array, Array]:
         """Return the scaled P_n(X) and P_n'(X) [m], each (count, m)."""
         scale = CENTIMETRE * 2.0 / 3.0 ** np.arange(self.count)
         unit = np.eye(self.count)

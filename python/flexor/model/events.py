@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import EVENTS
+from flexor.arrays import Array
 
 if TYPE_CHECKING:
     from flexor._engine import Events
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import REGULARITY, STABILITY, STATUS
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.events import event_table, no_events
@@ -19,7 +20,6 @@ from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
 from flexor.model.structure import Structure
 
-Array = NDArray[np.float64]
 _EngineArray = Literal[
     "q", "stable", "iterations", "residual", "tolerance", "energy", "pairs", "touching", "tip_force"
 ]

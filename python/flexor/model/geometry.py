@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.schema import ModelFile
 from flexor.model.schema.profile import surface
 from flexor.model.validation import describe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,9 +27,9 @@ class Geometry:
         dS/dX [m]; X is the fraction of the length, so the slope per metre is this over L.
     """
 
-    length: FloatArray
-    radius: FloatArray
-    slope: FloatArray
+    length: Array
+    radius: Array
+    slope: Array
 
     def __len__(self) -> int:
         return len(self.length)
@@ -54,9 +52,9 @@ class GeometryJacobian:
         d(dS/dX)/dp.
     """
 
-    length: FloatArray
-    radius: FloatArray
-    slope: FloatArray
+    length: Array
+    radius: Array
+    slope: Array
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ class DesignSpace:
     radius_bounds: tuple[float, float] = (0.004, 0.012)
     minimum_radius: float = 0.005
     rod: str = ""
-    points: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
+    points: Array = field(default_factory=lambda: np.zeros(0), compare=False)
 
     @classmethod
     def of(cls, file: ModelFile) -> DesignSpace:

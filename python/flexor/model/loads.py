@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.units import FORCE
 from flexor.model.validation import describe
 
-Array = NDArray[np.float64]
 Forces = str | float | Sequence[float | str] | Array
 _MAX_STEPS = 1_000_000
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.model.schema import (
     Body,
     FixedJoint,
@@ -22,7 +22,6 @@ from flexor.model.schema.profile import surface
 from flexor.model.schema.strain import MODES
 from flexor.model.schema.vector import direction
 
-Array = NDArray[np.float64]
 Json = dict[str, Any]
 
 

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
@@ -22,7 +22,6 @@ from flexor.model.start import Start, coordinates, read_start
 from flexor.model.structure import Structure
 from flexor.model.validation import describe
 
-Array = NDArray[np.float64]
 Force = Forces | Mapping[str, Forces]
 
 

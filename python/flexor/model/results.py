@@ -10,13 +10,13 @@ from typing import Any, ClassVar, cast, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.structure import Structure
 
-Array = NDArray[np.float64]
 _Several = slice | list[int] | NDArray[Any]
 
 

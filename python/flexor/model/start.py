@@ -11,9 +11,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.schema import Rod
 from flexor.model.schema.strain import GLOBAL
@@ -23,7 +23,6 @@ from flexor.model.validation import describe
 if TYPE_CHECKING:
     from flexor.model.structure import Structure
 
-Array = NDArray[np.float64]
 Coordinates = Mapping[str, "str | float | Mapping[str, str | float]"]
 
 

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor import _engine
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
-
-Array = NDArray[np.float64]
 
 
 class Structure:

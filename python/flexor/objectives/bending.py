@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.results import Paths
 from flexor.objectives.base import Objective, norm
-from flexor.objectives.gradient import FloatArray, PathGradient
+from flexor.objectives.gradient import PathGradient
 
 
 @dataclass(frozen=True)
@@ -26,15 +27,15 @@ class Bending(Objective):
     quantity: str = "bending"
     unit: str = "rad"
 
-    def value(self, paths: Paths) -> FloatArray:
+    def value(self, paths: Paths) -> Array:
         """Norm of the residual [rad], (n,)."""
         return norm(self.residual(paths))
 
-    def shown(self, paths: Paths) -> FloatArray:
+    def shown(self, paths: Paths) -> Array:
         """Sum of the joint angles [rad], (n,)."""
         return total_bending(paths)
 
-    def residual(self, paths: Paths) -> FloatArray:
+    def residual(self, paths: Paths) -> Array:
         """q_b [rad], (n, j)."""
         return unbent(paths)
 
@@ -74,11 +75,11 @@ class BendingContact(Bending):
 
     name: str = "bending-contact"
 
-    def residual(self, paths: Paths) -> FloatArray:
+    def residual(self, paths: Paths) -> Array:
         """q_bc [rad], (n, j + 1)."""
         return np.concatenate((unbent(paths), self._contact(paths)[:, None]), axis=1)
 
-    def _contact(self, paths: Paths) -> FloatArray:
+    def _contact(self, paths: Paths) -> Array:
         if paths.sphere_count < 1:
             raise InputError(
                 f'objective "{self.name}" counts touching spheres, but the model has no contact.'
@@ -92,18 +93,18 @@ class BendingContactPrinted(BendingContact):
 
     name: str = "bending-contact-printed"
 
-    def _contact(self, paths: Paths) -> FloatArray:
+    def _contact(self, paths: Paths) -> Array:
         return 0.0 - paths.touching[:, -1].astype(np.float64)
 
 
-def unbent(paths: Paths) -> FloatArray:
+def unbent(paths: Paths) -> Array:
     """q_b = pi - theta at the last load [rad], (n, j)."""
     if paths.joint_angles.shape[2] == 0:
         raise InputError("an objective of bending needs joints, but the model has none.")
     return np.pi - paths.joint_angles[:, -1, :]
 
 
-def total_bending(paths: Paths) -> FloatArray:
+def total_bending(paths: Paths) -> Array:
     """Sum of the joint angles at the last load [rad], (n,)."""
     total = np.zeros(paths.joint_angles.shape[0])
     for joint in range(paths.joint_angles.shape[2]):

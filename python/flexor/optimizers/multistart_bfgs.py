@@ -60,8 +60,7 @@ def minimize_lbfgsb(
     """Run L-BFGS-B in the unit box from a point (k,) of finite value; return where it ends (k,).
 
     It ends where the gradient vanishes or the line search fails, not necessarily at the best point
-    of the run. Without an exact gradient each step takes one batch of one-sided differences, taken
-    backwards at an upper bound.
+    of the run. Without an exact gradient, differences are taken.
     """
     from scipy.optimize import minimize
 
@@ -69,7 +68,10 @@ def minimize_lbfgsb(
         value = float(run.values(point[None, :])[0])
         if not np.isfinite(value):
             return float(penalize_failures(np.array(value))), np.zeros(run.size)
-        return value, gradient(run, point, value, difference)
+        exact = run.gradient(point[None, :])
+        if exact is None:
+            return value, difference_gradient(run, point, difference)
+        return value, np.where(np.isfinite(exact[0]), exact[0], 0.0)
 
     result = minimize(
         value_and_gradient,
@@ -84,12 +86,13 @@ def minimize_lbfgsb(
     return end
 
 
-def gradient(run: Run, point: FloatArray, value: float, difference: float) -> FloatArray:
-    """Return the gradient (k,) at a point of known value, with zeros where it is not finite."""
-    exact = run.gradient(point[None, :])
-    if exact is not None:
-        return np.where(np.isfinite(exact[0]), exact[0], 0.0)
+def difference_gradient(run: Run, point: FloatArray, difference: float) -> FloatArray:
+    """Return the gradient (k,) at a point by one batch of one-sided differences.
+
+    They are taken backwards at an upper bound, and zero where they are not finite.
+    """
     steps = np.where(point + difference > 1.0, -difference, difference)
-    around = run.values(point + np.diag(steps))
-    rise = np.where(np.isfinite(around), around - value, 0.0) / steps
-    return np.asarray(rise)
+    values = run.values(np.concatenate((point[None, :], point + np.diag(steps))))
+    with np.errstate(invalid="ignore"):
+        rise = (values[1:] - values[0]) / steps
+    return np.where(np.isfinite(rise), rise, 0.0)

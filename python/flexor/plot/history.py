@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.plot.style import LINE, shades
 
 if TYPE_CHECKING:
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 
     from flexor.model import Path
 
-Array = NDArray[np.float64]
 _MOST_ARROWS = 10
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.optimizers import entries
 from flexor.plot.style import COLUMN, LINE, PAGE, literal, style
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from flexor.study.landscape import Landscape, SearchPath
 
-Array = NDArray[np.float64]
 
 # Marks of the minimum, of designs that snap and of those that failed.
 STAR: dict[str, Any] = {

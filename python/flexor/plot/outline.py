@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from flexor.arrays import Array
 
 
 def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:

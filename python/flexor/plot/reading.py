@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
     from flexor.model.schema.actuator import Actuator
-
-Array = NDArray[np.float64]
 
 
 def read_scene(path: Path, step: int = -1) -> Scene:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.plot.outline import Array, tube
+from flexor.arrays import Array
+from flexor.plot.outline import tube
 from flexor.plot.scene import Link, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
 

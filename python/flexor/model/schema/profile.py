@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from flexor.arrays import Array
 from flexor.model.schema.table import Table
 from flexor.model.units import PositiveLength
 from flexor.model.validation import describe, field_error
-
-Array = NDArray[np.float64]
 
 
 class Taper(Table):
