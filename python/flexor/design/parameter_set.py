@@ -52,14 +52,7 @@ class ParameterSet:
     rod: DesignSpace = PAPER
 
     def __post_init__(self) -> None:
-        """Check consistency.
-
-        Raises
-        ------
-        InputError
-            If labels, units, bounds and start differ in number, labels repeat, or bounds are not
-            in order.
-        """
+        """Raise InputError if numbers differ, labels repeat, or bounds are not in order."""
         count = len(self.labels)
         for field in ("lower", "upper", "start"):
             values = np.array(getattr(self, field), dtype=np.float64)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -33,7 +32,10 @@ class CmaEs(Method):
         A run stops when its step sizes, as fractions of the ranges, fall below this.
     """
 
-    name: ClassVar[str] = "cma-es"
+    name = "cma-es"
+    title = "CMA-ES"
+    aliases = ("cma", "cmaes")
+    description = "covariance matrix adaptation evolution strategy with restarts"
 
     population: int = option(
         0, Range(lambda value: value == 0 or value >= 4, "at least 4, or 0 for the default")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -34,7 +33,10 @@ class DualAnnealing(Method):
         Whether to run local searches.
     """
 
-    name: ClassVar[str] = "dual-annealing"
+    name = "dual-annealing"
+    title = "dual annealing"
+    aliases = ("annealing", "da")
+    description = "generalised simulated annealing with local searches"
 
     iterations: int = option(1000, at_least(1))
     local: bool = True

@@ -87,13 +87,7 @@ class Budget:
     seconds: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises
-        ------
-        InputError
-            If one is not positive.
-        """
+        """Raise InputError if a limit is not positive."""
         if self.evaluations is not None and self.evaluations < 1:
             raise InputError(f"the budget must be at least 1 evaluation, got {self.evaluations}.")
         if self.seconds is not None and not self.seconds > 0.0:

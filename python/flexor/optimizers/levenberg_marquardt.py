@@ -58,7 +58,10 @@ class LevenbergMarquardt(Method):
         Maximum number of iterations.
     """
 
-    name: ClassVar[str] = "levenberg-marquardt"
+    name = "levenberg-marquardt"
+    title = "Levenberg-Marquardt"
+    aliases = ("lm", "ls", "least-squares")
+    description = "the paper's LS: local nonlinear least squares on the objective's residual vector"
     gradients: ClassVar[bool] = True
 
     starts: int = option(1, at_least(1))

@@ -33,7 +33,10 @@ class MultistartBfgs(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
-    name: ClassVar[str] = "multistart-bfgs"
+    name = "multistart-bfgs"
+    title = "multi-start BFGS"
+    aliases = ("bfgs", "l-bfgs-b")
+    description = "local quasi-Newton searches with exact gradients from several starts"
     gradients: ClassVar[bool] = True
 
     starts: int = option(8, at_least(1))

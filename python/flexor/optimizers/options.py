@@ -45,6 +45,9 @@ class Options:
     """Base class of the methods: a frozen dataclass whose fields are the options."""
 
     name: ClassVar[str]  # on the command line
+    title: ClassVar[str]  # for figures and tables
+    aliases: ClassVar[tuple[str, ...]] = ()
+    description: ClassVar[str]  # in one line
 
     def __post_init__(self) -> None:
         """Check the options and that the method's library is installed."""

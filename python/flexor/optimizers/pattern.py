@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,7 +56,10 @@ class PatternSearch(Options):
         The search from a start ends when its mesh falls below this.
     """
 
-    name: ClassVar[str] = "pattern-search"
+    name = "pattern-search"
+    title = "pattern search"
+    aliases = ("ps", "gps")
+    description = "the paper's PS: polls along the coordinate axes"
 
     starts: int = option(1, at_least(1))
     initial_mesh: float = option(0.25, at_most(1))

@@ -34,7 +34,12 @@ class PolishedPattern(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
-    name: ClassVar[str] = "pattern-search+polish"
+    name = "pattern-search+polish"
+    title = "polished pattern search"
+    aliases = ("ps+polish", "polish")
+    description = (
+        "coarse pattern search followed by local quasi-Newton searches with exact gradients"
+    )
     gradients: ClassVar[bool] = True
 
     starts: int = option(1, at_least(1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -61,7 +61,10 @@ class GeneticAlgorithm(PopulationMethod):
         Stop after this many generations without improvement.
     """
 
-    name: ClassVar[str] = "genetic-algorithm"
+    name = "genetic-algorithm"
+    title = "genetic algorithm"
+    aliases = ("ga",)
+    description = "real-coded genetic algorithm"
 
     population: int = option(32, at_least(4))
     patience: int = option(50, at_least(1))
@@ -90,7 +93,10 @@ class DifferentialEvolution(PopulationMethod):
         Stop after this many generations without improvement.
     """
 
-    name: ClassVar[str] = "differential-evolution"
+    name = "differential-evolution"
+    title = "differential evolution"
+    aliases = ("de",)
+    description = "differential evolution, DE/rand/1/bin"
 
     population: int = option(32, at_least(5))
     crossover: float = option(0.7, at_most(1))
@@ -116,7 +122,10 @@ class ParticleSwarm(PopulationMethod):
         Stop after this many generations without improvement.
     """
 
-    name: ClassVar[str] = "particle-swarm"
+    name = "particle-swarm"
+    title = "particle swarm"
+    aliases = ("pso",)
+    description = "particle swarm with adaptive coefficients"
 
     population: int = option(32, at_least(2))
     patience: int = option(50, at_least(1))
