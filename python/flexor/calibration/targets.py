@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -137,12 +137,16 @@ def _design(target: Target, system: System, place: str) -> tuple[Array | None, P
     for label in chosen.labels:
         if label not in target.design:
             raise InputError(f"{place}.design.{label} is missing: {chosen.name} has it.")
-    kinds = dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True))
     values = [
-        parse_quantity(target.design[label], kinds[label], f"{place}.design.{label}")[0]
-        for label in chosen.labels
+        parse_quantity(target.design[label], kind, f"{place}.design.{label}")[0]
+        for label, kind in _kinds(chosen).items()
     ]
     return np.array(values), chosen
+
+
+def _kinds(chosen: ParameterSet) -> dict[str, Dimension | None]:
+    units = zip(chosen.labels, chosen.units, strict=True)
+    return {label: _KINDS[unit] for label, unit in units}
 
 
 def _set(name: str, system: System, place: str) -> ParameterSet:
@@ -156,10 +160,7 @@ def _set(name: str, system: System, place: str) -> ParameterSet:
 
 def _optimum(target: Target, system: System, place: str) -> tuple[BoundTarget, OptimumRun, slice]:
     chosen = _set(str(target.parameters), system, place)
-    kinds: Mapping[str, Dimension | None] = {
-        **dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True)),
-        BENDING: ANGLE,
-    }
+    kinds = {**_kinds(chosen), BENDING: ANGLE}
     part = str(target.of)
     if part not in kinds:
         what = unknown_name(f"part of an optimum of {chosen.name}", part, kinds)

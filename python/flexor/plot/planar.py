@@ -94,11 +94,9 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
     x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
-    scene = Scene(
-        contact_arrows=[
-            ContactArrow(_point(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))
-        ]
-    )
+    tip = np.array([x + cm_per_newton * force, 0.0, y]) / CM
+    arrow = ContactArrow(tip, np.array([force, 0.0, 0.0]))
+    scene = Scene(contact_arrows=[arrow])
     draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
     axes.annotate(
         f"contact force {force:g} N",
@@ -128,10 +126,6 @@ def height(axes: Axes, width: float) -> float:
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     return width * (top - bottom) / (right - left)
-
-
-def _point(x: float, z: float) -> NDArray[np.float64]:
-    return np.array([x / CM, 0.0, z / CM])
 
 
 def _in_plane(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
