@@ -26,6 +26,9 @@ impl GeneralFactor {
         }
         self.pseudoinverse = None;
         self.lu = matrix.clone().lu();
+        if scale.is_empty() {
+            return true;
+        }
         let pivots = self.lu.u().diagonal().abs();
         let rounding = 8.0 * scale.len() as f64 * f64::EPSILON;
         if pivots.min() <= rounding * pivots.max() && matrix.iter().all(|x| x.is_finite()) {

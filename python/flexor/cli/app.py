@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from typing import Annotated
 
 import typer
@@ -21,7 +22,7 @@ from flexor.cli import (
     simulate,
 )
 from flexor.cli.command import Command
-from flexor.cli.console import print_error, spell_what_streams_lack
+from flexor.cli.console import print_error, print_warnings, spell_what_streams_lack
 from flexor.cli.studies import LOST
 from flexor.errors import ClusterError, InputError
 
@@ -82,7 +83,9 @@ def main(arguments: list[str] | None = None) -> None:
     """
     spell_what_streams_lack()
     try:
-        code = app(args=arguments, prog_name="flexor", standalone_mode=False)
+        with warnings.catch_warnings():
+            print_warnings()
+            code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         print_error(str(error))
         code = 2

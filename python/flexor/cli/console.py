@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import codecs
 import sys
+import warnings
 from typing import Any
 
 from rich.console import Console
 from rich.text import Text
 
-from flexor.errors import one_line
+from flexor.errors import ModelWarning, one_line
 
 _SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
 
@@ -61,3 +62,17 @@ def print_error(sentence: str) -> None:
         The message; line breaks become spaces.
     """
     err.print(f"error: {' '.join(sentence.split())}", markup=False, soft_wrap=True)
+
+
+def print_warnings() -> None:
+    """Print warnings about models as a line to stderr each, others as Python does."""
+    others = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+        if issubclass(category, ModelWarning):
+            err.print(f"warning: {message}", markup=False, soft_wrap=True)
+        else:
+            others(message, category, *rest)
+
+    warnings.simplefilter("always", ModelWarning)
+    warnings.showwarning = show
