@@ -235,6 +235,7 @@ impl Model {
             steps,
             start: start.as_deref(),
             gradient: &gradient,
+            cancel: None,
         };
         let options = options::read(solver_options)?;
         let result = py.detach(|| on_model!(&self.inner, m => m.solve_batch(batch, options, threads)));
@@ -298,7 +299,7 @@ impl Model {
         let start = self.start(start)?.unwrap_or_else(|| vec![0.0; dof]);
         let options = options::read(solver_options)?;
         let found =
-            py.detach(|| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options)));
+            py.detach(|| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options, None)));
         let Some(found) = found else { return value_error("the design is not admissible") };
 
         let out = PyDict::new(py);

@@ -7,6 +7,7 @@ use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::sensitivity::{Adjoint, Regularity};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Designs that differ in some parameters, all taken along the same loads.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +28,8 @@ pub struct Batch<'a> {
     pub start: Option<&'a [f64]>,
     /// Parameters with respect to which the last step is differentiated; none: no derivatives.
     pub gradient: &'a [usize],
+    /// Set while the batch is solved, ends it soon; what was not done has [`Status::Cancelled`].
+    pub cancel: Option<&'a AtomicBool>,
 }
 
 /// What a batch returns: row-major arrays over (design, step).
@@ -177,11 +180,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         };
         let mut rows = split_rows(&mut result, dof, steps, width);
         let solve = |rows: &mut [Row]| {
-            let mut path = Continuation::new(self, options);
+            let mut path = Continuation::new(self, options, batch.cancel);
             let mut parameters = batch.base.to_vec();
             let start = batch.start.map_or_else(|| vec![0.0; dof], <[f64]>::to_vec);
             let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
             for row in rows {
+                if batch.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+                    row.status.fill(Status::Cancelled as u8);
+                    continue;
+                }
                 let values = &batch.values[row.design * batch.varied.len()..][..batch.varied.len()];
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;

@@ -3,6 +3,7 @@
 use crate::equilibrium::{Continuation, ContinuationOptions, Event, PathSink, StepReport, System};
 use crate::lie::LieGroup;
 use crate::model::Model;
+use std::sync::atomic::AtomicBool;
 
 /// The points of a branch: row-major arrays.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +57,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Follows the branch from `start` at the first load to the last by arc length; `None` when the
-    /// parameters are not admissible.
+    /// parameters are not admissible. Ends soon after `cancel` becomes true.
     ///
     /// # Panics
     /// If a length does not fit.
@@ -66,8 +67,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         loads: &[&[f64]],
         start: &[f64],
         options: ContinuationOptions,
+        cancel: Option<&AtomicBool>,
     ) -> Option<Branch> {
-        let mut path = Continuation::new(self, options);
+        let mut path = Continuation::new(self, options, cancel);
         let mut branch = Branch::default();
         path.set_parameters(parameters).then(|| {
             path.follow_arc(loads, start, &mut branch);

@@ -64,6 +64,8 @@ def simulate(
 
     * `iteration-limit`: too many iterations, usually because of many successive snaps
     * `unstable`: an unstable equilibrium under loads without a potential
+    * `time-limit`: more time than `max_seconds` allows
+    * `cancelled`: the solve was interrupted
     * `unrestrained`: a force acts on a motion that nothing holds
     * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
     * `diverged`: the energy is not finite, or no acceptable step was found
