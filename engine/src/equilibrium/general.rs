@@ -86,6 +86,9 @@ impl GeneralFactor {
     /// together, turns negative. Of equal ones rounding makes complex pairs.
     pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
         let n = scale.len();
+        if n == 0 {
+            return Stability::Stable;
+        }
         let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
         if self.symmetric.factorise(&half, scale, -slack) {
             return Stability::Stable;

@@ -235,6 +235,8 @@ def _references(plan: Plan, work: Workspace) -> dict[str, float]:
     for name, problem in plan.problems.items():
         if not isinstance(known.get(name), float):
             known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        elif np.isnan(known[name]):
+            raise work.database.damaged(f"the reference of {name} is no number")
     if known != kept:
         work.database.note("reference", known)
     return {name: known[name] for name in plan.problems}
