@@ -11,9 +11,10 @@ error. The Hessian is equilibrated (the largest entry of each row is one). A sta
   error: then the real parts of all eigenvalues are positive, whatever the coordinates' units.
 
 A state is undecided if the error is larger than the eigenvalue; a sphere that touches within the
-difference makes such an error. The exit code is 1 if a state is wrong, if a number is not finite, if
-a residual is above its tolerance, if a load step takes more than its iterations or more than 10 ms
-of processor time for each, or if an exception is raised. The model is then written to `--keep`.
+difference makes such an error. The exit code is 1 if a state is wrong, if a number is not finite,
+if a residual is above its tolerance, if a load step takes more than its iterations or more than
+10 ms of processor time for each, or if an exception is raised. The model is then written to
+`--keep`.
 
 Model n depends on the seed and n only: `--first n --models 1` repeats it. The counts are saved in
 `--state` after every 100 models, and the same command resumes from there.
@@ -26,6 +27,7 @@ import json
 import sys
 import time
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -179,7 +181,7 @@ def judged(model: Model, made: RandomModel, q: Array, load: Array, called: str) 
     # The error, from the two steps whose Hessians differ least.
     every = [hessian, *(differenced(model, q, load, step * units) for step in STEPS[1:])]
     error = np.inf
-    for one, other in zip(every, every[1:], strict=False):
+    for one, other in pairwise(every):
         difference = np.linalg.norm((one - other) * np.outer(scale, scale), 2)
         if difference < error:
             error, hessian = float(difference), other
@@ -230,10 +232,11 @@ def differenced(model: Model, q: Array, load: Array, steps: Array) -> Array:
 
 
 def equilibrated(matrix: Array) -> Array:
-    """Return a scale of each coordinate by which the largest entry of each row is one (Ruiz)."""
+    """Return scales by which the largest entry of each row and its column is one (Ruiz)."""
     scale = np.ones(len(matrix))
     for _ in range(30):
-        largest = np.max(np.abs(matrix) * np.outer(scale, scale), axis=1)
+        size = np.abs(matrix) * np.outer(scale, scale)
+        largest = np.maximum(size.max(axis=0), size.max(axis=1))
         scale /= np.sqrt(np.where(largest > 0.0, largest, 1.0))
     return scale
 

@@ -228,18 +228,19 @@ impl Model {
         let values: Vec<f64> = values.as_array().iter().copied().collect();
         let loads: Vec<f64> = loads.as_array().iter().copied().collect();
         let options = options::read(solver_options)?;
-        let result = interruptible(py, |cancel| {
-            let batch = Batch {
-                base: &base,
-                varied: &varied,
-                values: &values,
-                designs,
-                loads: &loads,
-                steps,
-                start: start.as_deref(),
-                gradient: &gradient,
-                cancel: Some(cancel),
-            };
+        let batch = Batch {
+            base: &base,
+            varied: &varied,
+            values: &values,
+            designs,
+            loads: &loads,
+            steps,
+            start: start.as_deref(),
+            gradient: &gradient,
+            cancel: None,
+        };
+        let result = interruptible(py, batch.is_parallel(threads), |cancel| {
+            let batch = Batch { cancel: Some(cancel), ..batch };
             on_model!(&self.inner, m => m.solve_batch(batch, options, threads))
         })?;
 
@@ -301,9 +302,11 @@ impl Model {
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         let start = self.start(start)?.unwrap_or_else(|| vec![0.0; dof]);
         let options = options::read(solver_options)?;
-        let found = interruptible(py, |cancel| {
-            on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options, Some(cancel)))
-        })?;
+        let found = interruptible(
+            py,
+            false,
+            |cancel| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options, Some(cancel))),
+        )?;
         let Some(found) = found else { return value_error("the design is not admissible") };
 
         let out = PyDict::new(py);

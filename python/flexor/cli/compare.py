@@ -14,10 +14,11 @@ from flexor.cli.changes import load_changed
 from flexor.cli.comparison_progress import ComparisonBar
 from flexor.cli.console import err, out
 from flexor.cli.evaluation import executor_if
-from flexor.cli.options import Cluster, Constants, EvaluationForce, OptionalModel, Set
+from flexor.cli.options import Cluster, Constants, EvaluationForce, OptionalModel, Set, Solver
 from flexor.cli.progress import duration
 from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
 from flexor.cli.table import number, show
+from flexor.cli.values import numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def compare(
     cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
+    solver: Solver = None,
     plot: Annotated[
         FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
@@ -129,6 +131,7 @@ def compare(
                     progress=progress,
                     executor=executor,
                     workers=workers,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor compare --resume", error)

@@ -75,4 +75,4 @@ def print_warnings() -> None:
             others(message, category, *rest)
 
     warnings.simplefilter("always", ModelWarning)
-    warnings.showwarning = show
+    warnings.showwarning = show  # type: ignore[assignment]  # with fewer names

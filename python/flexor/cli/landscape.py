@@ -19,12 +19,14 @@ from flexor.cli.options import (
     OptionalModel,
     Parameters,
     Set,
+    Solver,
     StudyFolder,
     Threads,
 )
 from flexor.cli.progress import duration
 from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
 from flexor.cli.table import number
+from flexor.cli.values import numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -71,6 +73,7 @@ def landscape(
     cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
+    solver: Solver = None,
     plot: Annotated[
         FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
@@ -131,6 +134,7 @@ def landscape(
                     folder=place,
                     progress=progress,
                     executor=executor,
+                    engine_options=numbers("--solver", solver or []),
                     **settings,
                 )
     except (KeyboardInterrupt, ClusterError) as error:

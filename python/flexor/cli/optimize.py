@@ -19,10 +19,12 @@ from flexor.cli.options import (
     Parameters,
     Seed,
     Set,
+    Solver,
     StudyFolder,
     Threads,
 )
 from flexor.cli.studies import interrupted, new_folder, reject_fixed_options
+from flexor.cli.values import numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -67,6 +69,7 @@ def optimize(
     cluster: Cluster = None,
     constants: Constants = None,
     changes: Set = None,
+    solver: Solver = None,
     plot: Annotated[
         FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
     ] = None,
@@ -131,6 +134,7 @@ def optimize(
                     resume=resume is not None,
                     progress=progress,
                     executor=executor,
+                    engine_options=numbers("--solver", solver or []),
                     **settings,
                 )
     except (KeyboardInterrupt, ClusterError) as error:
@@ -156,7 +160,6 @@ def _settings(
     force: str | None,
 ) -> dict[str, Any]:
     from flexor import design, optimizers
-    from flexor.cli.values import numbers
     from flexor.design.start import starts
     from flexor.model import forces
 

@@ -11,9 +11,9 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, say
-from flexor.cli.options import Constants, Model, Set
+from flexor.cli.options import Constants, Model, Set, Solver
 from flexor.cli.table import fixed, number, show
-from flexor.cli.values import loads, start_state
+from flexor.cli.values import loads, numbers, start_state
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -47,6 +47,7 @@ def simulate(
     ] = "load",
     constants: Constants = None,
     changes: Set = None,
+    solver: Solver = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print a JSON object instead of the table.")
     ] = False,
@@ -95,6 +96,7 @@ def simulate(
         loads(force or []),
         start=start_state(start or []),
         follow=follow,  # type: ignore[arg-type]  # checked there
+        **numbers("--solver", solver or []),  # type: ignore[arg-type]
     )
     if as_json:
         print(json.dumps(path.to_dict(), allow_nan=False))

@@ -22,6 +22,7 @@ from flexor.model.lowering import lower
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile, Rod
+from flexor.model.solver import solver_options
 from flexor.model.start import Start, coordinates, read_start
 from flexor.model.validation import describe
 
@@ -54,6 +55,7 @@ class Model:
             raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
         try:
             self._start = Start(coordinates(file.start, self)) if file.start else None
+            self._solver = solver_options(file.solver)
         except InputError as error:
             raise InputError(f"{source or file.name}: {error}") from None
 
@@ -86,10 +88,12 @@ class Model:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of its description for the engine, the same for the same mechanics and start."""
+        """SHA-256 of its description for the engine, its start and its solver options."""
         found = hashlib.sha256(self._description.encode())
         if self._start is not None:
             found.update(self._start.q.tobytes())
+        if self._solver:
+            found.update(json.dumps(self._solver, sort_keys=True).encode())
         return found.hexdigest()
 
     @cached_property
@@ -241,7 +245,8 @@ class Model:
         start
             As for `equilibrium`.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
@@ -251,7 +256,7 @@ class Model:
         batch = checked_geometry(self.file, self.design.rod, geometry)
         begin = self._begin(start)
         loads = self._loads(force)
-        return follow_loads(self, batch, loads, threads, options, gradient, begin)
+        return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
     def equilibrium(
         self,
@@ -284,7 +289,8 @@ class Model:
             reaches the last load: the steps of the path are the points it takes, limit points and
             all equilibria at the given loads among them, with the loads found there.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
@@ -296,13 +302,16 @@ class Model:
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
         begin, loads = self._begin(start), self._loads(force)
         if follow == "arc-length":
-            return follow_branch(self, batch, loads, options, begin)[0]
+            return follow_branch(self, batch, loads, self._options(options), begin)[0]
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
-        return follow_loads(self, batch, loads, 1, options, start=begin)[0]
+        return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
 
     def _begin(self, start: Any) -> Start | None:
         return self._start if start is None else read_start(start, self)
+
+    def _options(self, given: Mapping[str, float]) -> dict[str, float]:
+        return {**self._solver, **given}
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:

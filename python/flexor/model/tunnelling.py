@@ -72,9 +72,7 @@ def _gaps_of(file: ModelFile, group: str, spheres: Array, other: float) -> Itera
         )
         if isinstance(body, Rod) and ratio > 1.0 + 1e-9:
             needed = math.ceil(body.elements * ratio - 1e-9)
-            yield (
-                f"spheres {stand}: {needed} elements would do (it has {body.elements})"
-            )
+            yield (f"spheres {stand}: {needed} elements would do (it has {body.elements})")
         elif apart[widest] > width[widest] + 2.0 * other:
             yield (
                 f"spheres {stand}, so that one of the other group fits between them: "

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexor.model.interruption import end_all
 from flexor.optimizers import LevenbergMarquardt, Search, SearchResult, starting_designs
 from flexor.store import Workspace
 from flexor.study.comparison.record import finished, running_record, save
@@ -208,8 +209,10 @@ def carry_out(
                     runs[run.parameters, run.method, run.seed] = run
                     last = f"{run.parameters}, {run.method}, seed {run.seed}"
                 tell()
-        except BaseException:
+        except BaseException as error:
             tally.stop.set()
+            if isinstance(error, KeyboardInterrupt):
+                end_all(waiting)
             for future in waiting:
                 future.cancel()
             raise
