@@ -19,7 +19,7 @@ from flexor.cli.folders import (
 )
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.table import number
-from flexor.cli.values import load_changed
+from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ def landscape(
     cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
+    solver: options.Solver = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
@@ -116,6 +117,7 @@ def landscape(
                     folder=place,
                     progress=progress,
                     executor=executor,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)
