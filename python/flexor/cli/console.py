@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -67,11 +68,13 @@ def print_error(sentence: str) -> None:
 
 
 def print_json(values: Mapping[str, Any]) -> None:
-    """Print a JSON object to stdout; a number that is not finite becomes null."""
+    """Print a JSON object to stdout: dataclasses as objects, null for numbers not finite."""
     print(json.dumps(_plain_value(values), allow_nan=False))
 
 
 def _plain_value(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
     if isinstance(value, Mapping):
         return {key: _plain_value(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
