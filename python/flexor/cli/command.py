@@ -7,11 +7,21 @@ from typing import Any
 
 from typer.core import TyperCommand
 
+from flexor.cli.console import print_error
+from flexor.cli.studies import INTERRUPTED
 from flexor.errors import InputError
 
 
 class Command(TyperCommand):
     """A command that refuses options given twice, of which the last would win silently."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; say it where nothing else is said of an interruption."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            print_error("interrupted.")
+            return INTERRUPTED
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Check for repeated options before parsing."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import signal
-import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from multiprocessing import active_children
 from tempfile import TemporaryDirectory
+from types import TracebackType
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
@@ -23,6 +24,7 @@ from flexor.study.executors.task import one_line
 
 # How long a scheduler may take to answer [s], and how long a cluster may be without workers.
 ANSWER = 10.0
+AT_ONCE = 0.3
 PATIENCE = 60.0
 # How long the number of threads is believed [s].
 _BELIEVED = 5.0
@@ -65,6 +67,8 @@ class Cluster(Pool):
         self.address = where.text
         self._patience = patience
         self._cluster: Any = None
+        self._loop: Any = None
+        self._others = set(active_children())
         self._scratch: TemporaryDirectory[str] | None = None
         self._client: Any = None
         self._threads, self._counted = 0, -_BELIEVED
@@ -79,8 +83,8 @@ class Cluster(Pool):
             super().__init__(client.get_executor(), f'the cluster "{self.address}"')
             self._wait_for_workers()
             self._check_workers()
-        except BaseException:
-            self.close()
+        except BaseException as error:
+            self._leave(isinstance(error, KeyboardInterrupt))
             raise
 
     @property
@@ -90,11 +94,32 @@ class Cluster(Pool):
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
+        self._leave(at_once=False)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._leave(at_once=isinstance(error, KeyboardInterrupt))
+
+    def _leave(self, at_once: bool) -> None:
+        if at_once and self._cluster is not None:
+            # Workers would finish what they are doing, and others take their places.
+            self._cluster.shutdown_on_close = False
+            for nanny in self._cluster.workers.values():
+                nanny.auto_restart = False
+            for process in set(active_children()) - self._others:
+                process.kill()
         for each in (self._client, self._cluster):
             if each is not None:
-                with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
-                    each.close(timeout=ANSWER)
-        self._client = self._cluster = None
+                # It may be gone already.
+                with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
+                    each.close(timeout=AT_ONCE if at_once else ANSWER)
+        if self._loop is not None:
+            self._loop.stop(timeout=AT_ONCE if at_once else ANSWER)
+        self._client = self._cluster = self._loop = None
         if self._scratch is not None:
             self._scratch.cleanup()
             self._scratch = None
@@ -105,7 +130,7 @@ class Cluster(Pool):
         if where.local:
             try:
                 self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
-                self._cluster = _started(distributed, where.local, self._scratch.name)
+                self._start(distributed, where.local, self._scratch.name)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(
                     f'the cluster "{self.address}" could not be started: {one_line(error)}.'
@@ -125,6 +150,28 @@ class Cluster(Pool):
             raise InputError(
                 f'the cluster "{self.address}" cannot be used: {one_line(error)}.'
             ) from error
+
+    def _start(self, distributed: Any, workers: int, scratch: str) -> None:
+        """Start a cluster on this machine."""
+        import dask
+
+        self._loop = distributed.utils.LoopRunner()
+        with _interrupts_blocked():
+            self._loop.start()
+        settings = {**_WITHOUT_DISPLAYS, "temporary-directory": scratch}
+        with dask.config.set(settings):
+            # Known before it has started, so that it can be stopped then.
+            self._cluster = distributed.LocalCluster.__new__(distributed.LocalCluster)
+            self._cluster.__init__(
+                n_workers=workers,
+                threads_per_worker=1,
+                local_directory=scratch,
+                dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
+                worker_dashboard_address=None,
+                memory_limit=0,
+                silence_logs=logging.CRITICAL,
+                loop=self._loop.loop,
+            )
 
     def _wait_for_workers(self) -> None:
         began = time.monotonic()
@@ -218,31 +265,14 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         ) from error
 
 
-def _started(distributed: Any, workers: int, scratch: str) -> Any:
-    """Start a cluster on this machine."""
-    import dask
-
-    settings = {**_WITHOUT_DISPLAYS, "temporary-directory": scratch}
-    with dask.config.set(settings), _interrupts_ignored():
-        return distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            local_directory=scratch,
-            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
-            worker_dashboard_address=None,
-            memory_limit=0,
-            silence_logs=logging.CRITICAL,
-        )
-
-
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
-    if threading.current_thread() is not threading.main_thread():
+def _interrupts_blocked() -> Iterator[None]:
+    """Start a thread whose processes do not hear Ctrl-C: it is for this one, which stops them."""
+    if not hasattr(signal, "pthread_sigmask"):  # on Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
