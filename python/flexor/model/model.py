@@ -124,8 +124,8 @@ class Model(Structure):
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input; the steps to the file's evaluation force unless given. They may rise,
-            fall and be negative. The path starts without load even if its first force is not zero.
+            of the input; the steps to the file's evaluation force unless given, or no load if
+            the model has several inputs. They may rise, fall and be negative. The path starts without load even if its first force is not zero.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
         start
@@ -167,8 +167,8 @@ class Model(Structure):
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
             return loads(force, self.inputs)
-        if not self.inputs:
-            return np.zeros((1, 0))
+        if len(self.inputs) != 1:
+            return np.zeros((1, len(self.inputs)))
         return loads(self.evaluation_forces, self.inputs)
 
 
