@@ -5,13 +5,14 @@ from __future__ import annotations
 import itertools
 import os
 import sys
+import warnings
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
 from flexor.cli import calibrate, compare, landscape, listings, optimize, rerun, simulate
-from flexor.cli.console import print_error, spell_what_streams_lack
+from flexor.cli.console import print_error, print_warnings, spell_what_streams_lack
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
 
@@ -99,7 +100,9 @@ def main(arguments: list[str] | None = None) -> None:
     """
     spell_what_streams_lack()
     try:
-        code = app(args=arguments, prog_name="flexor", standalone_mode=False)
+        with warnings.catch_warnings():
+            print_warnings()
+            code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         print_error(str(error))
         code = 2

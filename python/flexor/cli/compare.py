@@ -15,7 +15,7 @@ from flexor.cli.console import err, print_json, say
 from flexor.cli.folders import check_resumable, cluster_at, interrupted, new_folder, save_figure
 from flexor.cli.progress import ComparisonBar, duration
 from flexor.cli.table import number, show
-from flexor.cli.values import load_changed
+from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ def compare(
     cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
+    solver: options.Solver = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
@@ -106,6 +107,7 @@ def compare(
                     progress=progress,
                     executor=executor,
                     workers=workers,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor compare --resume", error)

@@ -6,6 +6,7 @@ import codecs
 import json
 import math
 import sys
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from flexor.errors import one_line
+from flexor.errors import ModelWarning, one_line
 
 _SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
 
@@ -65,6 +66,20 @@ def note(text: str) -> None:
 def print_error(sentence: str) -> None:
     """Print an error message to stderr; its line breaks become spaces."""
     note(f"error: {' '.join(sentence.split())}")
+
+
+def print_warnings() -> None:
+    """Print warnings about models as a line to stderr each, others as Python does."""
+    others = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+        if issubclass(category, ModelWarning):
+            note(f"warning: {message}")
+        else:
+            others(message, category, *rest)
+
+    warnings.simplefilter("always", ModelWarning)
+    warnings.showwarning = show  # type: ignore[assignment]  # with fewer names
 
 
 def print_json(values: Mapping[str, Any]) -> None:

@@ -12,7 +12,7 @@ from flexor.cli import options
 from flexor.cli.console import err, print_json, say
 from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
-from flexor.cli.values import load_changed
+from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def landscape(
     cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
+    solver: options.Solver = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
@@ -109,6 +110,7 @@ def landscape(
                     folder=place,
                     progress=progress,
                     executor=executor,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)

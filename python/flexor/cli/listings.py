@@ -38,7 +38,7 @@ def sets(
     """
     from flexor import design, objectives, optimizers
 
-    space: design.Space = design.DesignSpace()
+    space: design.DesignSpace = design.DesignSpace()
     if model is not None:
         import flexor
 

@@ -51,6 +51,7 @@ def optimize(
     cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
+    solver: options.Solver = None,
     plot: options.Plot = None,
     show: Annotated[
         bool, typer.Option("--open", help="Open the figure when done, if there is a display.")
@@ -110,6 +111,7 @@ def optimize(
                     resume=resume is not None,
                     progress=progress,
                     executor=executor,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor optimize --resume", error)

@@ -59,6 +59,15 @@ Set = Annotated[
         "--set", metavar="KEY=VALUE", help="Override a field of the file; may be repeated."
     ),
 ]
+Solver = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--solver",
+        metavar="KEY=VALUE",
+        help="Option of the equilibrium solver, such as `max_seconds=10` for each load step; may "
+        "be repeated.",
+    ),
+]
 Plot = Annotated[
     Path | None,
     typer.Option(help="Save the figure to this PNG, SVG or PDF file.", callback=_writable),

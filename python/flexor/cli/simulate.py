@@ -10,7 +10,7 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.table import fixed, number, show
-from flexor.cli.values import load_changed, one_or_assignments
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -44,6 +44,7 @@ def simulate(
     ] = "load",
     constants: options.Constants = None,
     changes: options.Set = None,
+    solver: options.Solver = None,
     as_json: options.Json = False,
     plot: options.Plot = None,
 ) -> int:
@@ -56,6 +57,8 @@ def simulate(
 
     * `iteration-limit`: too many iterations, usually because of many successive snaps
     * `unstable`: an unstable equilibrium under loads without a potential
+    * `time-limit`: more time than `max_seconds` allows
+    * `cancelled`: the solve was interrupted
     * `unrestrained`: a force acts on a motion that nothing holds
     * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
     * `diverged`: the energy is not finite, or no acceptable step was found
@@ -80,6 +83,7 @@ def simulate(
         one_or_assignments("--force", force, "chamber=0:5:1"),
         start=one_or_assignments("--start", start, "ph_1=20 deg"),
         follow=follow,  # type: ignore[arg-type]  # checked there
+        **numbers("--solver", solver or []),  # type: ignore[arg-type]
     )
     if as_json:
         print_json(path.to_dict())

@@ -23,6 +23,7 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int =
             plain(heading.replace(" / ", "\n")),
             justify="left" if column < left else "right",
             overflow="fold",
+            min_width=_longest_word([heading, *(row[column] for row in rows)]),
             no_wrap=column >= left and not any(_is_word(row[column]) for row in rows),
         )
     for row in rows:
@@ -40,6 +41,10 @@ def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 
     if minimum > out.width:
         result.width = minimum
     out.print(result, crop=False)
+
+
+def _longest_word(texts: Sequence[str]) -> int:
+    return min(20, max((len(word) for text in texts for word in text.split()), default=0))
 
 
 def _is_word(cell: str) -> bool:

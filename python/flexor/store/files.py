@@ -32,6 +32,30 @@ def check_regular(path: Path) -> bool:
     raise InputError(f'"{path}" is {kind}: only a regular file is used in its place.')
 
 
+def check_writable(path: Path) -> None:
+    """Check, before the work that fills it, that a file can be written.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If it is a folder, or its folder does not exist or cannot be written.
+    """
+    why = ""
+    if path.is_dir() and not path.is_symlink():
+        why = "it is a folder"
+    elif not path.parent.is_dir():
+        why = f'no folder "{path.parent}"'
+    elif not os.access(path.parent, os.W_OK | os.X_OK):
+        why = f'the folder "{path.parent}" cannot be written'
+    if why:
+        raise InputError(f'"{path}" cannot be written: {why}.')
+
+
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
     """Write a file whole or not at all, in place of whatever has its name.

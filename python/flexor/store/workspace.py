@@ -18,7 +18,7 @@ from typing import Any
 
 from flexor.errors import InputError
 from flexor.store.database import Database
-from flexor.store.files import check_regular, reason
+from flexor.store.files import check_regular, check_writable, reason
 from flexor.store.lock import Lock
 from flexor.store.settings import (
     SETTINGS,
@@ -31,6 +31,8 @@ from flexor.store.settings import (
 )
 
 RECORD = "record.sqlite"
+# Endings of the files that are written when the work is done.
+_OUTPUTS = (".csv", ".json", ".md", ".npz", ".png", ".svg", ".toml")
 
 
 class Workspace:
@@ -65,6 +67,9 @@ class Workspace:
             return
         if resume:
             read_settings(kind, self.folder)  # nothing is written into what is no such folder
+            for path in self.folder.iterdir():
+                if path.suffix in _OUTPUTS:
+                    check_writable(path)
         else:
             _create(kind, self.folder, settings, files, notes or {})
         self._lock = Lock(self.folder, kind.name)

@@ -134,7 +134,8 @@ class Record:
     def known(self) -> dict[bytes, float]:
         """Value of every design by its exact bytes; +inf for those that failed."""
         rows = self._rows("design, value")
-        return {design: np.inf if value is None else value for design, value in rows}
+        values = self._numbers([value for _, value in rows], np.inf)
+        return dict(zip((design for design, _ in rows), values.tolist(), strict=True))
 
     def designs(self) -> FloatArray:
         """Every design in the order of evaluation, (n, k)."""
@@ -159,10 +160,9 @@ class Record:
                 name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
                 for name, kind, here, axes in _ARRAYS
             }
-            value = np.array(found["value"], dtype=np.float64)  # NULL becomes NaN
             return Paths(
-                value=np.where(np.isnan(value), np.inf, value),
-                shown=np.array(found["shown"], dtype=np.float64),
+                value=self._numbers(found["value"], np.inf),
+                shown=self._numbers(found["shown"], np.nan),
                 reason=np.array(found["reason"], dtype=object),
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
@@ -195,6 +195,13 @@ class Record:
             return self.database.rows(f"{query} {order}", (self._search,))
         key = (design + 0.0).astype("<f8").tobytes()
         return self.database.rows(f"{query} AND design = ? {order}", (self._search, key))
+
+    def _numbers(self, column: list[Any], missing: float) -> FloatArray:
+        """Values of a column, which are finite where there are any."""
+        there = [value for value in column if value is not None]
+        if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in there):
+            raise self.database.damaged("a value is no finite number")
+        return np.array([missing if value is None else value for value in column], dtype="f8")
 
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
         size = np.dtype(kind).itemsize * math.prod(shape)

@@ -93,6 +93,9 @@ def finished(database: Database) -> dict[Key, SearchRun]:
                 **arrays,
             )
             seconds = np.nan if values["seconds"] is None else float(values["seconds"])
+            given = [values[name] for name in ("value", "seconds") if values[name] is not None]
+            if not all(np.isfinite(each).all() for each in (given, *arrays.values())):
+                raise ValueError("a number is not finite")
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             raise database.damaged("a finished search is damaged") from None
         runs[parameters, method, seed] = SearchRun(parameters, method, seed, result, seconds)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexor.model.interruption import end_all
 from flexor.optimizers import (
     Budget,
     LevenbergMarquardt,
@@ -213,8 +214,10 @@ def carry_out(
                     runs[run.parameters, run.method, run.seed] = run
                     last = f"{run.parameters}, {run.method}, seed {run.seed}"
                 report()
-        except BaseException:
+        except BaseException as error:
             tally.stopped = True
+            if isinstance(error, KeyboardInterrupt):
+                end_all(waiting)
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return MethodComparison(
@@ -239,6 +242,8 @@ def _references(plan: Plan, work: Workspace) -> dict[str, float]:
     for name, problem in plan.problems.items():
         if not isinstance(known.get(name), float):
             known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        elif np.isnan(known[name]):
+            raise work.database.damaged(f"the reference of {name} is no number")
     if known != kept:
         work.database.note("reference", known)
     return {name: known[name] for name in plan.problems}

@@ -15,6 +15,7 @@ import numpy as np
 
 from flexor.errors import ClusterError, InputError
 from flexor.model import chunks
+from flexor.model.interruption import end_all
 from flexor.model.results import Paths
 from flexor.study.executors import task
 from flexor.study.executors.interface import Executor
@@ -27,7 +28,7 @@ SHORTEST = 0.02
 # Tasks kept waiting for each worker, so that none is idle between two.
 AHEAD = 3
 # How often a wait looks whether there is still something to wait for [s].
-_LOOK = 1.0
+_LOOK = 0.2
 
 
 class Pool(Executor):
@@ -81,6 +82,10 @@ class Pool(Executor):
                 outcomes: Paths = reply.result
                 self._note_time(problem, len(outcomes), reply.seconds)
                 yield outcomes
+        except KeyboardInterrupt:
+            if self._here:
+                end_all(running)
+            raise
         finally:
             for future in running:
                 future.cancel()
