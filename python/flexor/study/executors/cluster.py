@@ -6,12 +6,13 @@ import asyncio
 import logging
 import re
 import signal
-import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
+from multiprocessing import active_children
 from tempfile import TemporaryDirectory
+from types import TracebackType
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
@@ -23,6 +24,7 @@ from flexor.study.executors.task import one_line
 
 # How long a scheduler may take to answer [s], and how long a cluster may be without workers.
 ANSWER = 10.0
+AT_ONCE = 0.3
 PATIENCE = 60.0
 _NO_ANSWER = "its scheduler no longer answers"
 # How long a count of threads stays valid [s].
@@ -94,22 +96,25 @@ class Cluster(Pool):
         self.address = address.strip()
         name, workers = f'the cluster "{self.address}"', local_workers(self.address)
         self._patience = patience
-        self._opened = ExitStack()
+        self._cluster: Any = None
+        self._loop: Any = None
+        self._others = set(active_children())
+        self._scratch: TemporaryDirectory[str] | None = None
         self._client: Any = None
         self._threads, self._counted = 0, -_VALID
         self._bare_since: float | None = None
         distributed = _library()
         # Its client logs broken connections, which are reported as exceptions here.
-        log = logging.getLogger("distributed.client")
-        self._opened.callback(log.setLevel, log.level)
-        log.setLevel(logging.CRITICAL + 1)
+        self._log = logging.getLogger("distributed.client")
+        self._log_level = self._log.level
+        self._log.setLevel(logging.CRITICAL + 1)
         try:
             client = self._connect(distributed, name, workers)
             super().__init__(client.get_executor(), name)
             self._wait_for_workers()
             self._check_workers()
-        except BaseException:
-            self.close()
+        except BaseException as error:
+            self._leave(isinstance(error, KeyboardInterrupt))
             raise
 
     @property
@@ -119,29 +124,77 @@ class Cluster(Pool):
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
-        self._opened.close()
+        self._leave(at_once=False)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._leave(at_once=isinstance(error, KeyboardInterrupt))
+
+    def _leave(self, at_once: bool) -> None:
+        if at_once and self._cluster is not None:
+            # Workers would finish what they are doing, and others take their places.
+            self._cluster.shutdown_on_close = False
+            for nanny in self._cluster.workers.values():
+                nanny.auto_restart = False
+            for process in set(active_children()) - self._others:
+                process.kill()
+        for each in (self._client, self._cluster):
+            if each is not None:
+                # It may be gone already.
+                with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
+                    each.close(timeout=AT_ONCE if at_once else ANSWER)
+        if self._loop is not None:
+            self._loop.stop(timeout=AT_ONCE if at_once else ANSWER)
+        self._client = self._cluster = self._loop = None
+        if self._scratch is not None:
+            self._scratch.cleanup()
+            self._scratch = None
+        self._log.setLevel(self._log_level)
 
     def _connect(self, distributed: Any, name: str, workers: int) -> Any:
         target = self.address
         if workers:
-            scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
             try:
-                place = self._opened.enter_context(scratch)
-                cluster = _started(distributed, workers, place)
+                self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
+                self._start(distributed, workers, self._scratch.name)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(f"{name} could not be started: {one_line(error)}.") from error
-            self._opened.callback(_leave, cluster)
-            target = cluster.scheduler_address
+            target = self._cluster.scheduler_address
         elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
             raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
-            self._opened.callback(_leave, self._client)
             return self._client
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             raise InputError(f"{name} cannot be used: {one_line(error)}.") from error
+
+    def _start(self, distributed: Any, workers: int, scratch: str) -> None:
+        """Start a cluster on this machine."""
+        import dask
+
+        self._loop = distributed.utils.LoopRunner()
+        with _interrupts_blocked():
+            self._loop.start()
+        settings = {**_WITHOUT_DASHBOARDS, "temporary-directory": scratch}
+        with dask.config.set(settings):
+            # Known before it has started, so that it can be stopped then.
+            self._cluster = distributed.LocalCluster.__new__(distributed.LocalCluster)
+            self._cluster.__init__(
+                n_workers=workers,
+                threads_per_worker=1,
+                local_directory=scratch,
+                dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
+                worker_dashboard_address=None,
+                memory_limit=0,
+                silence_logs=logging.CRITICAL,
+                loop=self._loop.loop,
+            )
 
     def _wait_for_workers(self) -> None:
         began = time.monotonic()
@@ -192,11 +245,6 @@ class Cluster(Pool):
         return _NO_ANSWER
 
 
-def _leave(each: Any) -> None:
-    with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
-        each.close(timeout=ANSWER)
-
-
 def _library() -> Any:
     try:
         import distributed
@@ -233,31 +281,14 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
 
 
-def _started(distributed: Any, workers: int, scratch: str) -> Any:
-    """Start a cluster on this machine."""
-    import dask
-
-    settings = {**_WITHOUT_DASHBOARDS, "temporary-directory": scratch}
-    with dask.config.set(settings), _interrupts_ignored():
-        return distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            local_directory=scratch,
-            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
-            worker_dashboard_address=None,
-            memory_limit=0,
-            silence_logs=logging.CRITICAL,
-        )
-
-
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
-    if threading.current_thread() is not threading.main_thread():
+def _interrupts_blocked() -> Iterator[None]:
+    """Start a thread whose processes do not hear Ctrl-C: it is for this one, which stops them."""
+    if not hasattr(signal, "pthread_sigmask"):  # on Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
