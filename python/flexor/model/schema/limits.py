@@ -13,6 +13,7 @@ from flexor.model.validation import field_error
 MAX_BODIES = 2_000
 MAX_POINTS = 200_000
 MAX_PAIRS = 2_000_000
+MAX_COORDINATES = 10_000  # of which the tangent takes 0.8 GB
 
 
 def check_size(
@@ -21,7 +22,7 @@ def check_size(
     contacts: Mapping[str, Contact],
     actuators: Mapping[str, Actuator],
 ) -> None:
-    """Check the numbers of bodies, sample points and pairs of spheres.
+    """Check the numbers of bodies, strains, sample points and pairs of spheres.
 
     Parameters
     ----------
@@ -36,6 +37,11 @@ def check_size(
     if points > MAX_POINTS:
         tail = f"have {points:,} sample points, counted again for each actuator: at most"
         raise field_error(f"{tail} {MAX_POINTS:,}", "bodies")
+    coordinates = sum(
+        basis.size(rod.elements) for rod in rods.values() for basis in rod.strain.modes.values()
+    )
+    if coordinates > MAX_COORDINATES:
+        raise field_error(f"have {coordinates:,} strains: at most {MAX_COORDINATES:,}", "bodies")
     counts = {
         name: len(group.points)
         + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
