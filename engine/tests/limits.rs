@@ -2,7 +2,7 @@
 
 mod systems;
 
-use flexor_engine::equilibrium::{ContinuationOptions, Status};
+use flexor_engine::equilibrium::{Cancel, ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::Model;
 use flexor_engine::{Batch, BatchResult};
@@ -20,7 +20,7 @@ fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBoo
         loads: &[0.0, 5.0],
         steps: 2,
         gradient: &[],
-        cancel,
+        cancel: cancel.map(|flag| flag as &dyn Cancel),
         start: None,
     };
     model.solve_batch(batch, options, 2)

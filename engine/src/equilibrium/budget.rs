@@ -2,8 +2,21 @@
 
 use super::options::ContinuationOptions;
 use super::status::Status;
+use std::fmt::Debug;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+/// A request to end a solve, looked at in every iteration, by all threads that solve.
+pub trait Cancel: Debug + Sync {
+    /// Whether the solve is to end.
+    fn is_requested(&self) -> bool;
+}
+
+impl Cancel for AtomicBool {
+    fn is_requested(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
 
 /// Counts the iterations of a load step against its limits.
 #[derive(Clone, Debug)]
@@ -11,13 +24,13 @@ pub(super) struct Budget<'a> {
     max_iterations: usize,
     max_time: Option<Duration>,
     /// Set from outside when the solve is to end.
-    cancel: Option<&'a AtomicBool>,
+    cancel: Option<&'a dyn Cancel>,
     iterations: usize,
     deadline: Option<Instant>,
 }
 
 impl<'a> Budget<'a> {
-    pub fn new(options: &ContinuationOptions, cancel: Option<&'a AtomicBool>) -> Self {
+    pub fn new(options: &ContinuationOptions, cancel: Option<&'a dyn Cancel>) -> Self {
         let max_time = Duration::try_from_secs_f64(options.max_seconds).ok();
         Self { max_iterations: options.max_iterations, max_time, cancel, iterations: 0, deadline: None }
     }
@@ -39,7 +52,7 @@ impl<'a> Budget<'a> {
 
     /// Why the load step has to end now, if it has to.
     pub fn exhausted(&self) -> Option<Status> {
-        if self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+        if self.cancel.is_some_and(Cancel::is_requested) {
             Some(Status::Cancelled)
         } else if self.iterations > self.max_iterations {
             Some(Status::IterationLimit)

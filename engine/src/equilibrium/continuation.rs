@@ -1,6 +1,6 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
-use super::budget::Budget;
+use super::budget::{Budget, Cancel};
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
@@ -16,7 +16,6 @@ use super::trust_region::{Target, TrustRegion};
 use super::vector::{max_norm, norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
-use std::sync::atomic::AtomicBool;
 
 /// Finds and follows equilibria; owns all memory it needs.
 #[derive(Clone, Debug)]
@@ -57,11 +56,11 @@ pub(super) struct LoadStep {
 }
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
-    /// For `model`, with the model's own parameters. Solves end soon after `cancel` becomes true.
+    /// For `model`, with the model's own parameters. Solves end soon after `cancel` is requested.
     pub fn new(
         model: &'m Model<G, D, P>,
         options: ContinuationOptions,
-        cancel: Option<&'m AtomicBool>,
+        cancel: Option<&'m dyn Cancel>,
     ) -> Self {
         debug_assert_eq!(options.validate(), Ok(()));
         let (n, inputs) = (model.dof(), model.inputs().len());

@@ -44,6 +44,7 @@ mod trust_region;
 mod vector;
 
 pub use bordered::{Border, Bordered, BorderedTarget, Constraint, Hyperplane, Multiplier, Prescribed};
+pub use budget::Cancel;
 pub use continuation::Continuation;
 pub use option_info::{Interval, OptionError, OptionInfo};
 pub use options::*;
