@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 from flexor.calibration.identifiability import (
     Identifiability,
@@ -25,7 +25,6 @@ from flexor.calibration.screening import screen
 from flexor.errors import InputError
 from flexor.model.interruption import end_all
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _FITS = 8  # that are reported

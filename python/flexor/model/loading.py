@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 from flexor.errors import InputError
 from flexor.model.model import Model
-from flexor.model.presets import locate
-from flexor.model.reading import check, read
+from flexor.model.reading import check, locate, read
 from flexor.model.schema import ModelFile
 from flexor.model.tunnelling import warn_of_gaps
 from flexor.model.validation import describe
@@ -60,13 +59,7 @@ def load(
 
 
 def require_model(model: Model) -> Model:
-    """Return the argument if it is a model or behaves like one.
-
-    Raises
-    ------
-    InputError
-        If it is not, such as the name of a file.
-    """
+    """Return the argument if it is a model or behaves like one."""
     if not hasattr(model, "design"):
         raise InputError(f"model is {model!r}: expected a Model, as returned by flexor.load.")
     return model

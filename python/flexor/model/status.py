@@ -36,7 +36,7 @@ MEANINGS = MappingProxyType(
         "invalid-design": (
             "a number is not finite, a length, radius or modulus not positive, or a stiffness or "
             "density negative",
-            "mend the design, or narrow its bounds",
+            "correct the design, or narrow its bounds",
         ),
         "not-reached": ("an earlier load step failed", "see that step"),
         "unrestrained": (

@@ -67,17 +67,9 @@ def style() -> Iterator[None]:
 
 
 def shades(count: int) -> NDArray[np.float64]:
-    """Return colours for an ordered series, light to dark.
+    """Return colours (count, 4) for an ordered series, light to dark, evenly spaced in lightness.
 
-    Parameters
-    ----------
-    count : int
-        Number of colours.
-
-    Returns
-    -------
-    ndarray, shape (count, 4)
-        RGBA, evenly spaced in lightness (viridis without its palest end).
+    They are viridis without its palest end.
     """
     import matplotlib
 
