@@ -21,7 +21,7 @@ class Command(TyperCommand):
     """A command that refuses options given twice, of which the last would win silently."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; say it where nothing else is said of an interruption."""
+        """Run the command; report an interruption that the command itself does not."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

@@ -106,9 +106,7 @@ class Model(Structure):
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = self.design.checked(geometry)
-        begin = self._begin(start)
-        loads = self._loads(force)
+        batch, begin, loads = self.design.checked(geometry), self._begin(start), self._loads(force)
         return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
     def equilibrium(

@@ -120,13 +120,7 @@ class ModelFile(BodySystem):
         return {key: value for key, value in document.items() if value != {}}
 
     def to_toml(self) -> str:
-        """Serialise the file as TOML.
-
-        Returns
-        -------
-        str
-            Text that parses to an equal `ModelFile`.
-        """
+        """Serialise the file as TOML that parses to an equal `ModelFile`."""
         import tomli_w
 
         return tomli_w.dumps(self.to_document())

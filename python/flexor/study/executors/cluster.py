@@ -22,6 +22,7 @@ from flexor.study.executors.task import one_line
 ANSWER = 10.0
 AT_ONCE = 0.3
 PATIENCE = 60.0
+_NO_ANSWER = "its scheduler no longer answers"
 # How long a count of threads stays valid [s].
 _VALID = 5.0
 # More processes than this on one machine are a slip of the finger.
@@ -169,6 +170,8 @@ class Cluster(Pool):
     def _count(self) -> int:
         """Count the threads of all workers; 0 while there are none."""
         if time.monotonic() - self._counted >= _VALID:
+            if self._client.status != "running":  # it then has no scheduler to ask
+                raise ClusterError(f"{self._name} was lost: {_NO_ANSWER}.")
             self._threads = sum(self._guarded(self._client.nthreads).values())
             self._counted = time.monotonic()
         return self._threads
@@ -191,7 +194,7 @@ class Cluster(Pool):
             )
         if self._client.status == "running":
             return one_line(error)
-        return "its scheduler no longer answers"
+        return _NO_ANSWER
 
 
 def _library() -> Any:
