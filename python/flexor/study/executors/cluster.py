@@ -5,20 +5,16 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-import signal
 import time
-from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
-from multiprocessing import active_children
-from tempfile import TemporaryDirectory
-from types import TracebackType
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
 from flexor.store.environment import decisive
 from flexor.study.executors import task
+from flexor.study.executors.local_cluster import LocalCluster
 from flexor.study.executors.pool import Pool
 from flexor.study.executors.task import one_line
 
@@ -29,12 +25,6 @@ PATIENCE = 60.0
 _NO_ANSWER = "its scheduler no longer answers"
 # How long a count of threads stays valid [s].
 _VALID = 5.0
-# Dashboards and profilers cost Dask's processes some percent of a core each.
-_WITHOUT_DASHBOARDS = {
-    "distributed.worker.profile.enabled": False,
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "10s",
-}
 # More processes than this on one machine are a slip of the finger.
 MOST_LOCAL = 1024
 _REMOTE = re.compile(
@@ -96,25 +86,24 @@ class Cluster(Pool):
         self.address = address.strip()
         name, workers = f'the cluster "{self.address}"', local_workers(self.address)
         self._patience = patience
-        self._cluster: Any = None
-        self._loop: Any = None
-        self._others = set(active_children())
-        self._scratch: TemporaryDirectory[str] | None = None
+        self._opened = ExitStack()
+        self._local: LocalCluster | None = None
+        self._leaving = ANSWER  # time to leave [s]
         self._client: Any = None
         self._threads, self._counted = 0, -_VALID
         self._bare_since: float | None = None
         distributed = _library()
         # Its client logs broken connections, which are reported as exceptions here.
-        self._log = logging.getLogger("distributed.client")
-        self._log_level = self._log.level
-        self._log.setLevel(logging.CRITICAL + 1)
+        log = logging.getLogger("distributed.client")
+        self._opened.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL + 1)
         try:
             client = self._connect(distributed, name, workers)
             super().__init__(client.get_executor(), name)
             self._wait_for_workers()
             self._check_workers()
         except BaseException as error:
-            self._leave(isinstance(error, KeyboardInterrupt))
+            self.__exit__(error)
             raise
 
     @property
@@ -124,77 +113,40 @@ class Cluster(Pool):
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
-        self._leave(at_once=False)
+        self._opened.close()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._leave(at_once=isinstance(error, KeyboardInterrupt))
+    def __exit__(self, *raised: object) -> None:
+        """Leave the cluster; after an interruption at once."""
+        if any(isinstance(each, KeyboardInterrupt) for each in raised):
+            self._leaving = AT_ONCE
+            if self._local is not None:
+                self._local.kill()
+        self.close()
 
-    def _leave(self, at_once: bool) -> None:
-        if at_once and self._cluster is not None:
-            # Workers would finish what they are doing, and others take their places.
-            self._cluster.shutdown_on_close = False
-            for nanny in self._cluster.workers.values():
-                nanny.auto_restart = False
-            for process in set(active_children()) - self._others:
-                process.kill()
-        for each in (self._client, self._cluster):
-            if each is not None:
-                # It may be gone already.
-                with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
-                    each.close(timeout=AT_ONCE if at_once else ANSWER)
-        if self._loop is not None:
-            self._loop.stop(timeout=AT_ONCE if at_once else ANSWER)
-        self._client = self._cluster = self._loop = None
-        if self._scratch is not None:
-            self._scratch.cleanup()
-            self._scratch = None
-        self._log.setLevel(self._log_level)
+    def _leave_scheduler(self) -> None:
+        # It may be gone already.
+        with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
+            self._client.close(timeout=self._leaving)
 
     def _connect(self, distributed: Any, name: str, workers: int) -> Any:
         target = self.address
         if workers:
             try:
-                self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
-                self._start(distributed, workers, self._scratch.name)
+                self._local = local = LocalCluster(distributed, workers)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(f"{name} could not be started: {one_line(error)}.") from error
-            target = self._cluster.scheduler_address
+            self._opened.callback(lambda: local.close(self._leaving))
+            target = local.address
         elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
             raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
+            self._opened.callback(self._leave_scheduler)
             return self._client
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             raise InputError(f"{name} cannot be used: {one_line(error)}.") from error
-
-    def _start(self, distributed: Any, workers: int, scratch: str) -> None:
-        """Start a cluster on this machine."""
-        import dask
-
-        self._loop = distributed.utils.LoopRunner()
-        with _interrupts_blocked():
-            self._loop.start()
-        settings = {**_WITHOUT_DASHBOARDS, "temporary-directory": scratch}
-        with dask.config.set(settings):
-            # Known before it has started, so that it can be stopped then.
-            self._cluster = distributed.LocalCluster.__new__(distributed.LocalCluster)
-            self._cluster.__init__(
-                n_workers=workers,
-                threads_per_worker=1,
-                local_directory=scratch,
-                dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
-                worker_dashboard_address=None,
-                memory_limit=0,
-                silence_logs=logging.CRITICAL,
-                loop=self._loop.loop,
-            )
 
     def _wait_for_workers(self) -> None:
         began = time.monotonic()
@@ -279,16 +231,3 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         late = isinstance(error, (OSError, asyncio.TimeoutError))
         why = f"no Dask scheduler answers there within {ANSWER:g} s" if late else one_line(error)
         raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
-
-
-@contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Start a thread whose processes do not hear Ctrl-C: it is for this one, which stops them."""
-    if not hasattr(signal, "pthread_sigmask"):  # on Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
