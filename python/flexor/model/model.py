@@ -124,8 +124,9 @@ class Model(Structure):
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input; the steps to the file's evaluation force unless given, or no load if
-            the model has several inputs. They may rise, fall and be negative. The path starts without load even if its first force is not zero.
+            of the input. They may rise, fall and be negative; the path starts without load even if
+            its first force is not zero. Unless given, the steps to the file's evaluation force; no
+            load if the model has several inputs.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
         start
