@@ -12,7 +12,6 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children
 from tempfile import TemporaryDirectory
-from types import TracebackType
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
@@ -126,13 +125,8 @@ class Cluster(Pool):
         """Leave the cluster; stop it, if it was started here."""
         self._leave(at_once=False)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._leave(at_once=isinstance(error, KeyboardInterrupt))
+    def __exit__(self, *raised: object) -> None:
+        self._leave(at_once=isinstance(raised[1], KeyboardInterrupt))
 
     def _leave(self, at_once: bool) -> None:
         if at_once and self._cluster is not None:
