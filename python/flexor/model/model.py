@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, Literal
@@ -18,6 +19,7 @@ from flexor.model.loads import Forces, loads
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile
+from flexor.model.solver import solver_options
 from flexor.model.start import Start, coordinates, read_start
 from flexor.model.structure import Structure
 from flexor.model.validation import describe
@@ -45,6 +47,7 @@ class Model(Structure):
         super().__init__(file, source)
         try:
             self._start = Start(coordinates(file.start, self)) if file.start else None
+            self._solver = solver_options(file.solver)
         except InputError as error:
             raise InputError(f"{source or file.name}: {error}") from None
 
@@ -57,10 +60,12 @@ class Model(Structure):
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of its description for the engine, the same for the same mechanics and start."""
+        """SHA-256 of its description for the engine, its start and its solver options."""
         found = hashlib.sha256(self._description.encode())
         if self._start is not None:
             found.update(self._start.q.tobytes())
+        if self._solver:
+            found.update(json.dumps(self._solver, sort_keys=True).encode())
         return found.hexdigest()
 
     def evaluate(
@@ -93,7 +98,8 @@ class Model(Structure):
         start
             As for `equilibrium`.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
@@ -101,7 +107,7 @@ class Model(Structure):
             If forces, geometry or options cannot be used.
         """
         batch, begin, loads = self.design.checked(geometry), self._begin(start), self._loads(force)
-        return follow_loads(self, batch, loads, threads, options, gradient, begin)
+        return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
     def equilibrium(
         self,
@@ -134,7 +140,8 @@ class Model(Structure):
             reaches the last load: the steps of the path are the points it takes, limit points and
             all equilibria at the given loads among them, with the loads found there.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
@@ -146,13 +153,16 @@ class Model(Structure):
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
         begin, loads = self._begin(start), self._loads(force)
         if follow == "arc-length":
-            return follow_branch(self, batch, loads, options, begin)[0]
+            return follow_branch(self, batch, loads, self._options(options), begin)[0]
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
-        return follow_loads(self, batch, loads, 1, options, start=begin)[0]
+        return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
 
     def _begin(self, start: Any) -> Start | None:
         return self._start if start is None else read_start(start, self)
+
+    def _options(self, given: Mapping[str, float]) -> dict[str, float]:
+        return {**self._solver, **given}
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:

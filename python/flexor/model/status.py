@@ -43,6 +43,11 @@ MEANINGS = MappingProxyType(
             "a force acts on a motion that nothing holds",
             "hold it: with a stiffness, a limit, a spring or a support",
         ),
+        "time-limit": (
+            "more time for this load step than max_seconds allows",
+            "raise max_seconds, or take a smaller model or fewer snaps",
+        ),
+        "cancelled": ("the solve was asked to stop", "start it again"),
     }
 )
 

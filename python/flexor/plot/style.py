@@ -11,7 +11,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, one_line
-from flexor.store import replaced
+from flexor.store import check_writable, replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -117,7 +117,7 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
 
 
 def writable(file: str | FilePath) -> FilePath:
-    """Return the path of a figure that can be written.
+    """Return the path of a figure, checked before it is drawn.
 
     Parameters
     ----------
@@ -127,13 +127,12 @@ def writable(file: str | FilePath) -> FilePath:
     Raises
     ------
     InputError
-        If the extension is not supported, or the folder does not exist.
+        If the extension is not supported, or the file cannot be written.
     """
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:
         raise InputError(
             f'cannot write the figure "{target}": its name must end in {", ".join(FORMATS)}.'
         )
-    if not target.parent.is_dir():
-        raise InputError(f'cannot write the figure "{target}": no folder "{target.parent}".')
+    check_writable(target)
     return target

@@ -33,7 +33,8 @@ class BodySystem(Table):
         """
         fields = {name: field.annotation for name, field in cls.model_fields.items()}
         fields["spheres"] = fields.pop("spheres")
-        fields.pop("start", None)  # its keys are names of what other tables have
+        for table in ("start", "solver"):  # their keys are no names of their own
+            fields.pop(table, None)
         mappings = {name: get_args(f) for name, f in fields.items() if get_origin(f) is dict}
         return {name: kind for name, (_, kind) in mappings.items() if get_origin(kind) is not dict}
 

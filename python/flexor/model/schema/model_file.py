@@ -17,7 +17,7 @@ from flexor.model.schema.force import Force
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.spring import Spring
-from flexor.model.schema.table import Name
+from flexor.model.schema.table import Name, Number
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
 
@@ -58,6 +58,7 @@ class ModelFile(BodySystem):
     design: Design | None = None
     evaluation: Evaluation = Evaluation()
     start: StartTable = Field(default_factory=dict)
+    solver: dict[Name, Number] = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
