@@ -117,7 +117,7 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
 
 
 def writable(file: str | FilePath) -> FilePath:
-    """Check, before it is drawn, that a figure can be written.
+    """Return the path of a figure, checked before it is drawn.
 
     Parameters
     ----------
