@@ -136,7 +136,7 @@ def follow(count: Count, number: int, keep: Path) -> None:
             continue
         called = STABILITY[found["stability"][0][step]]
         count.states[called] = count.states.get(called, 0) + 1
-        verdict = judged(model, made, found["q"][0][step], loads[step], called)
+        verdict = verdict_of(model, made, found["q"][0][step], loads[step], called)
         if verdict == "undecided":
             count.undecided += 1
         elif verdict:
@@ -168,7 +168,7 @@ def violations(found: Any, limit: int) -> list[str]:
     return violations
 
 
-def judged(model: Model, made: RandomModel, q: Array, load: Array, called: str) -> str:
+def verdict_of(model: Model, made: RandomModel, q: Array, load: Array, called: str) -> str:
     """Compare what a state is called with its differenced Hessian: ``""`` where they agree."""
     if called not in ("stable", "unstable") or len(q) == 0:
         return ""

@@ -212,10 +212,10 @@ def write_json(file: Path, values: Data) -> None:
 
 
 def made(folder: Path) -> Path:
-    """Make a folder if it is not there; refuse a link in its place."""
+    """Make a folder if it is not there; refuse anything else in its place."""
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+        raise InputError(f'"{folder}" is no folder: only a folder is used in its place.')
     folder.mkdir(parents=True, exist_ok=True)
-    if folder.is_symlink():
-        raise InputError(f'"{folder}" is a link: only a folder is used in its place.')
     return folder
 
 

@@ -46,3 +46,15 @@ def test_extreme_designs_end_with_a_status_and_the_count_resumes(run: Run) -> No
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 def test_a_killed_and_resumed_study_is_identical(run: Run) -> None:
     assert "1 kills" in run("stress_kills", "--kills", "1", "--starts", "2")
+
+
+def test_random_models_called_stable_are_minima(run: Run) -> None:
+    output = run("stress_models", "--models", "60", "--seed", "5")
+    assert "60 models from number 0, seed 5" in output
+    for kind in ("follower", "contact", "spherical", "stable", "neutral"):
+        assert kind in output
+
+
+@pytest.mark.parametrize("number", [812, 2168, 4052, 9897])
+def test_models_that_failed_once(run: Run, number: int) -> None:
+    run("stress_models", "--first", str(number), "--models", "1")

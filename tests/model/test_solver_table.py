@@ -5,11 +5,11 @@ from __future__ import annotations
 import pickle
 
 import pytest
-from flexor.model.presets import locate
 
 import flexor
 from flexor.errors import InputError
 from flexor.model import parse, presets
+from flexor.model.reading import locate
 
 FINGER = locate("finger").read_text(encoding="utf-8")
 

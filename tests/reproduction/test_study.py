@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -68,3 +71,29 @@ def test_a_folder_of_something_else_is_refused(tmp_path) -> None:
         Study(tmp_path)
     with pytest.raises(InputError, match="is not an empty folder"):
         Study(tmp_path / "file")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links and pipes of POSIX")
+@pytest.mark.parametrize("what", ["settings.json", "results", "results/a.json", "studies"])
+@pytest.mark.parametrize("special", ["link", "pipe"])
+def test_links_and_pipes_in_its_folder_are_not_followed(
+    tmp_path: Path, what: str, special: str
+) -> None:
+    folder, outside = tmp_path / "s", tmp_path / "outside"
+    Study(folder, QUICK).cached("a", lambda: {"x": 1})
+    (folder / "studies").mkdir()
+    there = outside / "precious" if what.endswith(".json") else outside
+    outside.mkdir()
+    (outside / "precious").write_text("{}")
+    place = folder / what
+    place.rename(tmp_path / "aside")
+    if special == "link":
+        place.symlink_to(there)
+    else:
+        os.mkfifo(place)
+    with pytest.raises(InputError, match="is used in its place"):
+        study = Study(folder, QUICK)
+        study.cached("a", lambda: {"x": 2})
+        study.subfolder("b")
+    assert [path.name for path in outside.iterdir()] == ["precious"]
+    assert (outside / "precious").read_text() == "{}"

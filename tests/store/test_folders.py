@@ -131,6 +131,59 @@ def test_no_link_in_a_folder_is_followed(
 
 
 @POSIX
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_the_umask_decides_who_may_read_any_file(
+    tmp_path: Path, monkeypatch: Any, kind: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "targets.toml").write_text(TARGETS)
+    before = os.umask(0o027)
+    try:
+        assert run(*KINDS[kind][0]) in (0, 1)
+    finally:
+        os.umask(before)
+    written = [tmp_path / "s", *(tmp_path / "s").rglob("*")]
+    assert {path.name for path in written} >= {"settings.json", *KINDS[kind][2]}
+    for path in written:
+        wanted = 0o750 if path.is_dir() else 0o640
+        assert stat.S_IMODE(path.stat().st_mode) == wanted, path.name
+
+
+def test_a_folder_in_place_of_an_output_is_refused_before_the_work(
+    made: tuple[str, Path], monkeypatch: Any, capsys: Any
+) -> None:
+    kind, place = made
+    monkeypatch.chdir(place)
+    name = KINDS[kind][2][0]
+    aside = place / "kept"
+    (place / "s" / name).rename(aside)
+    (place / "s" / name).mkdir()
+    try:
+        assert run(*KINDS[kind][1]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        # A finished landscape is only drawn.
+        assert ('into "s"' if kind == "landscape" else f'"s/{name}" cannot be written') in said
+    finally:
+        (place / "s" / name).rmdir()
+        aside.rename(place / "s" / name)
+
+
+@pytest.mark.parametrize("command", ["simulate", "optimize", "landscape", "compare"])
+@pytest.mark.parametrize("plot", ["there.png", "nowhere/x.png", "x.gif"])
+def test_a_figure_that_cannot_be_written_is_refused_before_the_work(
+    tmp_path: Path, monkeypatch: Any, capsys: Any, command: str, plot: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.png").mkdir()
+    assert run(command, "finger", "--plot", plot) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert plot in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["there.png"]
+
+
+@POSIX
 def test_the_umask_decides_who_may_read(analytic: ModuleType, tmp_path: Path) -> None:
     before = os.umask(0o027)
     try:

@@ -8,7 +8,7 @@ from typing import Any
 
 from flexor._engine import cancel
 
-# A thread may be about to begin a solve when it is told to stop: it is told again after this [s].
+# A thread may be about to begin a solve when solves are cancelled: repeat after this time [s].
 _AGAIN = 0.05
 
 
