@@ -166,6 +166,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let mut next = control.propose(lambda, reach, self.predictor.branch_end());
             let followed = loop {
                 self.system.set_load_between(&self.start_load, &self.rate, next);
+                if control.is_at_end(self.predictor.branch_end()) {
+                    break false;
+                }
                 if self.correct(next - lambda, self.tolerance_at(next, next - lambda, step)) {
                     break true;
                 }
