@@ -58,7 +58,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return status;
         } else if self.system.model().has_switches() && self.is_evident(released, h) {
             // With contact jumps are frequent, and many branches end in a corner.
-            (Some(EventKind::Snap), self.end_of_branch(from, lambda))
+            (Some(EventKind::Snap), lambda)
         } else {
             let ahead = self.look_back(from, lambda);
             let at = match ahead {
@@ -119,15 +119,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let softening = jump.evident_softening.max(jump.evident_steps * self.options.min_step);
         2.0 * released > softening * moved * moved
             && released > jump.energy_margin * 0.5 * h * h * work[0].max(work[1])
-    }
-
-    /// Where the branch ends between `from` and `lambda`: where the predictor says so, or where the speed
-    /// grows without bound, its square like the inverse of the distance to a limit point.
-    fn end_of_branch(&self, from: f64, lambda: f64) -> f64 {
-        let near = norm(&self.velocity[0]).powi(-2);
-        let limit = self.slowness.map(|(before, far)| from + near * (from - before) / (far - near));
-        let ends = [Some(from + self.predictor.branch_end()), limit];
-        ends.into_iter().flatten().filter(|end| *end > from).fold(lambda, f64::min)
     }
 
     /// Whether the state moved by more than at a speed that covers `way`.
