@@ -69,6 +69,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         };
         if let Some(kind) = kind {
             let after = self.system.state().to_vec();
+            let at = if kind == EventKind::Snap { self.load_of_snap(at, lambda, &after) } else { at };
             self.system.set_load_between(&self.start_load, &self.rate, at);
             let (load, before) = (self.system.load(), &self.start[..]);
             sink.event(Event { step: step.index, kind, load, before, after: &after });
@@ -119,6 +120,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let softening = jump.evident_softening.max(jump.evident_steps * self.options.min_step);
         2.0 * released > softening * moved * moved
             && released > jump.energy_margin * 0.5 * h * h * work[0].max(work[1])
+    }
+
+    /// The load of a snap to `after`: the critical one, at `at`, if less energy is found there already than
+    /// in `start`, and else that at `lambda`.
+    fn load_of_snap(&mut self, at: f64, lambda: f64, after: &[f64]) -> f64 {
+        self.system.set_load_between(&self.start_load, &self.rate, at);
+        self.system.set_state(&self.start);
+        self.system.evaluate();
+        let before = self.system.data().energy();
+        self.system.set_state(after);
+        self.system.evaluate();
+        let lower = self.system.data().energy() < before;
+        self.system.set_load_between(&self.start_load, &self.rate, lambda);
+        self.system.evaluate();
+        if lower || !self.system.is_conservative() { at } else { lambda }
     }
 
     /// Whether the state moved by more than at a speed that covers `way`.
