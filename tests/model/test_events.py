@@ -227,8 +227,8 @@ rod = "brick"
 def test_what_another_input_is_held_at_changes_no_bit() -> None:
     text = resources.files("flexor.examples").joinpath("finger.toml").read_text("utf-8")
     engine = Model(parse(text + BRICK, use="calibrated")).engine
-    slot = engine.slots["exosuit.length"][0]
-    values = np.linspace(0.065, 0.135, 40)[:, None]
+    slot = engine.slots["exosuit.young_modulus"][0]
+    values = np.geomspace(2e5, 3e6, 30)[:, None]
     paths = []
     for held in (0.0, 100.0, 1e4):
         loads = np.array([[load, held] for load in (0.0, 2.5, 5.0)])

@@ -13,7 +13,7 @@ use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
 use super::trust_region::{Target, TrustRegion};
-use super::vector::{max_norm, norm};
+use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -39,8 +39,6 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    /// λ and 1/speed² at the last state of the branch but one.
-    pub(super) slowness: Option<(f64, f64)>,
     /// The load's rate in the state at the beginning of a sub-step that jumps, dimensionless.
     pub(super) load_at_start: Vec<f64>,
     pub(super) work: Vec<f64>,
@@ -80,7 +78,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],
             range: vec![0.0; inputs],
-            slowness: None,
             load_at_start: zeros(),
             work: zeros(),
         }
@@ -156,7 +153,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let mut control = StepControl::new(self.options.step, self.smallest_step());
         // The factor at hand belongs to the equilibrium just found.
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
-        self.slowness = None;
         let mut status = Status::Converged;
         let mut lambda = 0.0;
         while lambda < 1.0 {
@@ -166,6 +162,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let mut next = control.propose(lambda, reach, self.predictor.branch_end());
             let followed = loop {
                 self.system.set_load_between(&self.start_load, &self.rate, next);
+                if control.is_at_end(self.predictor.branch_end()) {
+                    break false;
+                }
                 if self.correct(next - lambda, self.tolerance_at(next, next - lambda, step)) {
                     break true;
                 }
@@ -180,7 +179,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             if followed {
                 self.predictor.learn_curvature(next - lambda, &self.moved, &self.velocity[1]);
                 control.accept(next);
-                self.slowness = Some((lambda, norm(&self.velocity[0]).powi(-2)));
                 status = Status::Converged;
             } else {
                 status = self.jump_to_stable(lambda, next, step, sink);
@@ -189,7 +187,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 }
                 self.predictor.forget_curvature();
                 control.restart();
-                self.slowness = None;
             }
             if let Some(status) = self.system.budget.exhausted() {
                 return status;

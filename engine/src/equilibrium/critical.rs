@@ -101,7 +101,11 @@ impl CriticalSearch {
         };
         let tangent = system.scaled_tangent();
         let change = rate_of_tangent(velocity, small, small, system);
-        self.find_first_to_vanish(system, &change);
+        // Far from it the lowest eigenvalue may be one of many, and not the first to vanish.
+        let fall = -form(&self.left, &change, &self.mode) / dot(&self.left, &self.mode);
+        if !(lowest < 4.0 * h * fall) {
+            self.find_first_to_vanish(system, &change);
+        }
         let scale = dot(&self.left, &self.mode);
         let eigenvalue = form(&self.left, &tangent, &self.mode) / scale;
         let total = form(&self.left, &change, &self.mode) / scale;

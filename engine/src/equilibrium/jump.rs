@@ -58,7 +58,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return status;
         } else if self.system.model().has_switches() && self.is_evident(released, h) {
             // With contact jumps are frequent, and many branches end in a corner.
-            (Some(EventKind::Snap), self.end_of_branch(from, lambda))
+            (Some(EventKind::Snap), lambda)
         } else {
             let ahead = self.look_back(from, lambda);
             let at = match ahead {
@@ -69,6 +69,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         };
         if let Some(kind) = kind {
             let after = self.system.state().to_vec();
+            let at = if kind == EventKind::Snap { self.load_of_snap(at, lambda, &after) } else { at };
             self.system.set_load_between(&self.start_load, &self.rate, at);
             let (load, before) = (self.system.load(), &self.start[..]);
             sink.event(Event { step: step.index, kind, load, before, after: &after });
@@ -121,13 +122,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             && released > jump.energy_margin * 0.5 * h * h * work[0].max(work[1])
     }
 
-    /// Where the branch ends between `from` and `lambda`: where the predictor says so, or where the speed
-    /// grows without bound, its square like the inverse of the distance to a limit point.
-    fn end_of_branch(&self, from: f64, lambda: f64) -> f64 {
-        let near = norm(&self.velocity[0]).powi(-2);
-        let limit = self.slowness.map(|(before, far)| from + near * (from - before) / (far - near));
-        let ends = [Some(from + self.predictor.branch_end()), limit];
-        ends.into_iter().flatten().filter(|end| *end > from).fold(lambda, f64::min)
+    /// The load of a snap to `after`: the critical one, at `at`, if less energy is found there already than
+    /// in `start`, and else that at `lambda`.
+    fn load_of_snap(&mut self, at: f64, lambda: f64, after: &[f64]) -> f64 {
+        self.system.set_load_between(&self.start_load, &self.rate, at);
+        self.system.set_state(&self.start);
+        self.system.evaluate();
+        let before = self.system.data().energy();
+        self.system.set_state(after);
+        self.system.evaluate();
+        let lower = self.system.data().energy() < before;
+        self.system.set_load_between(&self.start_load, &self.rate, lambda);
+        self.system.evaluate();
+        if lower || !self.system.is_conservative() { at } else { lambda }
     }
 
     /// Whether the state moved by more than at a speed that covers `way`.

@@ -38,6 +38,11 @@ impl StepControl {
         if lambda + h < target { lambda + h } else { target }
     }
 
+    /// Whether the branch is predicted to end well within the smallest sub-step.
+    pub fn is_at_end(&self, to_end: f64) -> bool {
+        to_end < 0.5 * self.smallest
+    }
+
     /// The end of a shorter sub-step than that to `next`; `None` where there is none.
     pub fn shorten(&mut self, lambda: f64, next: f64) -> Option<f64> {
         if next - lambda <= self.options.min_step_margin * self.smallest {
