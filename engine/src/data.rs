@@ -150,6 +150,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.actuators.lengths(q, &self.design.forces.actuators)
     }
 
+    /// Volume of each pressurised cavity [m³] at the state `q`.
+    pub fn volumes(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
+        model.forces.pressures.volumes(q, &self.design.forces.pressures)
+    }
+
     /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of
     /// it, given the state's coordinates and load once more.
     pub(crate) fn for_each_switch(

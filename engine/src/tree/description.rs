@@ -104,6 +104,8 @@ pub enum Section {
         /// Width over thickness.
         ratio: f64,
     },
+    /// Fibres of materials, described apart; then moduli and density of the rod are not used.
+    Fibres,
 }
 
 /// A strain mode of a rod and its basis.

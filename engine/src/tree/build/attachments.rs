@@ -59,6 +59,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         found.ok_or_else(|| ModelError::new(field, format!("no body is named `{name}`")))
     }
 
+    /// The rod that is a body.
+    pub(crate) fn rod(&self, field: &str, name: &str) -> Result<usize, ModelError> {
+        match self.body(field, name)?.1.shape {
+            Shape::Rod(rod) => Ok(rod),
+            Shape::Link(_) => Err(ModelError::new(field, format!("`{name}` is not a rod"))),
+        }
+    }
+
     /// The frame and place of a station on a body.
     fn locate(&self, field: &str, name: &str, station: Station) -> Result<(usize, Place), ModelError> {
         let (index, body) = self.body(field, name)?;
