@@ -221,7 +221,7 @@ impl Model {
             return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
         }
         if loads.as_array().iter().any(|u| !u.is_finite()) {
-            return value_error("loads: finite numbers are needed");
+            return value_error("loads: must be finite numbers");
         }
         let start = self.start(start)?;
         let values: Vec<f64> = values.as_array().iter().copied().collect();
@@ -291,7 +291,7 @@ impl Model {
             ));
         }
         if loads.iter().any(|u| !u.is_finite()) {
-            return value_error("loads: finite numbers are needed");
+            return value_error("loads: must be finite numbers");
         }
         let rows: Vec<Vec<f64>> = loads.rows().into_iter().map(|row| row.to_vec()).collect();
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
@@ -330,7 +330,7 @@ impl Model {
             ));
         }
         if start.iter().any(|q| !q.is_finite()) {
-            return value_error("start: finite numbers are needed");
+            return value_error("start: must be finite numbers");
         }
         Ok(Some(start))
     }
