@@ -58,6 +58,7 @@ _PACKAGES = (
     "cli",
     "design",
     "errors",
+    "materials",
     "model",
     "objectives",
     "plot",
