@@ -151,8 +151,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     /// Volume of each pressurised cavity [m³] at the state `q`.
-    pub fn volumes(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
-        model.forces.pressures.volumes(q, &self.design.forces.pressures)
+    pub fn volumes(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
+        model.forces.pressures.volumes(q, &self.design.forces.pressures, out);
+    }
+
+    /// Least and greatest stretch of the fibres of each material at the state `q`.
+    pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
+        model.forces.fibres.stretches(&model.tree, &self.design.geometry.parameters, q, out);
     }
 
     /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of

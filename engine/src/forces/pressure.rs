@@ -126,12 +126,15 @@ impl Pressures {
     }
 
     /// Volume of each cavity [m³].
-    pub fn volumes(&self, q: &[f64], volumes: &Volumes) -> Vec<f64> {
+    pub fn volumes(&self, q: &[f64], volumes: &Volumes, out: &mut [f64]) {
         let mut columns = volumes.columns.iter();
-        let volume = |(fixed, count): &(f64, usize)| {
-            columns.by_ref().take(*count).fold(*fixed, |sum, (dof, size)| sum + size * q[*dof])
-        };
-        volumes.fixed.iter().map(volume).collect()
+        for (out, (fixed, count)) in out.iter_mut().zip(&volumes.fixed) {
+            *out = columns.by_ref().take(*count).fold(*fixed, |sum, (dof, size)| sum + size * q[*dof]);
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
     }
 
     /// Visits the columns of each pressure's volume.

@@ -23,7 +23,17 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _EngineArray = Literal[
-    "q", "stable", "iterations", "residual", "tolerance", "energy", "pairs", "touching", "tip_force"
+    "q",
+    "stable",
+    "iterations",
+    "residual",
+    "tolerance",
+    "energy",
+    "pairs",
+    "touching",
+    "tip_force",
+    "volume",
+    "stretch",
 ]
 _ARRAYS: tuple[_EngineArray, ...] = get_args(_EngineArray)
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)

@@ -23,6 +23,7 @@ from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.start import Start, coordinates, read_start
+from flexor.model.units import FORCE, PRESSURE, Dimension
 from flexor.model.validation import describe
 
 Array = NDArray[np.float64]
@@ -98,6 +99,24 @@ class Model:
         return tuple(self.engine.inputs)
 
     @cached_property
+    def input_dimensions(self) -> dict[str, Dimension]:
+        """Dimension of each load input: a force or a pressure."""
+        actuators = self.file.actuators
+        pressures = {name for name in actuators if actuators[name].kind == "pressure"}
+        return {name: PRESSURE if name in pressures else FORCE for name in self.inputs}
+
+    def load_unit(self, index: int = 0) -> tuple[float, str]:
+        """Return the unit in which loads of an input are shown, in SI and by name."""
+        dimensions = list(self.input_dimensions.values())
+        force = index >= len(dimensions) or dimensions[index] is FORCE
+        return (1.0, "N") if force else (1e3, "kPa")
+
+    @cached_property
+    def pressures(self) -> tuple[str, ...]:
+        """Names of the pressures."""
+        return tuple(name for name, kind in self.input_dimensions.items() if kind is PRESSURE)
+
+    @cached_property
     def rods(self) -> tuple[str, ...]:
         """Names of the rods."""
         return tuple(name for name, body in self.file.bodies.items() if isinstance(body, Rod))
@@ -158,8 +177,14 @@ class Model:
 
     @cached_property
     def evaluation_forces(self) -> Array:
-        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
-        last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
+        """Loads at which a design is evaluated, from zero in the file's steps [N or Pa]."""
+        evaluation = self.file.evaluation
+        last, step = float(evaluation.force), float(evaluation.step)
+        if self.inputs and self.input_dimensions[self.inputs[0]] is PRESSURE:
+            if evaluation.pressure is None:
+                raise InputError(f'the model "{self.name}" has no evaluation.pressure: give it.')
+            last = float(evaluation.pressure)
+            step = float(evaluation.pressure_step or last / 5.0)
         steps = max(1, round(last / step))
         return np.linspace(0.0, last, steps + 1)
 
@@ -306,10 +331,10 @@ class Model:
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
-            return loads(force, self.inputs)
+            return loads(force, self.input_dimensions)
         if not self.inputs:
             return np.zeros((1, 0))
-        return loads(self.evaluation_forces, self.inputs)
+        return loads(self.evaluation_forces, self.input_dimensions)
 
 
 def rebuilt(text: str, hash: str) -> Model:

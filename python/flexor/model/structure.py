@@ -38,6 +38,15 @@ class Structure(Protocol):
         """Names of the load inputs."""
         ...
 
+    def load_unit(self, index: int = 0) -> tuple[float, str]:
+        """Return the unit in which loads of an input are shown, in SI and by name."""
+        ...
+
+    @property
+    def pressures(self) -> tuple[str, ...]:
+        """Names of the pressures."""
+        ...
+
     @property
     def rods(self) -> tuple[str, ...]:
         """Names of the rods."""

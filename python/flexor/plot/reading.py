@@ -32,6 +32,8 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     Scene
         The scene in the world frame, SI.
     """
+    from flexor.model.schema.section_geometry import half_width
+
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
     stations: dict[str, Array] = {}
@@ -40,8 +42,8 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            # A circular section has no ratio.
-            rods[name] = Rod(name, fine, height, (body.section.ratio or 1.0) * height)
+            width = half_width(body, model.file.materials, height)
+            rods[name] = Rod(name, fine, height, width)
             stations[name] = station
         else:
             base, tip = frames[name][0, :3, 3], frames[name][-1, :3, 3]
@@ -54,6 +56,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     lines = [
         _line(path, name, actuator, rods[actuator.rod], stations[actuator.rod])
         for name, actuator in model.file.actuators.items()
+        if actuator.kind != "pressure"
     ]
     return Scene(list(rods.values()), links, lines, _contact_arrows(path.contact_forces(step)))
 

@@ -167,7 +167,7 @@ def objective_function(
     chosen = parameter_set(parameters, require_model(model).design)
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
+        wanted = wanted.at(evaluation_forces(force, require_model(model).input_dimensions))
     if not wanted.differentiable:
         raise InputError(f'objective "{wanted.name}" has no gradient.')
     problem = Problem(model, chosen.on(model.design), wanted, dict(engine_options or {}))

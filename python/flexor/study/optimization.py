@@ -113,7 +113,7 @@ def optimize(
         chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
+        wanted = wanted.at(evaluation_forces(force, require_model(model).input_dimensions))
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:

@@ -20,7 +20,7 @@ pub enum Law {
     Yeoh,
     /// c₁₀ (I₁ − 3) + c₀₁ (I₂ − 3); constants c₁₀, c₀₁.
     MooneyRivlin,
-    /// Σ 2μᵢ/αᵢ² (λ₁^αᵢ + λ₂^αᵢ + λ₃^αᵢ − 3); constants μ₁, α₁, μ₂, α₂, …
+    /// Σ μᵢ/αᵢ (λ₁^αᵢ + λ₂^αᵢ + λ₃^αᵢ − 3); constants μ₁, α₁, μ₂, α₂, …
     Ogden,
 }
 
@@ -58,7 +58,7 @@ impl Law {
             Law::NeoHookean => c[0],
             Law::Yeoh => 2.0 * c[0],
             Law::MooneyRivlin => 2.0 * (c[0] + c[1]),
-            Law::Ogden => c.iter().step_by(2).sum(),
+            Law::Ogden => c.chunks_exact(2).map(|pair| 0.5 * pair[0] * pair[1]).sum(),
         }
     }
 
@@ -70,13 +70,7 @@ impl Law {
             (Law::NeoHookean, _) => 1.0,
             (Law::Yeoh, 0) | (Law::MooneyRivlin, _) => 2.0,
             (Law::Yeoh, _) => 0.0,
-            (Law::Ogden, k) => {
-                if k % 2 == 0 {
-                    1.0
-                } else {
-                    0.0
-                }
-            }
+            (Law::Ogden, k) => 0.5 * if k % 2 == 0 { c[k + 1] } else { c[k - 1] },
         }
     }
 
@@ -171,21 +165,20 @@ impl Law {
 
 /// Arithmetic of a law's constants.
 pub(super) trait LawConstant: Copy + Mul<f64, Output = Self> {
-    /// 2μ/α².
+    /// μ/α.
     fn ogden_factor(modulus: Self, exponent: Self) -> Self;
 }
 
 impl LawConstant for f64 {
     fn ogden_factor(modulus: f64, exponent: f64) -> f64 {
-        2.0 * modulus / (exponent * exponent)
+        modulus / exponent
     }
 }
 
 impl LawConstant for Constant {
     fn ogden_factor(m: Constant, a: Constant) -> Constant {
         let value = f64::ogden_factor(m.value, a.value);
-        let square = a.value * a.value;
-        let by_parameter = 2.0 * m.by_parameter / square - 2.0 * value * a.by_parameter / a.value;
+        let by_parameter = (m.by_parameter - value * a.by_parameter) / a.value;
         Constant { value, by_parameter }
     }
 }

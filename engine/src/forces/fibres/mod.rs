@@ -102,6 +102,36 @@ impl FibreSections {
         Ok(Self { materials, rods })
     }
 
+    pub fn material_count(&self) -> usize {
+        self.materials.len()
+    }
+
+    /// Least and greatest stretch of the fibres of each material; NaN where there are none.
+    pub fn stretches<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        q: &[f64],
+        out: &mut [f64],
+    ) {
+        out.fill(f64::NAN);
+        for fibre_rod in &self.rods {
+            let rod = &tree.rods[fibre_rod.rod];
+            let length = p[rod.length];
+            for (gauss, section) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+                let strain = strains(&gauss.columns, q);
+                let s = p[rod.radius.start + gauss.point];
+                for (m, n) in numbers(&fibre_rod.sections[*section], p) {
+                    let fibre = Fibre::new(n, s);
+                    let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
+                    let stretch = fibre.stretch * (1.0 + strain[3] + bent);
+                    out[2 * m] = out[2 * m].min(stretch);
+                    out[2 * m + 1] = out[2 * m + 1].max(stretch);
+                }
+            }
+        }
+    }
+
     /// Materials of a section that are not linear, and how many fibres each has, in order.
     fn groups<'a>(&'a self, section: &'a FibreSection) -> impl Iterator<Item = (&'a Material, usize)> + 'a {
         let runs = section.materials.chunk_by(|a, b| a == b).map(|run| (&self.materials[run[0]], run.len()));

@@ -8,6 +8,7 @@ from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.points import SphereGroup
+from flexor.model.schema.pressure import Pressure
 from flexor.model.validation import field_error
 
 MAX_BODIES = 2_000
@@ -19,7 +20,7 @@ def check_size(
     bodies: Mapping[str, Body],
     spheres: Mapping[str, SphereGroup],
     contacts: Mapping[str, Contact],
-    actuators: Mapping[str, Actuator],
+    actuators: Mapping[str, Actuator | Pressure],
 ) -> None:
     """Check the numbers of bodies, sample points and pairs of spheres.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexor.model.schema.actuator import Actuator
+from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
@@ -16,10 +17,23 @@ from flexor.model.schema.force import Force
 from flexor.model.schema.limits import check_size
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
+from flexor.model.schema.pressure import Pressure
+from flexor.model.schema.section_geometry import check_section
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.start import StartTable
 from flexor.model.schema.table import Name
 from flexor.model.schema.wrench import Wrench
+
+
+def _kind(value: Any) -> str:
+    kind = value.get("kind") if isinstance(value, Mapping) else getattr(value, "kind", None)
+    return "pressure" if kind == "pressure" else "thread"
+
+
+AnyActuator = Annotated[
+    Annotated[Actuator, Tag("thread")] | Annotated[Pressure, Tag("pressure")],
+    Discriminator(_kind),
+]
 
 
 class ModelFile(BodySystem):
@@ -31,7 +45,7 @@ class ModelFile(BodySystem):
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)
     obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
-    actuators: dict[Name, Actuator] = Field(default_factory=dict)
+    actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     design: Design | None = None
@@ -45,6 +59,9 @@ class ModelFile(BodySystem):
         """Check the consistency of the tables."""
         check_names({table: getattr(self, table) for table in self.named_tables()})
         check_tree(self.bodies)
+        for name, body in self.bodies.items():
+            if isinstance(body, Rod):
+                check_section(body, f"bodies.{name}", self.materials)
         for name, group in self.spheres.items():
             group.check(f"spheres.{name}", self.bodies)
         for table, name, force in self.forces():
