@@ -96,7 +96,7 @@ def test_the_unmodified_file_is_valid() -> None:
             'name = "good"',
             'name = "good"\ngravitiy = { z = "-9.81 m/s^2" }',
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
-            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
+            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", "obstacles", '
             '"actuators", '
             '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
         ),
@@ -124,7 +124,7 @@ def test_the_unmodified_file_is_valid() -> None:
         (
             'kind = "chamber"\n',
             "",
-            'actuators.chamber.kind is missing: expected one of "chamber", "cable".',
+            'actuators.chamber.kind is missing: expected one of "chamber", "cable", "pressure".',
         ),
         (
             'stiffness = "100 N/m"',
@@ -401,7 +401,7 @@ def test_the_unmodified_file_is_valid() -> None:
         (
             'kind = "chamber"',
             'kind = "tendon"',
-            'actuators.chamber.kind is "tendon": expected one of "chamber", "cable".',
+            'actuators.chamber.kind is "tendon": expected one of "chamber", "cable", "pressure".',
         ),
         (
             'body = "nail"\nat = 0.5',

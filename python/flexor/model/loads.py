@@ -162,14 +162,13 @@ def _range(text: str, path: str, dimension: Dimension) -> list[float]:
 
 def _range_in_unit(text: str, path: str, dimension: Dimension) -> list[float]:
     """Parse a range whose last number has the unit of all."""
-    match = re.search(r"[A-Za-z].*$", text)
-    unit = match[0].strip() if match else ""
-    number = text.removesuffix(unit)
+    last = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(.*?)\s*", text.split(":")[-1])
+    unit = last[1] if last else ""
     try:
         dimension.parse(f"1 {unit}" if unit else "1")
     except PydanticCustomError as error:
         raise InputError(f'{path} is "{text}": {error.message().split(": ")[-1]}.') from None
-    parts = [part.strip().removesuffix(unit).strip() for part in number.split(":")]
+    parts = [part.strip().removesuffix(unit).strip() for part in text.split(":")]
     steps = _steps(parts, text, path, dimension)
     return [float(dimension.parse(f"{step} {unit}")) for step in steps]
 
