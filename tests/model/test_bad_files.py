@@ -96,8 +96,8 @@ def test_the_unmodified_file_is_valid() -> None:
             'name = "good"',
             'name = "good"\ngravitiy = { z = "-9.81 m/s^2" }',
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
-            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", "obstacles", '
-            '"actuators", '
+            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
+            '"obstacles", "actuators", '
             '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
         ),
         (

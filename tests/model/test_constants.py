@@ -126,8 +126,8 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             "8 cm",
             'unknown field "siut" (did you mean "suit"?): expected one of "suit", "chamber", '
             '"name", '
-            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", "obstacles", '
-            '"actuators", '
+            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
+            '"obstacles", "actuators", '
             '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
         ),
         (

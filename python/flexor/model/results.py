@@ -308,8 +308,8 @@ class Path(Results):
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with materials
-            ``max_strain``, the largest of a fibre, ``events`` (those on the way to the step), and ``q``, the generalized
-            coordinates by which another path can start there, with their names ``coordinates``; a
+            ``max_strain``, the largest of a fibre, ``events`` (those on the way to the step), and
+            ``q``, the generalized coordinates by which another path can start there, with their names ``coordinates``; a
             number that does not exist is None.
         """
         inputs = self.model.inputs

@@ -186,4 +186,4 @@ class Geometry:
             Of each material [kg/m³].
         """
         each = [moments((part.shape,))[:3] * densities[part.material] for part in self.parts]
-        return np.sum(each, axis=0)
+        return np.asarray(np.sum(each, axis=0))

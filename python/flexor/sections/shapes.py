@@ -1,7 +1,7 @@
 """Shapes in a cross-section, cut into cells by Gauss quadrature.
 
-Sizes are linear in the surface S(X), so that cells are at places linear in S and have areas quadratic
-in S: a shape is cut up once for every S.
+Sizes are linear in the surface S(X), so that cells are at places linear in S and have areas
+quadratic in S: a shape is cut up once for every S.
 """
 
 from __future__ import annotations

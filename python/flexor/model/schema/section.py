@@ -16,7 +16,7 @@ from flexor.model.units import (
     LineDensity,
     PositiveLength,
 )
-from flexor.model.validation import describe, field_error
+from flexor.model.validation import field_error
 
 Samples = Annotated[tuple[PositiveLength, ...], Field(min_length=2)]
 SOLID = ("circular", "elliptic", "rectangular")
@@ -167,8 +167,8 @@ class Composite(Table):
 class Stiffness(Table):
     """Stiffness as a section program prints it, about the axis.
 
-    EA; ES_y = ∫ E z dA, ES_z = ∫ E y dA; EI_yy = ∫ E z² dA, EI_zz = ∫ E y² dA, EI_yz = ∫ E y z dA; GJ;
-    GA_y, GA_z. Or the whole symmetric matrix in SI units, in the order twist_x, bend_y, bend_z,
+    EA; ES_y = ∫ E z dA, ES_z = ∫ E y dA; EI_yy = ∫ E z² dA, EI_zz = ∫ E y² dA,
+    EI_yz = ∫ E y z dA; GJ; GA_y, GA_z. Or the whole symmetric matrix in SI units, in the order twist_x, bend_y, bend_z,
     extend_x, shear_y, shear_z.
     """
 
@@ -213,7 +213,7 @@ class Stiffness(Table):
         return tuple(name for name in cls.model_fields if name[0] in "EG")
 
     def full(self) -> list[list[float]]:
-        """The 6 × 6 matrix [SI], in the order of the strain modes."""
+        """Return the 6 × 6 matrix [SI], in the order of the strain modes."""
         if self.matrix is not None:
             return [[float(value) for value in row] for row in self.matrix]
         n = {name: float(getattr(self, name) or 0.0) for name in self._names()}

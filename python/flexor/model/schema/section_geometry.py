@@ -1,4 +1,4 @@
-"""Sections of a rod along its length: from the tables to shapes, and to the engine's description."""
+"""Sections along a rod: from the tables to shapes, and to the engine's description."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def is_made_of_fibres(rod: Rod) -> bool:
 def gauss_points(rod: Rod) -> NDArray[np.intp]:
     """Return which sample points of a rod are Gauss points."""
     points = np.arange(rod.sample_count)
-    return points[points % (rod.gauss_points + 1) != 0]
+    return np.flatnonzero(points % (rod.gauss_points + 1))
 
 
 def check_section(rod: Rod, path: str, materials: Materials) -> None:
@@ -103,7 +103,7 @@ def _part_names(section: Composite) -> dict[int, str]:
 
 
 def _geometries(rod: Rod, materials: Materials) -> list[Geometry]:
-    """Return the section, once if its sizes do not vary other than with S, or at each Gauss point."""
+    """Return the section at each Gauss point, or once if its sizes vary with S only."""
     x = rod.sample_points[gauss_points(rod)]
     varies = any(isinstance(size, tuple) for size in _sizes(rod.section))
     return [_geometry(rod, materials, float(at)) for at in (x if varies else x[:1])]

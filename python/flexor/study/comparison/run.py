@@ -181,7 +181,7 @@ def _problems(
 ) -> dict[str, Problem]:
     wanted = named_objective(objective)
     if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
+        wanted = wanted.at(evaluation_forces(force, require_model(model).input_dimensions))
     problems: dict[str, Problem] = {}
     for each in _listed(parameters, "parameter set"):
         chosen = parameter_set(each, require_model(model).design)
