@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexor as package
-from flexor.cli.changes import load_changed
+from flexor.cli.values import load_changed
 from flexor.design import parameter_set
 
 

@@ -1,5 +1,6 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
+use super::budget::{Budget, Cancel};
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::{CriticalPoint, CriticalSearch};
 use super::damped_newton::DampedNewton;
@@ -65,13 +66,17 @@ struct LoadStep {
 }
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
-    /// For `model`, with the model's own parameters.
-    pub fn new(model: &'m Model<G, D, P>, options: ContinuationOptions) -> Self {
+    /// For `model`, with the model's own parameters. Solves end soon after `cancel` is requested.
+    pub fn new(
+        model: &'m Model<G, D, P>,
+        options: ContinuationOptions,
+        cancel: Option<&'m dyn Cancel>,
+    ) -> Self {
         debug_assert_eq!(options.validate(), Ok(()));
         let (n, inputs) = (model.dof(), model.inputs().len());
         let zeros = || vec![0.0; n];
         Self {
-            system: System::new(model),
+            system: System::new(model, Budget::new(&options, cancel)),
             predictor: Predictor::new(model, options.predictor),
             options,
             corrector: Corrector::new(options.corrector, options.newton, n),
@@ -112,7 +117,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.rate.fill(0.0);
         let mut status = Status::Converged;
         for (index, target) in loads.iter().enumerate() {
-            let before = self.system.iterations();
+            self.system.budget.restart();
             if status.is_equilibrium() {
                 let last = loads[index..].iter().all(|later| later == target);
                 let tangent_reuse = if last { 0.0 } else { self.options.accuracy.tangent_reuse_at_listed };
@@ -126,7 +131,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             } else {
                 status = Status::NotReached;
             }
-            let iterations = self.system.iterations() - before;
+            let iterations = self.system.budget.iterations();
             let stability = match status {
                 Status::Converged => self.system.stability(),
                 Status::Unstable => Stability::Unstable,
@@ -151,7 +156,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if max_norm(&self.rate) == 0.0 {
             return Status::Converged;
         }
-        let first = self.system.iterations();
         let max_displacement = if !self.system.model().has_switches() {
             self.options.max_displacement
         } else {
@@ -172,8 +176,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 if self.correct(next - lambda, self.tolerance_at(next, next - lambda, step)) {
                     break true;
                 }
-                if self.system.iterations() - first > self.options.max_iterations {
-                    return Status::IterationLimit;
+                if let Some(status) = self.system.budget.exhausted() {
+                    return status;
                 }
                 match control.shorten(lambda, next) {
                     Some(shorter) => next = shorter,
@@ -192,8 +196,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 self.predictor.forget_curvature();
                 control.restart();
             }
-            if self.system.iterations() - first > self.options.max_iterations {
-                return Status::IterationLimit;
+            if let Some(status) = self.system.budget.exhausted() {
+                return status;
             }
             lambda = next;
             self.velocity.swap(0, 1);
@@ -419,12 +423,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// A stable equilibrium near the current state at the current load.
     pub(super) fn find_stable(&mut self, radius: f64, tangent_reuse: f64) -> Status {
-        let (tolerance, max_iterations) = (self.options.tolerance, self.options.max_iterations);
+        let tolerance = self.options.tolerance;
         if self.system.is_conservative() {
-            let target = Target { tolerance, tangent_reuse, max_iterations };
+            let target = Target { tolerance, tangent_reuse };
             self.trust_region.minimize_energy(&mut self.system, radius, target)
         } else {
-            self.damped_newton.solve(&mut self.system, tolerance, max_iterations)
+            self.damped_newton.solve(&mut self.system, tolerance)
         }
     }
 }

@@ -78,6 +78,8 @@ options! {
         tolerance: f64 = 1e-9, Interval::above(0.0).to(1.0);
         /// Iterations (tangents) allowed for one load step, all its sub-steps together.
         max_iterations: usize = 20_000, Interval::from(1.0).to(1e9);
+        /// Seconds allowed for one load step; what is reached by then depends on the machine.
+        max_seconds: f64 = f64::INFINITY, Interval::above(0.0).to(f64::INFINITY);
         /// Smallest sub-step along the load, as a fraction of the range of each input over the path.
         min_step: f64 = 1e-3, Interval::above(0.0).to(1.0);
         /// Longest predicted displacement of one sub-step (dimensionless norm over all coordinates).

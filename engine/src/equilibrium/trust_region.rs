@@ -8,7 +8,7 @@ use super::system::System;
 use super::vector::{max_norm, norm};
 use crate::lie::LieGroup;
 
-/// What a minimisation has to reach, and in how many iterations.
+/// What a minimisation has to reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     /// Dimensionless residual that suffices.
@@ -16,7 +16,6 @@ pub(super) struct Target {
     /// The tangent may be that of the last state but one where the last step left less than this share of
     /// the residual.
     pub tangent_reuse: f64,
-    pub max_iterations: usize,
 }
 
 /// Newton's method in a trust region.
@@ -43,8 +42,7 @@ impl TrustRegion {
         mut radius: f64,
         target: Target,
     ) -> Status {
-        let first = system.iterations();
-        let Target { tolerance, tangent_reuse, max_iterations } = target;
+        let Target { tolerance, tangent_reuse } = target;
         let mut size = system.evaluate();
         if !size.is_finite() {
             return Status::Diverged;
@@ -53,8 +51,8 @@ impl TrustRegion {
         let mut energy = system.data().energy();
         let (mut rejected, mut unrestrained) = (false, 0);
         let status = loop {
-            if system.iterations() - first > max_iterations {
-                break Status::IterationLimit;
+            if let Some(status) = system.budget.exhausted() {
+                break status;
             }
             if size <= tolerance && system.factorise(0.0) && system.has_converged(size, tolerance) {
                 break Status::Converged;

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexor.plot import arrows, planar, spatial
+from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
-from flexor.plot.scene import Scene
+from flexor.plot.scene import Scene, arrow_scale
 from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
 
 if TYPE_CHECKING:
@@ -31,31 +31,12 @@ def draw_path(
     load_unit: str = "N",
     history: History | None = None,
 ) -> Figure:
-    """Draw a model at every load step, to scale.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        One scene per load step.
-    loads : array_like, shape (s,)
-        The loads, for the legend [load_unit].
-    planar_model : bool
-        Draw in the x-z plane; otherwise in 3-D.
-    load_unit : str
-        Unit of the loads.
-    history : History, optional
-        What a panel below shows over the load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column wide. Rods are coloured by load; arrows are the contact forces on the limb.
-    """
+    """Draw a model at every load step, to scale."""
     from matplotlib.figure import Figure
 
     values = np.asarray(loads, dtype=np.float64)
     colours = [tuple(shade) for shade in shades(len(scenes))]
-    cm_per_newton, key = arrows.scale(scenes)
+    cm_per_newton, key = arrow_scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
         grid = figure.add_gridspec(1 if history is None else 2, 1)

@@ -29,21 +29,7 @@ def draw_scene(
     opacity: float = 1.0,
     depth: float = 1.0,
 ) -> None:
-    """Draw the bodies and lines of a scene, in centimetres.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scene : Scene
-        The scene.
-    colour : colour
-        Fill of the rods and edge of the links.
-    opacity : float
-        Opacity of the fills, 0 to 1.
-    depth : float
-        Drawing order; scenes of greater depth are on top.
-    """
+    """Draw the bodies and lines of a scene, in centimetres."""
     for link in scene.links:
         outline = capsule(
             _in_plane(link.base), _in_plane(link.tip), link.radius_base, link.radius_tip
@@ -81,21 +67,7 @@ def draw_contact_forces(
     colour: ColorType = FORCE,
     depth: float = 50.0,
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end at their points of application.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scene : Scene
-        The scene.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    colour : colour
-        Colour of the arrows.
-    depth : float
-        Drawing order.
-    """
+    """Draw the contact forces of a scene as arrows that end at their points of application."""
     if not scene.contact_arrows:
         return
     points = CM * np.array([_in_plane(arrow.point) for arrow in scene.contact_arrows])
@@ -118,27 +90,13 @@ def draw_contact_forces(
 
 
 def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorType = LINE) -> None:
-    """Draw the key of the contact forces in the lower left corner.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes; its limits must be set.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    force : float
-        Force of the key [N].
-    colour : colour
-        Colour of the arrow.
-    """
+    """Draw the key of the contact forces in the lower left corner."""
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
     x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
-    scene = Scene(
-        contact_arrows=[
-            ContactArrow(_point(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))
-        ]
-    )
+    tip = np.array([x + cm_per_newton * force, 0.0, y]) / CM
+    arrow = ContactArrow(tip, np.array([force, 0.0, 0.0]))
+    scene = Scene(contact_arrows=[arrow])
     draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
     axes.annotate(
         f"contact force {force:g} N",
@@ -153,19 +111,7 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
 def frame_axes(
     axes: Axes, scenes: Sequence[Scene], *, margin: float = 0.6, with_key: bool = False
 ) -> None:
-    """Set equal scales in centimetres and limits that include every scene.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scenes : sequence of Scene
-        The scenes to include.
-    margin : float
-        Margin around the scenes [cm].
-    with_key : bool
-        Leave space for the key of the contact forces.
-    """
+    """Set equal scales in centimetres and limits that include every scene."""
     corners = [scene.extent() for scene in scenes]
     low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - margin
     high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + margin
@@ -180,10 +126,6 @@ def height(axes: Axes, width: float) -> float:
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     return width * (top - bottom) / (right - left)
-
-
-def _point(x: float, z: float) -> NDArray[np.float64]:
-    return np.array([x / CM, 0.0, z / CM])
 
 
 def _in_plane(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

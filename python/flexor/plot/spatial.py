@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.plot.outline import Array, tube
+from flexor.arrays import Array
+from flexor.plot.outline import tube
 from flexor.plot.scene import Link, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
 
@@ -21,19 +22,7 @@ CM = 100.0
 def draw_scene(
     axes: Axes3D, scene: Scene, *, colour: ColorType = EXOSUIT, opacity: float = 1.0
 ) -> None:
-    """Draw the bodies and lines of a scene, in centimetres.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scene : Scene
-        The scene.
-    colour : colour
-        Colour of the rods.
-    opacity : float
-        Opacity of the surfaces, 0 to 1.
-    """
+    """Draw the bodies and lines of a scene, in centimetres."""
     for rod in scene.rods:
         width = rod.half_width[:, None] * rod.frames[:, :3, 1]
         height = rod.half_height[:, None] * rod.frames[:, :3, 2]
@@ -53,19 +42,7 @@ def draw_scene(
 def draw_contact_forces(
     axes: Axes3D, scene: Scene, *, cm_per_newton: float, colour: ColorType = FORCE
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end at their points of application.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scene : Scene
-        The scene.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    colour : colour
-        Colour of the arrows.
-    """
+    """Draw the contact forces of a scene as arrows that end at their points of application."""
     if not scene.contact_arrows:
         return
     points = CM * np.array([arrow.point for arrow in scene.contact_arrows])
@@ -74,17 +51,7 @@ def draw_contact_forces(
 
 
 def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> None:
-    """Set equal scales in centimetres and limits that include every scene.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scenes : sequence of Scene
-        The scenes to include.
-    margin : float
-        Margin around the scenes [cm].
-    """
+    """Set equal scales in centimetres and limits that include every scene."""
     from matplotlib.ticker import MaxNLocator
 
     corners = [scene.extent() for scene in scenes]

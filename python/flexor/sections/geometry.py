@@ -6,13 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.sections.linear import Linear
 from flexor.sections.shapes import Shape, moments
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,9 @@ from functools import cache
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.sections.linear import ZERO, Linear
-
-Array = NDArray[np.float64]
 
 # Quadrature points. Across a wall the strain varies little, along an arc like a sine.
 _ACROSS, _RADII, _QUARTER, _FLOOR = 2, 4, 6, 4

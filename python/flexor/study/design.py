@@ -22,7 +22,7 @@ class Design:
     Attributes
     ----------
     problem : Problem
-        What it is a design of.
+        The design problem.
     vector : (k,) array
         Parameters, SI, in the order of the set's labels.
     value : float
@@ -30,7 +30,7 @@ class Design:
     shown : float
         The objective's quantity for display; NaN if failed.
     reason : str
-        Empty, or why it failed.
+        Reason of the failure; empty if there is none.
     joint_angles : (steps, j) array
         Along the path [rad].
     tip_force : (steps,) array
@@ -88,14 +88,16 @@ class Design:
         """Exact derivatives with respect to its parameters, evaluated anew."""
         return Sensitivity.of(self.problem, self.vector)
 
-    def __repr__(self) -> str:
+    @property
+    def text(self) -> str:
+        """Parameters in display units, such as ``"L = 8 cm, R_0 = 0.7 cm"``."""
         chosen = self.problem.parameters
-        shown = ", ".join(
-            f"{label} = {value / scale:.4g}{'' if unit == '1' else ' ' + unit}"
-            for label, value, scale, unit in zip(
-                chosen.labels, self.vector, chosen.scale, chosen.units, strict=True
-            )
-        )
+        units = ["" if unit == "1" else f" {unit}" for unit in chosen.units]
+        values = (self.vector / chosen.scale).tolist()
+        cells = zip(chosen.labels, values, units, strict=True)
+        return ", ".join(f"{label} = {value:.4g}{unit}" for label, value, unit in cells)
+
+    def __repr__(self) -> str:
         objective = self.problem.objective
         said = self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
-        return f"<Design {shown}: {said}>"
+        return f"<Design {self.text}: {said}>"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Rod
@@ -14,15 +14,35 @@ from flexor.model.schema.checks import check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
-from flexor.model.schema.limits import check_size
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section_geometry import check_section
 from flexor.model.schema.spring import Spring
-from flexor.model.schema.start import StartTable
-from flexor.model.schema.table import Name
+from flexor.model.schema.table import Name, Number
 from flexor.model.schema.wrench import Wrench
+from flexor.model.validation import describe, field_error
+
+# Limits of size, so that a short file cannot ask for unbounded time and memory.
+MAX_BODIES = 2_000
+MAX_POINTS = 200_000
+MAX_PAIRS = 2_000_000
+
+StartValue = str | float
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise field_error(f'is {describe(value)}: write a coordinate, such as "20 deg"')
+    return value
+
+
+def _entry(value: object) -> object:
+    return value if isinstance(value, dict) else _value(value)
+
+
+_Value = Annotated[StartValue, BeforeValidator(_value)]
+StartTable = dict[Name, Annotated[StartValue | dict[Name, _Value], BeforeValidator(_entry)]]
 
 
 def _kind(value: Any) -> str:
@@ -51,6 +71,7 @@ class ModelFile(BodySystem):
     design: Design | None = None
     evaluation: Evaluation = Evaluation()
     start: StartTable = Field(default_factory=dict)
+    solver: dict[Name, Number] = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
@@ -59,16 +80,16 @@ class ModelFile(BodySystem):
         """Check the consistency of the tables."""
         check_names({table: getattr(self, table) for table in self.named_tables()})
         check_tree(self.bodies)
-        for name, body in self.bodies.items():
-            if isinstance(body, Rod):
-                check_section(body, f"bodies.{name}", self.materials)
         for name, group in self.spheres.items():
             group.check(f"spheres.{name}", self.bodies)
         for table, name, force in self.forces():
             force.check(f"{table}.{name}", self)
         if self.design is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
-        check_size(self.bodies, self.spheres, self.contacts, self.actuators)
+        self._check_size()
+        for name, body in self.bodies.items():
+            if isinstance(body, Rod):
+                check_section(body, f"bodies.{name}", self.materials)
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():
@@ -76,6 +97,28 @@ class ModelFile(BodySystem):
             for table, name, force in self.forces():
                 force.check_planar(f"{table}.{name}")
         return self
+
+    def _check_size(self) -> None:
+        """Check the numbers of bodies, sample points and pairs of spheres."""
+        if len(self.bodies) > MAX_BODIES:
+            raise field_error(f"has {len(self.bodies):,} entries: at most {MAX_BODIES:,}", "bodies")
+        rods = {name: body for name, body in self.bodies.items() if isinstance(body, Rod)}
+        points = sum(rod.sample_count for rod in rods.values())
+        points += sum(rods[each.rod].sample_count for each in self.actuators.values())
+        if points > MAX_POINTS:
+            tail = f"have {points:,} sample points, counted again for each actuator: at most"
+            raise field_error(f"{tail} {MAX_POINTS:,}", "bodies")
+        counts = {
+            name: len(group.points)
+            + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
+            for name, group in self.spheres.items()
+        }
+        pairs = 0
+        for name, contact in self.contacts.items():
+            pairs += counts[contact.first] * counts[contact.second]
+            if pairs > MAX_PAIRS:
+                tail = f"has too many pairs of spheres: all contacts together at most {MAX_PAIRS:,}"
+                raise field_error(tail, path=f"contacts.{name}")
 
     def forces(self) -> Iterator[tuple[str, str, Force]]:
         """Yield table, name and description of each force, in the order of the fields."""

@@ -168,8 +168,8 @@ class Stiffness(Table):
     """Stiffness as a section program prints it, about the axis.
 
     EA; ES_y = ∫ E z dA, ES_z = ∫ E y dA; EI_yy = ∫ E z² dA, EI_zz = ∫ E y² dA,
-    EI_yz = ∫ E y z dA; GJ; GA_y, GA_z. Or the whole symmetric matrix in SI units, in the order twist_x, bend_y, bend_z,
-    extend_x, shear_y, shear_z.
+    EI_yz = ∫ E y z dA; GJ; GA_y, GA_z. Or the whole symmetric matrix in SI units, in the order
+    twist_x, bend_y, bend_z, extend_x, shear_y, shear_z.
     """
 
     kind: Literal["stiffness"]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor import sections
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
@@ -32,7 +33,6 @@ from flexor.model.validation import field_error
 from flexor.sections import Geometry, Linear
 from flexor.sections.shapes import moments
 
-Array = NDArray[np.float64]
 Materials = Mapping[str, Material]
 
 
