@@ -142,6 +142,8 @@ def report(path: Path) -> None:
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")
+    for warning in path.warnings:
+        say(f"warning: {warning}")
     for event in path.events:
         say(_describe_event(event, path))
 

@@ -15,6 +15,7 @@ from flexor.errors import InputError
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.geometry import Geometry, GeometryJacobian
+from flexor.model.limits import exceeded
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -311,7 +312,7 @@ class Path(Results):
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with materials
-            ``max_strain``, the largest of a fibre, ``events`` (those on the way to the step), and
+            ``max_strain``, the largest of a fibre, and `warnings`; ``events`` (those on the way to the step), and
             ``q``, the generalized coordinates by which another path can start there, with their
             names ``coordinates``; a number that does not exist is None.
         """
@@ -341,6 +342,11 @@ class Path(Results):
             "q": _plain(self.q),
         }
 
+    @property
+    def warnings(self) -> list[str]:
+        """Materials that see more strain or stress than they should, a sentence each."""
+        return exceeded(self)
+
     def _of_device(self) -> dict[str, Any]:
         shown: dict[str, Any] = {}
         pressures = self.model.pressures
@@ -348,6 +354,7 @@ class Path(Results):
             shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
         if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
             shown["max_strain"] = _plain(self.max_strain)
+            shown["warnings"] = self.warnings
         return shown
 
 
