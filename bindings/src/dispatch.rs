@@ -50,6 +50,7 @@ pub struct State {
     pub tangent: Vec<f64>,
     pub lengths: Vec<f64>,
     pub volumes: Vec<f64>,
+    pub tensions: Vec<f64>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
     pub contacts: Vec<ContactForce>,
@@ -77,6 +78,7 @@ impl AnyModel {
             data.volumes(model, q, &mut volumes);
             State {
                 volumes,
+                tensions: data.spring_tensions(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),

@@ -148,6 +148,15 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.volumes.into_pyarray(py))
     }
 
+    fn spring_tensions<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.tensions.into_pyarray(py))
+    }
+
     fn frames<'py>(
         &self,
         py: Python<'py>,

@@ -155,6 +155,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.pressures.volumes(q, &self.design.forces.pressures, out);
     }
 
+    /// Tension of each spring [N] at the last state evaluated.
+    pub fn spring_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.springs.tensions(&self.state(model, &[], &[]))
+    }
+
     /// Least and greatest stretch of the fibres of each material at the state `q`.
     pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
         model.forces.fibres.stretches(&model.tree, &self.design.geometry.parameters, q, out);

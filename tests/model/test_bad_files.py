@@ -98,7 +98,7 @@ def test_the_unmodified_file_is_valid() -> None:
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
+            '"springs", "straps", "wrenches", "design", "evaluation", "start", "constants", "use".',
         ),
         (
             'length = "4 cm"',

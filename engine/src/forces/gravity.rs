@@ -53,7 +53,7 @@ impl<const P: usize> Gravity<P> {
         let bodies = if acceleration == Vector::ZERO { &[][..] } else { &tree.bodies };
         let mut push = |part, frame, place| {
             masses.push(PointMass { point: tree.points.len(), part });
-            tree.points.push(Point { frame, place, offset: Vector::ZERO });
+            tree.points.push(Point { frame, place, offset: Vector::ZERO, surface: None });
         };
         for (b, body) in bodies.iter().enumerate() {
             match &body.shape {

@@ -215,5 +215,8 @@ pub enum AttachmentDescription {
         /// Offset from there, in the local frame [m].
         #[serde(default)]
         offset: [f64; 3],
+        /// Further offset, in multiples of the body's radius there.
+        #[serde(default)]
+        surface: [f64; 3],
     },
 }

@@ -1,4 +1,4 @@
-"""Whether materials see more strain or stress than they should."""
+"""Whether materials and straps see more than they should."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from flexor.model.results import Path
 
 
-def exceeded(path: Path) -> list[str]:
+def materials_exceeded(path: Path) -> list[str]:
     """List the materials beyond their limits, a sentence each.
 
     Parameters
@@ -41,14 +41,29 @@ def exceeded(path: Path) -> list[str]:
             (-stretch.min(axis=1), 0.0, "has a fibre with the stretch {:.3g}", "above 0"),
         ]
         for values, limit, sentence, allowed in checks:
-            steps = np.flatnonzero(values >= limit) if limit is not None else []
-            if len(steps):
-                worst = float(np.nanmax(values)) if limit else float(stretch.min())
-                load = f"{path.force[steps[0]] / size:.4g} {unit}"
-                found.append(
-                    f'material "{name}" {sentence.format(worst)}, from {load} on beyond its limit '
-                    f"of {allowed.format(limit)}"
-                )
+            if limit is None or not (values >= limit).any():
+                continue
+            worst = float(np.nanmax(values)) if limit else float(np.nanmin(stretch))
+            load = f"{path.force[np.argmax(values >= limit)] / size:.4g} {unit}"
+            found.append(
+                f'material "{name}" {sentence.format(worst)}, from {load} on beyond its limit '
+                f"of {allowed.format(limit)}"
+            )
+    return found
+
+
+def straps_exceeded(path: Path) -> list[str]:
+    """List the straps beyond their limits, a sentence each; see `materials_exceeded`."""
+    size, unit = path.model.load_unit()
+    found = []
+    for name, forces in path.strap_forces().items():
+        limit = path.model.file.straps[name].limit
+        if limit is not None and (forces > limit).any():
+            load = f"{path.force[np.argmax(forces > limit)] / size:.4g} {unit}"
+            found.append(
+                f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
+                f"limit of {limit:.4g} N"
+            )
     return found
 
 

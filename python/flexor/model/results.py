@@ -15,7 +15,7 @@ from flexor.errors import InputError
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.geometry import Geometry, GeometryJacobian
-from flexor.model.limits import exceeded
+from flexor.model.limits import materials_exceeded, straps_exceeded
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -311,8 +311,9 @@ class Path(Results):
         dict
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
-            ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with materials
-            ``max_strain``, the largest of a fibre, and `warnings`; ``events`` (those on the way to the step), and
+            ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with straps
+            ``strap_force`` [N] likewise, with materials ``max_strain``, the largest of a fibre, and
+            `warnings`; ``events`` (those on the way to the step), and
             ``q``, the generalized coordinates by which another path can start there, with their
             names ``coordinates``; a number that does not exist is None.
         """
@@ -342,18 +343,32 @@ class Path(Results):
             "q": _plain(self.q),
         }
 
+    def strap_forces(self) -> dict[str, Array]:
+        """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
+        file = self.model.file
+        tensions = np.full((len(self), len(file.springs) + len(file.straps)), np.nan)
+        if not file.straps:
+            return {}
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
+            tensions[step] = self.model.engine.spring_tensions(self.parameters, self.q[step])
+        columns = tensions[:, len(file.springs) :].T
+        return dict(zip(file.straps, columns, strict=True))
+
     @property
     def warnings(self) -> list[str]:
-        """Materials that see more strain or stress than they should, a sentence each."""
-        return exceeded(self)
+        """Materials and straps beyond their limits, a sentence each."""
+        return materials_exceeded(self) + straps_exceeded(self)
 
     def _of_device(self) -> dict[str, Any]:
         shown: dict[str, Any] = {}
         pressures = self.model.pressures
         if pressures and self.volume is not None:
             shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
+        if forces := self.strap_forces():
+            shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
         if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
             shown["max_strain"] = _plain(self.max_strain)
+        if self.model.file.materials or self.model.file.straps:
             shown["warnings"] = self.warnings
         return shown
 

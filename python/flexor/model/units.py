@@ -199,6 +199,7 @@ PositiveStiffnessPerLength = Annotated[float, QuantityField(STIFFNESS_PER_LENGTH
 AngularStiffness = Annotated[float, QuantityField(ANGULAR_STIFFNESS, "non-negative")]
 PositiveAngularStiffness = Annotated[float, QuantityField(ANGULAR_STIFFNESS, "positive")]
 Force = Annotated[float, QuantityField(FORCE)]
+NonNegativeForce = Annotated[float, QuantityField(FORCE, "non-negative")]
 PositiveForce = Annotated[float, QuantityField(FORCE, "positive")]
 Moment = Annotated[float, QuantityField(MOMENT)]
 Density = Annotated[float, QuantityField(DENSITY, "non-negative")]

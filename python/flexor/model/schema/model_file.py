@@ -19,6 +19,7 @@ from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section_geometry import check_section
 from flexor.model.schema.spring import Spring
+from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
@@ -67,6 +68,7 @@ class ModelFile(BodySystem):
     obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
     actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
+    straps: dict[Name, Strap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     design: Design | None = None
     evaluation: Evaluation = Evaluation()

@@ -7,10 +7,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.cavity import lower_cavity
 from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.section import cavities_of
-from flexor.model.schema.section_geometry import lower_cavity
 from flexor.model.schema.table import Name, Number
 from flexor.model.validation import field_error
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,12 +25,10 @@ from flexor.model.schema.section import (
     Solid,
     Stiffness,
     Tube,
-    cavities_of,
     materials_of,
 )
 from flexor.model.validation import field_error
 from flexor.sections import Geometry, Linear
-from flexor.sections.shapes import moments
 
 Materials = Mapping[str, Material]
 
@@ -78,7 +75,7 @@ def check_section(rod: Rod, path: str, materials: Materials) -> None:
         return
     radius, _ = surface(rod.radius, rod.sample_points)
     points = gauss_points(rod)
-    built = _geometries(rod, materials)
+    built = geometries(rod, materials)
     try:
         for index, point in enumerate(points):
             geometry = built[index % len(built)]
@@ -102,7 +99,7 @@ def _part_names(section: Composite) -> dict[int, str]:
     return {place: f"parts[{i}]" for place, i in enumerate(order)}
 
 
-def _geometries(rod: Rod, materials: Materials) -> list[Geometry]:
+def geometries(rod: Rod, materials: Materials) -> list[Geometry]:
     """Return the section at each Gauss point, or once if its sizes vary with S only."""
     x = rod.sample_points[gauss_points(rod)]
     varies = any(isinstance(size, tuple) for size in _sizes(rod.section))
@@ -187,7 +184,7 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
         return (rod.section.ratio or 1.0) * radius
     if isinstance(rod.section, Stiffness):
         return radius
-    parts = _geometries(rod, materials)[0].parts
+    parts = geometries(rod, materials)[0].parts
     return np.array([max(part.shape.extent(float(s))[1] for part in parts) for s in radius])
 
 
@@ -216,7 +213,7 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
             "clearances": [],
         }
         return {"rod": name, "sections": [described], "of_gauss": [0] * count}
-    built = _geometries(rod, materials)
+    built = geometries(rod, materials)
     radius, _ = surface(rod.radius, rod.sample_points)
     radii = radius[gauss_points(rod)]
     index = {material: i for i, material in enumerate(materials)}
@@ -239,79 +236,3 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
     ]
     of_gauss = list(range(count)) if len(built) > 1 else [0] * count
     return {"rod": name, "sections": lowered, "of_gauss": of_gauss}
-
-
-@lru_cache(maxsize=64)
-def _rule(points: int) -> tuple[Array, Array]:
-    x, w = np.polynomial.legendre.leggauss(points)
-    return 0.5 * (x + 1.0), 0.5 * w
-
-
-def lower_cavity(
-    rod: Rod, cavity: str, span: tuple[float, float], materials: Materials
-) -> dict[str, Any]:
-    """Describe to the engine what a pressure in a cavity acts on.
-
-    Parameters
-    ----------
-    rod
-        The rod.
-    cavity
-        Name of the cavity.
-    span
-        Where it is, X in [0, 1].
-    materials
-        The materials of the file.
-    """
-    built = _geometries(rod, materials)
-    points = gauss_points(rod)
-    radius, _ = surface(rod.radius, rod.sample_points)
-    share, weights = _shares(rod, span)
-    enclosed = 0.0
-    for place, point in enumerate(points):
-        hollow = built[place % len(built)].cavities[cavity]
-        s = float(radius[point])
-        solid = moments(hollow.enclosed) - moments(hollow.shapes)
-        curved = [
-            float(getattr(rod.reference_strain, key)) for key in ("extend_x", "bend_y", "bend_z")
-        ]
-        area, y, z = _at(solid, s)
-        swept = area * curved[0] + z * curved[1] - y * curved[2]
-        enclosed += weights[place] * share[place] * float(rod.length) * swept
-    return {
-        "sections": [moments(geometry.cavities[cavity].enclosed).tolist() for geometry in built],
-        "of_gauss": list(range(len(points))) if len(built) > 1 else [0] * len(points),
-        "share": share.tolist(),
-        "enclosed": enclosed,
-    }
-
-
-def _at(coefficients: Array, s: float) -> tuple[float, float, float]:
-    parts = (coefficients[:3], coefficients[3:7], coefficients[7:])
-    area, y, z = (float(np.polynomial.polynomial.polyval(s, part)) for part in parts)
-    return area, y, z
-
-
-def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the share of each Gauss point's weight in a span, and the weights.
-
-    Within an element that the span covers in part, the weights integrate over that part the
-    polynomials through the Gauss points.
-    """
-    nodes, weights = _rule(rod.gauss_points)
-    share = np.zeros((rod.elements, rod.gauss_points))
-    inner, inner_weights = _rule(rod.gauss_points)
-    for element in range(rod.elements):
-        low, high = np.clip(np.array(span) * rod.elements - element, 0.0, 1.0)
-        if high - low == 1.0:
-            share[element] = 1.0
-            continue
-        for k in range(rod.gauss_points):
-            others = np.delete(nodes, k)
-            at = low + (high - low) * inner
-            values = np.prod((at[:, None] - others) / (nodes[k] - others), axis=1)
-            share[element, k] = (high - low) * (inner_weights @ values) / weights[k]
-    return share.ravel(), np.tile(weights / rod.elements, rod.elements)
-
-
-__all__ = ["cavities_of", "check_section", "is_made_of_fibres", "lower_cavity", "lower_fibres"]
