@@ -25,6 +25,7 @@ mod critical;
 mod damped_newton;
 mod factor;
 mod general;
+mod jump;
 mod newton;
 mod option_info;
 mod options;

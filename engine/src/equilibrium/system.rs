@@ -401,12 +401,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve_transposed(b);
     }
 
-    /// aᵀHb of the dimensionless tangent; `work` is scratch.
-    pub(super) fn form(&self, a: &[f64], b: &[f64], work: &mut [f64]) -> f64 {
-        let n = a.len();
+    /// The dimensionless tangent at hand, row by row.
+    pub(super) fn scaled_tangent(&mut self) -> Vec<f64> {
+        self.complete_tangent();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
-        work.iter_mut().zip(b.iter().zip(scale)).for_each(|(w, (b, s))| *w = b * s);
-        (0..n).map(|i| dot(&tangent[i * n..(i + 1) * n], work) * a[i] * scale[i]).sum()
+        let rows = tangent.chunks(scale.len()).zip(scale);
+        rows.flat_map(|(row, s)| row.iter().zip(scale).map(move |(h, t)| h * s * t)).collect()
     }
 
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.

@@ -20,6 +20,14 @@ from flexor.errors import ClusterError, InputError
 class Command(TyperCommand):
     """A command that refuses options given twice, of which the last would win silently."""
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; report an interruption that the command itself does not."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            print_error("interrupted.")
+            return INTERRUPTED
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Check for repeated options before parsing."""
         names = {

@@ -194,7 +194,7 @@ def _as_json(
             }
             for name in result.sets
         },
-        "summaries": [asdict(each) for each in result.summaries()],
+        "summaries": result.summaries(),
         "seconds": seconds,
         "folder": place,
         "files": files,

@@ -8,6 +8,7 @@ import math
 import sys
 import warnings
 from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -82,11 +83,13 @@ def print_warnings() -> None:
 
 
 def print_json(values: Mapping[str, Any]) -> None:
-    """Print a JSON object to stdout; a number that is not finite becomes null."""
+    """Print a JSON object to stdout: dataclasses as objects, null for numbers not finite."""
     print(json.dumps(_plain_value(values), allow_nan=False))
 
 
 def _plain_value(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
     if isinstance(value, Mapping):
         return {key: _plain_value(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):

@@ -10,15 +10,8 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
-from flexor.cli.folders import (
-    check_resumable,
-    executor_for,
-    interrupted,
-    new_folder,
-    save_figure,
-)
+from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
-from flexor.cli.table import number
 from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError, InputError
 
@@ -164,13 +157,11 @@ def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> 
 
 
 def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
-    objective, failed = result.problem.objective, int(result.failed.sum())
     size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
-    if failed < result.value.size:
+    if not result.failed.all():
         best = result.minimum
-        value = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
-        sentences.append(f"Minimum of the grid at {best.text}: {value}.")
+        sentences.append(f"Minimum of the grid at {best.text}: {best.result}.")
         minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
             f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "

@@ -70,12 +70,8 @@ class SearchProgress(LiveLine):
 
     def __call__(self, at: StudyProgress) -> None:
         """Update the line with the state of the search."""
-        parts = ["all designs failed so far"]
-        if at.best is not None:
-            objective = at.best.problem.objective
-            shown = f"{number(at.best.shown)} {objective.unit}".rstrip()
-            parts = [f"best {objective.quantity} {shown}"]
-        parts.append(f"{at.evaluations:,} designs")
+        best = "all designs failed so far" if at.best is None else f"best {at.best.result}"
+        parts = [best, f"{at.evaluations:,} designs"]
         if at.rate:
             parts.append(f"{at.rate:,.0f}/s")
         total = None if at.remaining is None else at.evaluations + at.remaining

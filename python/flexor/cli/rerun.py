@@ -105,15 +105,13 @@ def _truncated(text: str) -> str:
 
 def _as_json(result: Rerun, seconds: float) -> dict[str, Any]:
     """Return the result, the first difference, and the changed versions."""
-    from dataclasses import asdict
-
     return {
         "same": result.same,
         "evaluations": result.evaluations,
-        "difference": None if result.difference is None else asdict(result.difference),
+        "difference": result.difference,
         "common": result.common,
         "deviation": result.deviation,
-        "changed": [asdict(each) for each in result.changed],
+        "changed": result.changed,
         "seconds": seconds,
         "folder": result.study.folder,
     }

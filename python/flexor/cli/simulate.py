@@ -91,6 +91,8 @@ def simulate(
         print_json(path.to_dict())
     else:
         report(path)
+        if force is None and len(path.model.inputs) > 1:
+            say(f"no load is given: --force {path.model.inputs[0]}=0:5:1 applies one")
     if plot is not None:
         from flexor import plot as figures
 
@@ -114,6 +116,9 @@ def report(path: Path) -> None:
     headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
     if len(angular) > 1:
         headings.append("sum / °")
+    slides = [name for name in path.model.joints if name not in angular]
+    travel = 1e3 * path.joint_angles[:, [path.model.joints.index(name) for name in slides]]
+    headings += [f"{name} / mm" for name in slides]
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
     has_contacts = bool(path.model.file.contacts)
@@ -127,6 +132,7 @@ def report(path: Path) -> None:
         cells += [fixed(angle) for angle in angles[step]]
         if len(angular) > 1:
             cells.append(fixed(angles[step].sum()))
+        cells += [fixed(length) for length in travel[step]]
         for rod in tips:
             tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
             cells.append(", ".join(fixed(x) for x in tip))

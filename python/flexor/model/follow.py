@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, get_args
@@ -59,9 +60,7 @@ def follow(
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
     whole: dict[str, Any] = {}
-    # Ask for what the results need before the engine does, which would abort the process.
-    for size in (count, min(count, SIZE)):
-        np.empty((size, len(steps), model.engine.dof + 8))
+    _ask_for_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = model.geometry_slots(geometry[chunk])
@@ -85,6 +84,15 @@ def follow(
             target[chunk] = array
     angles = whole["q"][:, :, model.joint_columns]
     return Paths(model=model, loads=loads, joint_angles=angles, **whole, **_arrays(geometry))
+
+
+def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
+    """Raise MemoryError if the results do not fit, where the engine would abort the process."""
+    workers = min(count, threads or os.cpu_count() or 1)
+    chunk = min(count, SIZE)
+    # The results of all, those of a chunk from the engine and in Python, and the tangents.
+    shapes = [(each, steps, dof + 8) for each in (count, chunk, chunk)] + [(3, workers, dof * dof)]
+    _ = [np.empty(shape) for shape in shapes]
 
 
 def _free(

@@ -106,9 +106,7 @@ class Model(Structure):
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = self.design.checked(geometry)
-        begin = self._begin(start)
-        loads = self._loads(force)
+        batch, begin, loads = self.design.checked(geometry), self._begin(start), self._loads(force)
         return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
     def equilibrium(
@@ -126,8 +124,9 @@ class Model(Structure):
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input; the steps to the file's evaluation force unless given. They may rise,
-            fall and be negative. The path starts without load even if its first force is not zero.
+            of the input. They may rise, fall and be negative; the path starts without load even if
+            its first force is not zero. Unless given, the steps to the file's evaluation force; no
+            load if the model has several inputs.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
         start
@@ -169,8 +168,8 @@ class Model(Structure):
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
             return loads(force, self.input_dimensions)
-        if not self.inputs:
-            return np.zeros((1, 0))
+        if len(self.inputs) != 1:
+            return np.zeros((1, len(self.inputs)))
         return loads(self.evaluation_forces, self.input_dimensions)
 
 

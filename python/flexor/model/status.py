@@ -53,12 +53,6 @@ MEANINGS = MappingProxyType(
 
 
 def explained(status: str) -> str:
-    """Say in one sentence what a status means and what one can do.
-
-    Parameters
-    ----------
-    status
-        One of `flexor._engine.STATUS`.
-    """
+    """Say what a status, one of `flexor._engine.STATUS`, means and what one can do."""
     meaning, advice = MEANINGS[status]
     return f"{status}: {meaning}. What to do: {advice}."

@@ -87,22 +87,17 @@ class Dimension:
 
     def _factor(self, value: str, unit: str) -> Decimal:
         factor = _factor(unit, self.unit)
+        if isinstance(factor, Decimal):
+            return factor
+        near = [common for common in _COMMON if _joined(common) == _joined(unit)]
         if factor == "unknown":
-            squeezed = _joined(unit)
-            near = [common for common in _COMMON if _joined(common) == squeezed]
+            why = f" with the unknown unit {describe(unit)}"
             near += get_close_matches(unit[:60], _COMMON, n=1)
-            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
-            raise field_error(
-                f"is {describe(value)} with the unknown unit {describe(unit)}{suggestion}: "
-                f"{self.hint}"
-            )
-        if factor == "other":
-            near = [c for c in _COMMON if _joined(c) == _joined(unit) and c != unit]
-            near = [c for c in near if isinstance(_factor(c, self.unit), Decimal)]
-            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
-            tail = f"is {describe(value)}, which is not {self.name}{suggestion}: {self.hint}"
-            raise field_error(tail)
-        return factor
+        else:
+            why = f", which is not {self.name}"
+            near = [c for c in near if c != unit and isinstance(_factor(c, self.unit), Decimal)]
+        suggestion = f' (did you mean "{near[0]}"?)' if near else ""
+        raise field_error(f"is {describe(value)}{why}{suggestion}: {self.hint}")
 
 
 def _joined(unit: str) -> str:

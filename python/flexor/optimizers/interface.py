@@ -211,11 +211,5 @@ class Search(Protocol):
 
 
 def uses_gradients(search: Search) -> bool:
-    """Return whether a search uses gradients or Jacobians where available.
-
-    Parameters
-    ----------
-    search : Search
-        Declares it by an attribute ``gradients``.
-    """
+    """Return whether a search declares, by an attribute ``gradients``, that it uses them."""
     return bool(getattr(search, "gradients", False))

@@ -54,7 +54,7 @@ def read_history(path: Path) -> History | None:
     return History(loads[found], values[found], label, path.stable[found])
 
 
-def draw_history(axes: Axes, history: History, load_unit: str) -> None:
+def draw_history(axes: Axes, history: History) -> None:
     """Draw values over loads: stable parts solid, others dashed, arrows along the path."""
     loads, values, stable = history.loads, history.values, history.stable
     colours = shades(len(loads))
@@ -79,6 +79,6 @@ def draw_history(axes: Axes, history: History, load_unit: str) -> None:
     if not stable.all():
         axes.plot([], [], color=LINE, linewidth=1.2, linestyle=(0, (3, 2)), label="not stable")
         axes.legend(loc="best")
-    axes.set_xlabel(f"load / {load_unit}")
+    axes.set_xlabel("load / N")
     axes.set_ylabel(history.label)
     axes.grid(visible=True, linewidth=0.3, alpha=0.5)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 CM = 100.0
+MARGIN = 0.5  # cm, around the bodies
 
 
 def draw_scene(
@@ -50,13 +51,13 @@ def draw_contact_forces(
     axes.quiver(*(points - arrows).T, *arrows.T, color=colour, linewidth=1.0)
 
 
-def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> None:
+def frame_axes(axes: Axes3D, scenes: Sequence[Scene]) -> None:
     """Set equal scales in centimetres and limits that include every scene."""
     from matplotlib.ticker import MaxNLocator
 
     corners = [scene.extent() for scene in scenes]
-    low = CM * np.min([c[0] for c in corners], axis=0) - margin
-    high = CM * np.max([c[1] for c in corners], axis=0) + margin
+    low = CM * np.min([c[0] for c in corners], axis=0) - MARGIN
+    high = CM * np.max([c[1] for c in corners], axis=0) + MARGIN
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set(xlabel="x / cm", ylabel="y / cm", zlabel="z / cm")
     axes.set_box_aspect(tuple(high - low), zoom=0.82)
@@ -66,7 +67,7 @@ def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> No
         axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
 
 
-def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
+def _cone(link: Link) -> tuple[Array, Array, Array]:
     axis = link.tip - link.base
     length = float(np.linalg.norm(axis))
     along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
@@ -75,6 +76,6 @@ def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
     first = np.cross(along, other)
     first /= np.linalg.norm(first)
     second = np.cross(along, first)
-    station = np.linspace(0.0, 1.0, rings)[:, None]
+    station = np.linspace(0.0, 1.0, 12)[:, None]
     radius = link.radius_base + station * (link.radius_tip - link.radius_base)
     return tube(link.base + station * axis, radius * first, radius * second)

@@ -8,8 +8,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError, one_line
 from flexor.store import check_writable, replaced
 
@@ -66,7 +66,7 @@ def style() -> Iterator[None]:
         yield
 
 
-def shades(count: int) -> NDArray[np.float64]:
+def shades(count: int) -> Array:
     """Return colours (count, 4) for an ordered series, light to dark, evenly spaced in lightness.
 
     They are viridis without its palest end.
@@ -123,11 +123,6 @@ def writable(file: str | FilePath) -> FilePath:
     ----------
     file : str or pathlib.Path
         The file.
-
-    Returns
-    -------
-    pathlib.Path
-        The same path.
 
     Raises
     ------

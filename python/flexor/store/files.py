@@ -33,18 +33,7 @@ def check_regular(path: Path) -> bool:
 
 
 def check_writable(path: Path) -> None:
-    """Check, before the work that fills it, that a file can be written.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If it is a folder, or its folder does not exist or cannot be written.
-    """
+    """Check, before the work that fills it, that a file can be written."""
     why = ""
     if path.is_dir() and not path.is_symlink():
         why = "it is a folder"

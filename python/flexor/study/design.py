@@ -25,18 +25,14 @@ class Design:
         The design problem.
     vector : (k,) array
         Parameters, SI, in the order of the set's labels.
-    value : float
-        Value of the objective; +inf if the design failed.
-    shown : float
-        The objective's quantity for display; NaN if failed.
+    value, shown : float
+        The objective, +inf if the design failed, and its quantity for display, NaN then.
     reason : str
         Reason of the failure; empty if there is none.
     joint_angles : (steps, j) array
         Along the path [rad].
-    tip_force : (steps,) array
-        [N].
-    touching : (steps,) array
-        Spheres of the exosuit that touch.
+    tip_force, touching : (steps,) arrays
+        Tip force along the path [N], and spheres of the exosuit in contact.
     events, iterations : int
         Snaps and Newton iterations along the path.
     """
@@ -97,7 +93,11 @@ class Design:
         cells = zip(chosen.labels, values, units, strict=True)
         return ", ".join(f"{label} = {value:.4g}{unit}" for label, value, unit in cells)
 
-    def __repr__(self) -> str:
+    @property
+    def result(self) -> str:
+        """The reason of its failure, or the displayed quantity such as ``"bending 0.8 rad"``."""
         objective = self.problem.objective
-        said = self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
-        return f"<Design {self.text}: {said}>"
+        return self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
+
+    def __repr__(self) -> str:
+        return f"<Design {self.text}: {self.result}>"

@@ -60,7 +60,7 @@ class ObjectiveFunction:
     problem : Problem
         Model, parameter set and objective.
     failed : float
-        Value given for designs that fail, with a gradient of zero: optimisers compute with it.
+        Value returned for designs that fail, with a gradient of zero.
     """
 
     problem: Problem
@@ -109,26 +109,17 @@ def objective_function(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
-    parameters : str or ParameterSet
-        Design parameters.
-    objective : str or Objective
-        What is minimised; f_bc is differentiated with its count of contacts held.
-    force : (steps,) array, str or dict, optional
-        Actuation forces [N], as for `Model.equilibrium`, of which the last counts; by default the
-        objective's or the model's.
+    model, parameters, objective, force, engine_options
+        As for `flexor.optimize`; f_bc is differentiated with its count of contacts held.
     failed : float
-        Value given for designs that fail.
-    engine_options : dict, optional
-        Of the engine's solver.
+        Value returned for designs that fail.
 
     Returns
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
         and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds`
-        are evaluated like any other: line searches may try some.
+        are evaluated like any other.
 
     Raises
     ------

@@ -125,9 +125,9 @@ def optimize(
         if resume:
             _check_reproduces(study)
             work.save_settings()
-        record.note("finished", None)
+        record.database.note("finished", None)
         study.result = _search(study, search, first, seed, limit, progress, where)
-        record.note("finished", study.result.reason)
+        record.database.note("finished", study.result.reason)
         return study
 
 

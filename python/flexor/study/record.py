@@ -102,14 +102,6 @@ class Record:
         """Close the file."""
         self.database.close()
 
-    def note(self, key: str, value: Any) -> None:
-        """Keep a small value (anything JSON) with the record."""
-        self.database.note(key, value)
-
-    def noted(self, key: str) -> Any:
-        """Return what was noted, or None."""
-        return self.database.noted(key)
-
     def append(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
 

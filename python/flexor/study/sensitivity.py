@@ -27,14 +27,10 @@ class Sensitivity:
     ----------
     labels : tuple of k str
         The parameters.
-    steps : tuple of k str
-        Changes of the parameters in workshop units, for example ``"1 mm"``.
-    step : (k,) array
-        The same in SI.
-    joint_angles : (j, k) array
-        Derivatives of the joint angles at the last load [rad per SI unit].
-    tip_force : (k,) array
-        Of the tip force [N per SI unit].
+    steps, step : tuple of k str, (k,) array
+        Changes of the parameters in workshop units, for example ``"1 mm"``, and in SI.
+    joint_angles, tip_force : (j, k) array, (k,) array
+        Derivatives of the joint angles and the tip force at the last load [rad, N per SI unit].
     value : (k,) array or None
         Of the objective; None if it has no gradient.
     regularity : str

@@ -14,14 +14,7 @@ from flexor.errors import InputError, shortened
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
-from flexor.store import (
-    RECORD,
-    Database,
-    Header,
-    Kind,
-    check_regular,
-    read_settings,
-)
+from flexor.store import RECORD, Database, Header, Kind, check_regular, read_settings
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import TABLES, Record
 

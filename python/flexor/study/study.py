@@ -106,7 +106,7 @@ class Study:
     @property
     def finished(self) -> str | None:
         """Why the search ended; None if it has not."""
-        reason = self.record.noted("finished")
+        reason = self.record.database.noted("finished")
         return None if reason is None else str(reason)
 
     @property

@@ -28,6 +28,7 @@ from flexor.model.validation import describe, field_error
 MAX_BODIES = 2_000
 MAX_POINTS = 200_000
 MAX_PAIRS = 2_000_000
+MAX_STRAINS = 10_000  # of which the tangent takes 0.8 GB
 
 StartValue = str | float
 
@@ -101,7 +102,7 @@ class ModelFile(BodySystem):
         return self
 
     def _check_size(self) -> None:
-        """Check the numbers of bodies, sample points and pairs of spheres."""
+        """Check the numbers of bodies, sample points, strains and pairs of spheres."""
         if len(self.bodies) > MAX_BODIES:
             raise field_error(f"has {len(self.bodies):,} entries: at most {MAX_BODIES:,}", "bodies")
         rods = {name: body for name, body in self.bodies.items() if isinstance(body, Rod)}
@@ -110,6 +111,11 @@ class ModelFile(BodySystem):
         if points > MAX_POINTS:
             tail = f"have {points:,} sample points, counted again for each actuator: at most"
             raise field_error(f"{tail} {MAX_POINTS:,}", "bodies")
+        strains = sum(
+            basis.size(rod.elements) for rod in rods.values() for basis in rod.strain.modes.values()
+        )
+        if strains > MAX_STRAINS:
+            raise field_error(f"have {strains:,} strains: at most {MAX_STRAINS:,}", "bodies")
         counts = {
             name: len(group.points)
             + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
@@ -132,13 +138,7 @@ class ModelFile(BodySystem):
         return {key: value for key, value in document.items() if value != {}}
 
     def to_toml(self) -> str:
-        """Serialise the file as TOML.
-
-        Returns
-        -------
-        str
-            Text that parses to an equal `ModelFile`.
-        """
+        """Serialise the file as TOML that parses to an equal `ModelFile`."""
         import tomli_w
 
         return tomli_w.dumps(self.to_document())

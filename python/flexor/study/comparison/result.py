@@ -24,10 +24,8 @@ class SearchRun:
 
     Attributes
     ----------
-    parameters : str
-        Name of the parameter set.
-    method : str
-        Label of the method.
+    parameters, method : str
+        Name of the parameter set and label of the method.
     seed : int
         Random seed of start and method.
     result : SearchResult
@@ -92,18 +90,14 @@ class MethodComparison:
 
     Attributes
     ----------
-    model : str
-        Name of the model.
-    objective : Objective
-        The objective.
+    model, objective : str, Objective
+        Name of the model, and the objective.
     budget : int
         Maximum number of evaluations per search.
     sets : dict of int
         Number of parameters of each set.
-    methods : tuple of str
-        Labels, in the given order.
-    seeds : tuple of int
-        One search each.
+    methods, seeds : tuple of str, tuple of int
+        Labels of the methods, and a seed per search, in the given order.
     reference : dict of float
         Value of each set's own start, the model's own exosuit, against which gains are measured.
     runs : tuple of SearchRun

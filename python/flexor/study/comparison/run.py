@@ -56,22 +56,20 @@ def compare(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
+    model, objective : Model, str or Objective
+        As for `flexor.optimize`.
     parameters : str or sequence
         Parameter sets; a text lists them with commas: ``"L,R01"``. The paper's seven by default.
-    objective : str or Objective
-        The objective.
     methods : str, sequence of str, or mapping of Search, optional
-        Methods by name with their default options, or ready ones by the label they are to have;
-        by default all whose libraries are installed, without grid and surrogate.
+        Methods by name with their default options, or ready ones by label; by default all whose
+        libraries are installed, without grid and surrogate.
     seeds : int or sequence of int
         One search for each; a number n means 0 to n - 1. A seed decides the start, the same for
         every method: a random design of the set, or the next if that fails.
     budget : int
         Maximum number of distinct designs per search.
-    force : (steps,) array, str or dict, optional
-        Actuation forces [N], as for `Model.equilibrium`, of which the last counts.
+    force, engine_options : optional
+        As for `flexor.optimize`.
     known : dict, optional
         Best values known from elsewhere, by set.
     folder : path, optional
@@ -84,10 +82,8 @@ def compare(
         Where designs are evaluated; on one thread for each search by default. What
         `flexor.optimize` takes; the workers of a pool of processes or a cluster do whole searches.
     workers : int
-        Searches at a time; 0 for as many as there are cores, or threads of the cluster. The numbers
-        do not depend on it, but times may.
-    engine_options : dict, optional
-        Settings of the engine's solver.
+        Concurrent searches; 0 for one per core, or per thread of the cluster. The results do not
+        depend on it, but times may.
 
     Returns
     -------

@@ -5,33 +5,26 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-import signal
-import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, suppress
-from tempfile import TemporaryDirectory
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
 from flexor.store.environment import decisive
 from flexor.study.executors import task
+from flexor.study.executors.local_cluster import LocalCluster
 from flexor.study.executors.pool import Pool
 from flexor.study.executors.task import one_line
 
 # How long a scheduler may take to answer [s], and how long a cluster may be without workers.
 ANSWER = 10.0
+AT_ONCE = 0.3
 PATIENCE = 60.0
+_NO_ANSWER = "its scheduler no longer answers"
 # How long a count of threads stays valid [s].
 _VALID = 5.0
-# Dashboards and profilers cost Dask's processes some percent of a core each.
-_WITHOUT_DASHBOARDS = {
-    "distributed.worker.profile.enabled": False,
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "10s",
-}
 # More processes than this on one machine are a slip of the finger.
 MOST_LOCAL = 1024
 _REMOTE = re.compile(
@@ -94,6 +87,8 @@ class Cluster(Pool):
         name, workers = f'the cluster "{self.address}"', local_workers(self.address)
         self._patience = patience
         self._opened = ExitStack()
+        self._local: LocalCluster | None = None
+        self._leaving = ANSWER  # time to leave [s]
         self._client: Any = None
         self._threads, self._counted = 0, -_VALID
         self._bare_since: float | None = None
@@ -107,8 +102,8 @@ class Cluster(Pool):
             super().__init__(client.get_executor(), name)
             self._wait_for_workers()
             self._check_workers()
-        except BaseException:
-            self.close()
+        except BaseException as error:
+            self.__exit__(error)
             raise
 
     @property
@@ -120,24 +115,35 @@ class Cluster(Pool):
         """Leave the cluster; stop it, if it was started here."""
         self._opened.close()
 
+    def __exit__(self, *raised: object) -> None:
+        """Leave the cluster; after an interruption at once."""
+        if any(isinstance(each, KeyboardInterrupt) for each in raised):
+            self._leaving = AT_ONCE
+            if self._local is not None:
+                self._local.kill()
+        self.close()
+
+    def _leave_scheduler(self) -> None:
+        # It may be gone already.
+        with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
+            self._client.close(timeout=self._leaving)
+
     def _connect(self, distributed: Any, name: str, workers: int) -> Any:
         target = self.address
         if workers:
-            scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
             try:
-                place = self._opened.enter_context(scratch)
-                cluster = _started(distributed, workers, place)
+                self._local = local = LocalCluster(distributed, workers)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(f"{name} could not be started: {one_line(error)}.") from error
-            self._opened.callback(_leave, cluster)
-            target = cluster.scheduler_address
+            self._opened.callback(lambda: local.close(self._leaving))
+            target = local.address
         elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
             raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
-            self._opened.callback(_leave, self._client)
+            self._opened.callback(self._leave_scheduler)
             return self._client
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             raise InputError(f"{name} cannot be used: {one_line(error)}.") from error
@@ -164,6 +170,8 @@ class Cluster(Pool):
     def _count(self) -> int:
         """Count the threads of all workers; 0 while there are none."""
         if time.monotonic() - self._counted >= _VALID:
+            if self._client.status != "running":  # it then has no scheduler to ask
+                raise ClusterError(f"{self._name} was lost: {_NO_ANSWER}.")
             self._threads = sum(self._guarded(self._client.nthreads).values())
             self._counted = time.monotonic()
         return self._threads
@@ -186,12 +194,7 @@ class Cluster(Pool):
             )
         if self._client.status == "running":
             return one_line(error)
-        return "its scheduler no longer answers"
-
-
-def _leave(each: Any) -> None:
-    with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
-        each.close(timeout=ANSWER)
+        return _NO_ANSWER
 
 
 def _library() -> Any:
@@ -228,33 +231,3 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         late = isinstance(error, (OSError, asyncio.TimeoutError))
         why = f"no Dask scheduler answers there within {ANSWER:g} s" if late else one_line(error)
         raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
-
-
-def _started(distributed: Any, workers: int, scratch: str) -> Any:
-    """Start a cluster on this machine."""
-    import dask
-
-    settings = {**_WITHOUT_DASHBOARDS, "temporary-directory": scratch}
-    with dask.config.set(settings), _interrupts_ignored():
-        return distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            local_directory=scratch,
-            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
-            worker_dashboard_address=None,
-            memory_limit=0,
-            silence_logs=logging.CRITICAL,
-        )
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

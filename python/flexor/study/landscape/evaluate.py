@@ -42,27 +42,15 @@ def landscape(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
-    parameters : str or ParameterSet
-        Design parameters, for example ``"R01"``.
-    objective : str or Objective
-        What is evaluated, for example ``"bending"`` (f_b).
+    model, parameters, objective : Model, str or ParameterSet, str or Objective
+        As for `flexor.optimize`.
     grid : int
         Points along each axis, both bounds included.
     axes : sequence of str, optional
-        Labels of the one or two parameters to vary; needed if the set has more than two.
+        Labels of the one or two parameters to vary; required if the set has more than two.
     start : (k,) array, optional
-        Where the other parameters stay, SI; the set's own start by default.
-    bounds : dict, optional
-        Other bounds by label, SI.
-    force : (steps,) array, optional
-        Actuation forces [N], of which the last counts.
-    folder : path, optional
-        Study folder; in memory by default.
-    resume : bool
-        Resume the landscape in ``folder``, whose settings must be these.
-    progress, executor, engine_options : optional
+        Values of the other parameters, SI; the set's own start by default.
+    bounds, force, folder, resume, progress, executor, engine_options : optional
         As for `flexor.optimize`.
 
     Returns

@@ -35,18 +35,12 @@ class Landscape:
         Their values, SI.
     designs : (..., k) array
         Whole designs, SI.
-    value : array
-        Of the objective; +inf where the design failed.
-    shown : array
-        The objective's quantity for display; NaN where failed.
-    joint_angles : (..., j) array
-        At the last load [rad]; NaN where failed.
-    tip_force : array
-        At the last load [N].
-    touching : array
-        Spheres of the exosuit that touch, at the last load.
-    events : array of int
-        Snaps along the path.
+    value, shown : arrays
+        The objective, +inf where the design failed, and its quantity for display, NaN there.
+    joint_angles, tip_force : (..., j) array, array
+        At the last load [rad], [N]; NaN where the design failed.
+    touching, events : arrays of int
+        Spheres of the exosuit in contact at the last load, and snaps along the path.
     reason : array of str
         Reason of the failure; empty if there is none.
     """
@@ -194,16 +188,12 @@ class SearchPath:
 
     Attributes
     ----------
-    label : str
-        Label in figures, for example ``"L_1"``; may be empty.
-    method : str
-        Name of the method.
+    label, method : str
+        Label in figures, for example ``"L_1"`` (may be empty), and name of the method.
     designs : (m, k) array
-        First the start (the first design that succeeded), last the end, SI.
-    values : (m,) array
-        Their values.
-    evaluations : (m,) array
-        After how many evaluations each was found.
+        From the start (the first design that succeeded) to the end, SI.
+    values, evaluations : (m,) arrays
+        Their values, and the number of evaluations until each was found.
     """
 
     label: str
