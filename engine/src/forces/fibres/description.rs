@@ -94,6 +94,9 @@ pub(super) struct FibreSection {
     pub clearances: Range<usize>,
 }
 
+/// For each Gauss point, pairs of its columns with their entries in a pattern.
+type Pairs = Vec<Vec<(usize, usize, usize)>>;
+
 /// A rod with its sections.
 #[derive(Clone, Debug)]
 pub(super) struct FibreRod {
@@ -104,8 +107,8 @@ pub(super) struct FibreRod {
     pub radii: Vec<usize>,
     /// Pairs of coordinates that its linear stiffness couples, the first not after the second.
     pub pattern: Vec<(usize, usize)>,
-    /// For each Gauss point its pairs of columns and their entries in the pattern.
-    pub pairs: Vec<Vec<(usize, usize, usize)>>,
+    /// The pairs that make it.
+    pub pairs: Pairs,
 }
 
 /// A fibre of a section with this S.
@@ -238,7 +241,7 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
 }
 
 /// All pairs of columns of each Gauss point, and the entries of the stiffness that they make.
-fn pattern(rod: &Rod) -> (Vec<(usize, usize)>, Vec<Vec<(usize, usize, usize)>>) {
+fn pattern(rod: &Rod) -> (Vec<(usize, usize)>, Pairs) {
     let (mut pattern, mut seen) = (vec![], std::collections::HashMap::new());
     let mut pairs = vec![];
     for gauss in &rod.gauss {
