@@ -12,7 +12,11 @@ from pydantic_core import PydanticUndefined
 
 import flexor
 from flexor.model import Model, parse, schema
+from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.force import Force
+from flexor.model.schema.material import Material
+from flexor.model.schema.pressure import Pressure
+from flexor.model.schema.section import KINDS
 from flexor.model.schema.strain import BASES, MODES
 from flexor.model.schema.table import Table
 
@@ -29,6 +33,9 @@ TABLES: dict[str, type[Table]] = {
         for table, kind in schema.ModelFile.named_tables().items()
         if inspect.isclass(kind) and issubclass(kind, Force)
     },
+    "Materials": Material,
+    "Actuators": Actuator,
+    "Pressures": Pressure,
     "Design": schema.Design,
     "Evaluation": schema.Evaluation,
 }
@@ -78,7 +85,7 @@ def test_joints() -> None:
 def test_modes_bases_and_sections() -> None:
     for name in (*MODES, *BASES):
         assert f"`{name}`" in SECTIONS["Strain"]
-    for kind in ("circular", "elliptic", "rectangular"):
+    for kind in KINDS:
         assert f'`"{kind}"`' in SECTIONS["Sections"]
 
 

@@ -49,6 +49,8 @@ pub struct State {
     pub residual: Vec<f64>,
     pub tangent: Vec<f64>,
     pub lengths: Vec<f64>,
+    pub volumes: Vec<f64>,
+    pub tensions: Vec<f64>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
     pub contacts: Vec<ContactForce>,
@@ -72,7 +74,11 @@ impl AnyModel {
             let mut data = Data::new(model);
             data.set_parameters(model, parameters);
             data.evaluate(model, q, load);
+            let mut volumes = vec![0.0; model.pressure_count()];
+            data.volumes(model, q, &mut volumes);
             State {
+                volumes,
+                tensions: data.spring_tensions(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),

@@ -139,6 +139,24 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.lengths.into_pyarray(py))
     }
 
+    fn volumes<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.volumes.into_pyarray(py))
+    }
+
+    fn spring_tensions<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.tensions.into_pyarray(py))
+    }
+
     fn frames<'py>(
         &self,
         py: Python<'py>,
@@ -262,6 +280,10 @@ impl Model {
         out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
         out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;
         out.set_item("tip_force", result.tip_force.into_pyarray(py).reshape(shape)?)?;
+        let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        out.set_item("volume", result.volume.into_pyarray(py).reshape([designs, steps, volumes])?)?;
+        let shape = [designs, steps, materials, 2];
+        out.set_item("stretch", result.stretch.into_pyarray(py).reshape(shape)?)?;
         if !gradient.is_empty() {
             let outputs = result.gradient.len() / (designs * gradient.len()).max(1);
             let shape = [designs, outputs, gradient.len()];
@@ -322,6 +344,9 @@ impl Model {
         out.set_item("pairs", found.pairs.into_pyarray(py))?;
         out.set_item("touching", found.touching.into_pyarray(py))?;
         out.set_item("tip_force", found.tip_force.into_pyarray(py))?;
+        let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        out.set_item("volume", found.volume.into_pyarray(py).reshape([points, volumes])?)?;
+        out.set_item("stretch", found.stretch.into_pyarray(py).reshape([points, materials, 2])?)?;
         Ok(out)
     }
 }

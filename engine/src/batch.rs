@@ -66,6 +66,10 @@ pub struct BatchResult {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip spheres [N].
     pub tip_force: Vec<f64>,
+    /// Volume of each pressurised cavity [m³].
+    pub volume: Vec<f64>,
+    /// Least and greatest stretch of the fibres of each material.
+    pub stretch: Vec<f64>,
     /// Derivatives at the last step: per design, a row for every joint coordinate and one for the
     /// tip force, over the parameters asked for; NaN where there is no equilibrium.
     pub gradient: Vec<f64>,
@@ -108,6 +112,8 @@ struct Row<'a> {
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
+    volume: &'a mut [f64],
+    stretch: &'a mut [f64],
     gradient: &'a mut [f64],
     regularity: &'a mut u8,
     events: Vec<BatchEvent>,
@@ -141,6 +147,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
+        let (volumes, materials) = (self.model.pressure_count(), 2 * self.model.material_count());
+        system.data().volumes(self.model, report.q, &mut row.volume[index * volumes..][..volumes]);
+        system.data().stretches(self.model, report.q, &mut row.stretch[index * materials..][..materials]);
         let last = index + 1 == row.status.len();
         if let Some(adjoint) = self.adjoint.as_deref_mut().filter(|_| last) {
             adjoint.outputs(self.model, system, row.gradient);
@@ -184,12 +193,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             pairs: vec![0; count],
             touching: vec![0; count],
             tip_force: vec![0.0; count],
+            volume: vec![f64::NAN; count * self.pressure_count()],
+            stretch: vec![f64::NAN; count * 2 * self.material_count()],
             gradient: vec![f64::NAN; batch.designs * width],
             regularity: vec![Regularity::NoEquilibrium as u8; batch.designs],
             events: vec![],
             free: vec![],
         };
-        let mut rows = split_rows(&mut result, dof, steps, width);
+        let widths = [dof, self.pressure_count(), 2 * self.material_count()];
+        let mut rows = split_rows(&mut result, widths, steps, width);
         let solve = |rows: &mut [Row]| {
             let mut path = Continuation::new(self, options, batch.cancel);
             let mut parameters = batch.base.to_vec();
@@ -223,7 +235,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
 }
 
 /// Cuts the arrays into the rows of each design.
-fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) -> Vec<Row<'_>> {
+fn split_rows(
+    result: &mut BatchResult,
+    [dof, volumes, stretches]: [usize; 3],
+    steps: usize,
+    width: usize,
+) -> Vec<Row<'_>> {
     fn cut<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
         let (head, tail) = std::mem::take(rest).split_at_mut(count);
         *rest = tail;
@@ -240,6 +257,8 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
         pairs,
         touching,
         tip_force,
+        volume,
+        stretch,
         gradient,
         regularity,
         ..
@@ -248,6 +267,7 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
+    let (mut volume, mut stretch) = (&mut volume[..], &mut stretch[..]);
     let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
     designs
@@ -264,6 +284,8 @@ fn split_rows(result: &mut BatchResult, dof: usize, steps: usize, width: usize) 
             pairs: cut(&mut pairs, steps),
             touching: cut(&mut touching, steps),
             tip_force: cut(&mut tip_force, steps),
+            volume: cut(&mut volume, steps * volumes),
+            stretch: cut(&mut stretch, steps * stretches),
             gradient: cut(&mut gradient, width),
             regularity,
             events: vec![],

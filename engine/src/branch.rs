@@ -29,6 +29,10 @@ pub struct Branch {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip spheres [N].
     pub tip_force: Vec<f64>,
+    /// Volume of each pressurised cavity [m³].
+    pub volume: Vec<f64>,
+    /// Least and greatest stretch of the fibres of each material.
+    pub stretch: Vec<f64>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Branch {
@@ -49,6 +53,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
         self.pairs.push(pairs);
         self.touching.push(touching);
         self.tip_force.push(tip_force);
+        let model = system.model();
+        let (volumes, stretches) = (self.volume.len(), self.stretch.len());
+        self.volume.resize(volumes + model.pressure_count(), f64::NAN);
+        self.stretch.resize(stretches + 2 * model.material_count(), f64::NAN);
+        if found {
+            system.data().volumes(model, report.q, &mut self.volume[volumes..]);
+            system.data().stretches(model, report.q, &mut self.stretch[stretches..]);
+        }
     }
 
     fn event(&mut self, _event: Event) {}

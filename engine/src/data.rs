@@ -150,6 +150,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.actuators.lengths(q, &self.design.forces.actuators)
     }
 
+    /// Volume of each pressurised cavity [m³] at the state `q`.
+    pub fn volumes(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
+        model.forces.pressures.volumes(q, &self.design.forces.pressures, out);
+    }
+
+    /// Tension of each spring [N] at the last state evaluated.
+    pub fn spring_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.springs.tensions(&self.state(model, &[], &[]))
+    }
+
+    /// Least and greatest stretch of the fibres of each material at the state `q`.
+    pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
+        model.forces.fibres.stretches(&model.tree, &self.design.geometry.parameters, q, out);
+    }
+
     /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of
     /// it, given the state's coordinates and load once more.
     pub(crate) fn for_each_switch(

@@ -104,20 +104,32 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
             if let Some(Shape::Link(link)) = body {
                 local[0] += fraction * self.parameters[link.length];
             }
+            if let Some((radius, direction)) = &point.surface {
+                *local += *direction * radius_of(tree, &self.parameters, *radius);
+            }
         }
     }
 
     fn size_spheres(&mut self, tree: &Tree<G, D, P>) {
         for (radius, sphere) in self.radii.iter_mut().zip(&tree.spheres) {
-            *radius = match sphere.radius {
-                SphereRadius::Parameter(k) => self.parameters[k],
-                SphereRadius::Link(body, place) => {
-                    let (_, f) = link_fraction(tree, &self.parameters, place);
-                    let Shape::Link(link) = &tree.bodies[body].shape else { continue };
-                    let (a, b) = (self.parameters[link.radius_base], self.parameters[link.radius_tip]);
-                    a + f * (b - a)
-                }
-            };
+            *radius = radius_of(tree, &self.parameters, sphere.radius);
+        }
+    }
+}
+
+/// The radius of a body at a place.
+fn radius_of<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+) -> f64 {
+    match radius {
+        SphereRadius::Parameter(k) => parameters[k],
+        SphereRadius::Link(body, place) => {
+            let (_, f) = link_fraction(tree, parameters, place);
+            let Shape::Link(link) = &tree.bodies[body].shape else { return 0.0 };
+            let (a, b) = (parameters[link.radius_base], parameters[link.radius_tip]);
+            a + f * (b - a)
         }
     }
 }

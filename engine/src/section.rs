@@ -14,6 +14,7 @@ pub(crate) fn factors(section: Section) -> [f64; 6] {
         Section::Rectangular { ratio: r } => {
             (rectangle_torsion(r), 4.0 / 3.0 * r, 4.0 / 3.0 * r.powi(3), 4.0 * r)
         }
+        Section::Fibres => return [0.0; 6],
     };
     [torsion, bend_y, bend_z, area, area, area]
 }

@@ -25,8 +25,12 @@ fn cantilever(planar: bool, force: [f64; 3], moment: [f64; 3], frame: WrenchFram
     let tip = beam.radius.len() - 1;
     let mut d = empty(planar);
     d.bodies.push(body("beam", None, [0.0; 3], joint(JointKind::Fixed), ShapeDescription::Rod(beam)));
-    let at =
-        AttachmentDescription::Body { body: "beam".into(), station: Station::Point(tip), offset: [0.0; 3] };
+    let at = AttachmentDescription::Body {
+        body: "beam".into(),
+        station: Station::Point(tip),
+        offset: [0.0; 3],
+        surface: [0.0; 3],
+    };
     d.wrenches.push(WrenchDescription { name: "tip".into(), at, force, moment, frame, input: true });
     d
 }

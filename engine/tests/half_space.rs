@@ -43,6 +43,7 @@ fn block(planar: bool) -> Description {
             body: "block".into(),
             station: Station::Fraction(0.0),
             offset: [0.0; 3],
+            surface: [0.0; 3],
         },
         force: [0.0, 0.0, -1.0],
         moment: [0.0; 3],

@@ -37,7 +37,9 @@ impl Mirror {
     fn attachment(self, at: &mut AttachmentDescription) {
         match at {
             AttachmentDescription::World { world } => *world = self.polar(*world),
-            AttachmentDescription::Body { offset, .. } => *offset = self.polar(*offset),
+            AttachmentDescription::Body { offset, surface, .. } => {
+                (*offset, *surface) = (self.polar(*offset), self.polar(*surface));
+            }
         }
     }
 

@@ -101,7 +101,12 @@ fn spring_of_zero_rest_length_with_coincident_ends() {
         let station = Station::Fraction(1.0);
         d.springs.push(SpringDescription {
             name: "pull".into(),
-            first: AttachmentDescription::Body { body: "ball".into(), station, offset: [0.0; 3] },
+            first: AttachmentDescription::Body {
+                body: "ball".into(),
+                station,
+                offset: [0.0; 3],
+                surface: [0.0; 3],
+            },
             second: AttachmentDescription::World { world: [0.1, 0.0, 0.0] },
             stiffness: 50.0,
             rest_length: 0.0,

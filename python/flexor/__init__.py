@@ -60,6 +60,7 @@ _PACKAGES = (
     "cli",
     "design",
     "errors",
+    "materials",
     "model",
     "objectives",
     "plot",

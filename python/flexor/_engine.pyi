@@ -54,6 +54,8 @@ class Paths(TypedDict):
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]
     tip_force: NDArray[np.float64]
+    volume: NDArray[np.float64]  # (n, s, pressures)
+    stretch: NDArray[np.float64]  # (n, s, materials, 2): least and greatest
     events: Events
     gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
     regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
@@ -70,6 +72,8 @@ class Branch(TypedDict):
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]
     tip_force: NDArray[np.float64]
+    volume: NDArray[np.float64]
+    stretch: NDArray[np.float64]
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
@@ -131,6 +135,8 @@ class Model:
     ) -> NDArray[np.float64]: ...
     def tangent(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> NDArray[np.float64]: ...
     def actuator_lengths(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def volumes(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def spring_tensions(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def frames(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def has_structure_of(self, other: Model) -> bool: ...
     def frame_names(self) -> list[str]: ...

@@ -96,9 +96,10 @@ def test_the_unmodified_file_is_valid() -> None:
             'name = "good"',
             'name = "good"\ngravitiy = { z = "-9.81 m/s^2" }',
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
-            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
-            '"actuators", '
-            '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
+            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
+            '"obstacles", "actuators", '
+            '"springs", "straps", "wrenches", "design", "evaluation", "start", '
+            '"solver", "constants", "use".',
         ),
         (
             'length = "4 cm"',
@@ -124,7 +125,7 @@ def test_the_unmodified_file_is_valid() -> None:
         (
             'kind = "chamber"\n',
             "",
-            'actuators.chamber.kind is missing: expected one of "chamber", "cable".',
+            'actuators.chamber.kind is missing: expected one of "chamber", "cable", "pressure".',
         ),
         (
             'stiffness = "100 N/m"',
@@ -401,7 +402,7 @@ def test_the_unmodified_file_is_valid() -> None:
         (
             'kind = "chamber"',
             'kind = "tendon"',
-            'actuators.chamber.kind is "tendon": expected one of "chamber", "cable".',
+            'actuators.chamber.kind is "tendon": expected one of "chamber", "cable", "pressure".',
         ),
         (
             'body = "nail"\nat = 0.5',

@@ -126,9 +126,10 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             "8 cm",
             'unknown field "siut" (did you mean "suit"?): expected one of "suit", "chamber", '
             '"name", '
-            '"title", "planar", "gravity", "bodies", "spheres", "contacts", "obstacles", '
-            '"actuators", '
-            '"springs", "wrenches", "design", "evaluation", "start", "constants", "use".',
+            '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
+            '"obstacles", "actuators", '
+            '"springs", "straps", "wrenches", "design", "evaluation", "start", '
+            '"solver", "constants", "use".',
         ),
         (
             "bodies.siut.length",
@@ -142,7 +143,7 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             "suit.lenght",
             "8 cm",
             'bodies.suit has an unknown key "lenght" (did you mean "length"?): expected one of '
-            '"kind", "parent", "placement", "joint", "length", "radius", "section", '
+            '"kind", "parent", "placement", "joint", "length", "radius", "section", "material", '
             '"young_modulus", "poisson_ratio", "density", "strain", "reference_strain", '
             '"elements", "gauss_points", "magnus_order".',
         ),

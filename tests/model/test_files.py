@@ -11,7 +11,7 @@ from flexor.model import parse, presets, read
 from flexor.model.reading import locate
 
 ROOT = pathlib.Path(__file__).parents[2]
-ALL = ("exosuit-alone", "finger", "finger-2-links", "tendon-arm")
+ALL = ("exosuit-alone", "finger", "finger-2-links", "pneumatic-finger", "tendon-arm")
 
 EVERYTHING = pathlib.Path(__file__).with_name("everything.toml").read_text(encoding="utf-8")
 
@@ -68,7 +68,7 @@ def test_a_misspelt_preset() -> None:
     assert str(caught.value) == (
         'unknown preset "fingr" (did you mean "finger"?): expected one of "exosuit-alone", '
         '"finger", '
-        '"finger-2-links", "tendon-arm", or the path of a model file.'
+        '"finger-2-links", "pneumatic-finger", "tendon-arm", or the path of a model file.'
     )
 
 

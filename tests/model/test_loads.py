@@ -7,6 +7,7 @@ import pytest
 
 from flexor.errors import InputError
 from flexor.model.loads import forces, loads
+from flexor.model.units import FORCE, PRESSURE
 
 
 @pytest.mark.parametrize(
@@ -34,6 +35,40 @@ def test_forces(force: object, expected: list[float]) -> None:
 def test_fine_steps_include_the_coarse_ones_exactly() -> None:
     assert set(forces("0:5:1")) <= set(forces("0:5:0.1"))
     assert len(forces("0:5:0.1")) == 51
+
+
+@pytest.mark.parametrize(
+    ("pressure", "expected"),
+    [
+        ("0:60:20 kPa", [0.0, 2e4, 4e4, 6e4]),
+        ("0 kPa:0.3 kPa:0.1 kPa", [0.0, 100.0, 200.0, 300.0]),
+        ("0:0.1:0.05 bar", [0.0, 5e3, 1e4]),
+        (["10 kPa", 2e4], [1e4, 2e4]),
+        ("-10:10:10 kPa, 5 kPa", [-1e4, 0.0, 1e4, 5e3]),
+    ],
+)
+def test_pressures(pressure: object, expected: list[float]) -> None:
+    assert forces(pressure, PRESSURE).tolist() == expected  # type: ignore[arg-type]
+
+
+PASCAL = 'write a pressure with its unit, such as "60 kPa"'
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        ("5 N", f'force is "5 N", which is not a pressure: {PASCAL}.'),
+        ("0:5:1 N", f'force is "0:5:1 N": {PASCAL}.'),
+        ("0:5:1", f'force is "0:5:1": {PASCAL}.'),
+        ("60", f'force is "60", a number without a unit: {PASCAL}.'),
+        ("0:x:1 kPa", 'force is "0:x:1 kPa": write start:stop:step in Pa, such as 0:60:5 kPa.'),
+        (["5 kPa", None], "force[1] is of type NoneType: expected a pressure in Pa."),
+    ],
+)
+def test_bad_pressures(pressure: object, message: str) -> None:
+    with pytest.raises(InputError) as raised:
+        forces(pressure, PRESSURE)  # type: ignore[arg-type]
+    assert str(raised.value) == message
 
 
 NEWTON = 'write a force with its unit, such as "5 N"'
@@ -68,18 +103,18 @@ def test_bad_forces(force: object, message: str) -> None:
 
 
 def test_a_single_input_accepts_a_list() -> None:
-    assert loads([0, 1], ["chamber"]).tolist() == [[0.0], [1.0]]
+    assert loads([0, 1], {"chamber": FORCE}).tolist() == [[0.0], [1.0]]
 
 
 def test_several_inputs_are_named_and_single_values_held() -> None:
-    result = loads({"b": "0:2:1", "a": 3}, ["a", "b", "c"])
+    result = loads({"b": "0:2:1", "a": 3}, dict.fromkeys("abc", FORCE))
     assert result.tolist() == [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 2.0, 0.0]]
 
 
 def test_a_model_without_inputs_accepts_only_zeros() -> None:
-    assert loads([0, 0], []).shape == (2, 0)
+    assert loads([0, 0], {}).shape == (2, 0)
     with pytest.raises(InputError, match="the model has no actuator: leave it out"):
-        loads([0, 1], [])
+        loads([0, 1], {})
 
 
 @pytest.mark.parametrize(
@@ -103,5 +138,5 @@ def test_a_model_without_inputs_accepts_only_zeros() -> None:
 )
 def test_bad_loads(force: object, message: str) -> None:
     with pytest.raises(InputError) as caught:
-        loads(force, ["left", "right"])  # type: ignore[arg-type]
+        loads(force, {"left": FORCE, "right": FORCE})  # type: ignore[arg-type]
     assert str(caught.value) == message

@@ -81,8 +81,8 @@ def test_spatial_path_has_equal_scales() -> None:
 
 def test_designs_share_limits_and_titles_state_the_bending() -> None:
     designs = [
-        Design("default", SCENES[0], SCENES[1], 0.0, 5.0, 0.43),
-        Design("optimum", SCENES[0], SCENES[5], 0.0, 5.0, 1.43),
+        Design("default", SCENES[0], SCENES[1], "0 N", "5 N", 0.43),
+        Design("optimum", SCENES[0], SCENES[5], "0 N", "5 N", 1.43),
     ]
     figure = draw_designs(designs, planar_model=True)
     first, second = figure.axes

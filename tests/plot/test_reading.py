@@ -49,6 +49,7 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
     )
     exosuit = Rod.model_validate(rod)
     file = SimpleNamespace(
+        materials={},
         rod=lambda name: {"exosuit": exosuit}[name],
         bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},
         actuators={"chamber": Actuator.model_validate({"kind": "chamber", "rod": "exosuit"})},

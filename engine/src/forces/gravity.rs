@@ -8,7 +8,7 @@ use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::section;
-use crate::tree::{ModelError, Place, Point, Shape, Tree, finite};
+use crate::tree::{ModelError, Place, Point, Rod, Shape, Tree, finite};
 
 /// Uniform gravity and the masses on which it acts; none without gravity.
 #[derive(Clone, Debug)]
@@ -28,6 +28,8 @@ struct PointMass {
 enum Part {
     /// A Gauss point of a rod (rod, Gauss point).
     Rod(usize, usize),
+    /// The same, with a section of fibres.
+    Fibres(usize, usize),
     /// A link (body).
     Link(usize),
 }
@@ -51,13 +53,14 @@ impl<const P: usize> Gravity<P> {
         let bodies = if acceleration == Vector::ZERO { &[][..] } else { &tree.bodies };
         let mut push = |part, frame, place| {
             masses.push(PointMass { point: tree.points.len(), part });
-            tree.points.push(Point { frame, place, offset: Vector::ZERO });
+            tree.points.push(Point { frame, place, offset: Vector::ZERO, surface: None });
         };
         for (b, body) in bodies.iter().enumerate() {
             match &body.shape {
                 Shape::Rod(r) => {
                     for (g, gauss) in tree.rods[*r].gauss.iter().enumerate() {
-                        push(Part::Rod(*r, g), body.base_frame + gauss.point, Place::Frame);
+                        let part = if tree.rods[*r].masses.is_empty() { Part::Rod } else { Part::Fibres };
+                        push(part(*r, g), body.base_frame + gauss.point, Place::Frame);
                     }
                 }
                 Shape::Link(_) => push(Part::Link(b), body.base_frame, Place::Centroid(b)),
@@ -65,6 +68,13 @@ impl<const P: usize> Gravity<P> {
         }
         Ok(Self { acceleration, masses })
     }
+}
+
+/// Mass per length of a section of fibres and its derivative with respect to S, and the powers of S.
+fn mass_per_length(rod: &Rod, gauss: usize, p: &[f64]) -> ([f64; 2], [f64; 3]) {
+    let (s, first) = (p[rod.radius.start + rod.gauss[gauss].point], rod.masses[gauss]);
+    let [a, b, c] = [p[first], p[first + 1], p[first + 2]];
+    ([a + s * (b + s * c), b + 2.0 * s * c], [1.0, s, s * s])
 }
 
 impl<const P: usize> ForceMemory<P> for Gravity<P> {
@@ -89,6 +99,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     let (rod, gauss) = (&tree.rods[r], &tree.rods[r].gauss[g]);
                     let area = section::factors(rod.section)[3] * p[rod.radius.start + gauss.point].powi(2);
                     (area * p[rod.length] * gauss.weight, p[rod.density])
+                }
+                Part::Fibres(r, g) => {
+                    let (rod, weight) = (&tree.rods[r], tree.rods[r].gauss[g].weight);
+                    let ([mass, _], _) = mass_per_length(rod, g, p);
+                    (p[rod.length] * weight * mass, 1.0)
                 }
                 Part::Link(b) => {
                     let Shape::Link(link) = &tree.bodies[b].shape else { continue };
@@ -154,6 +169,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     relative(rod.radius.start + rod.gauss[g].point, 2.0);
                     relative(rod.length, 1.0);
                     gradient[rod.density] += volume * work;
+                }
+                Part::Fibres(r, g) => {
+                    let rod = &at.tree.rods[r];
+                    relative(rod.length, 1.0);
+                    let ([_, slope], powers) = mass_per_length(rod, g, p);
+                    let work = work * p[rod.length] * rod.gauss[g].weight;
+                    gradient[rod.radius.start + rod.gauss[g].point] += slope * work;
+                    let coefficients = &mut gradient[rod.masses[g]..];
+                    coefficients.iter_mut().zip(powers).for_each(|(out, power)| *out += power * work);
                 }
                 Part::Link(b) => {
                     let Shape::Link(link) = &at.tree.bodies[b].shape else { continue };

@@ -80,6 +80,17 @@ impl Springs {
         Ok(Self(built))
     }
 
+    /// Tension of each spring; negative where it pushes.
+    pub fn tensions<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> Vec<f64> {
+        let tension = |spring: &Spring| {
+            spring.taut(at).map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch)
+        };
+        self.0.iter().map(tension).collect()
+    }
+
     /// The springs that are taut.
     fn taut<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
         &'a self,

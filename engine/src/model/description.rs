@@ -4,7 +4,11 @@
 
 pub use crate::forces::actuator::{ActuatorDescription, ActuatorKind};
 pub use crate::forces::contact::{ContactDescription, RoundConeDescription};
+pub use crate::forces::fibres::{
+    FibreDescription, FibreRodDescription, FibreSectionDescription, Law, MaterialDescription,
+};
 pub use crate::forces::half_space::HalfSpaceDescription;
+pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
 pub use crate::forces::wrench::{WrenchDescription, WrenchFrame};
 pub use crate::tree::description::*;
@@ -33,6 +37,15 @@ pub struct Description {
     /// Chambers and cables.
     #[serde(default)]
     pub actuators: Vec<ActuatorDescription>,
+    /// Materials of sections of fibres.
+    #[serde(default)]
+    pub materials: Vec<MaterialDescription>,
+    /// Rods whose sections are fibres.
+    #[serde(default)]
+    pub fibres: Vec<FibreRodDescription>,
+    /// Cavities under pressure.
+    #[serde(default)]
+    pub pressures: Vec<PressureDescription>,
     /// Springs and straps.
     #[serde(default)]
     pub springs: Vec<SpringDescription>,

@@ -5,10 +5,12 @@ use crate::forces::actuator::Actuators;
 use crate::forces::contact::Contacts;
 use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use crate::forces::fibres::FibreSections;
 use crate::forces::gravity::Gravity;
 use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::pressure::Pressures;
 use crate::forces::spring::Springs;
 use crate::forces::state::State;
 use crate::forces::terms::Terms;
@@ -220,7 +222,11 @@ macro_rules! registry {
 registry! {
     elasticity: Elasticity = |_, _| Elasticity;
     joints: Joints = |_, _| Joints;
+    fibres: FibreSections = |tree, description| {
+        FibreSections::build(tree, &description.materials, &description.fibres)?
+    };
     actuators: Actuators = |tree, description| Actuators::build(tree, &description.actuators)?;
+    pressures: Pressures = |tree, description| Pressures::build(tree, &description.pressures)?;
     gravity: Gravity<P> = |tree, description| Gravity::build(tree, &description.gravity)?;
     springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;

@@ -79,6 +79,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.tree.spheres.len()
     }
 
+    /// Number of pressurised cavities.
+    pub fn pressure_count(&self) -> usize {
+        self.forces.pressures.count()
+    }
+
+    /// Number of materials of sections of fibres.
+    pub fn material_count(&self) -> usize {
+        self.forces.fibres.material_count()
+    }
+
     /// Whether every load derives from a potential, so that the tangent is symmetric.
     pub fn is_conservative(&self) -> bool {
         self.forces.is_conservative::<G, D>()

@@ -11,7 +11,7 @@ use crate::kinematics::strains;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
-use crate::tree::{Motion, Place, Shape};
+use crate::tree::{Motion, Place, Point, Shape, SphereRadius};
 
 /// The motion of frames and points with a geometric parameter at fixed coordinates.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ enum Geometric {
     LinkLength(usize),
     /// A radius of the link of a body (moves its centroid): at the base or at the tip.
     LinkRadius(usize, bool),
+    /// The radius of a rod at a point on whose surface something is attached.
+    RodRadius(usize),
     /// A component of a body's translation.
     Translation(usize, usize),
     /// A component of a body's rotation vector.
@@ -54,6 +56,12 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         };
         for (r, rod) in model.rods.iter().enumerate() {
             push(rod.length, Geometric::RodLength(r));
+        }
+        let mut surfaces: Vec<usize> = model.points.iter().filter_map(rod_radius).collect();
+        surfaces.sort_unstable();
+        surfaces.dedup();
+        for radius in surfaces {
+            push(radius, Geometric::RodRadius(radius));
         }
         for (b, body) in model.bodies.iter().enumerate() {
             for k in 0..3 {
@@ -97,6 +105,10 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             if along != 0.0 {
                 velocity += data.kinematics.pose[point.frame].rotate(&Vector::unit(0)) * along;
             }
+            if let Some((radius, direction)) = &point.surface {
+                let rate = radius_rate(model, p, *radius, kind);
+                velocity += data.kinematics.pose[point.frame].rotate(direction) * rate;
+            }
             self.points[i] = velocity;
         }
     }
@@ -131,6 +143,34 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         }
         work
     }
+}
+
+/// The parameter that holds the radius of the rod on whose surface a point is.
+fn rod_radius<const P: usize>(point: &Point<P>) -> Option<usize> {
+    match point.surface {
+        Some((SphereRadius::Parameter(radius), _)) => Some(radius),
+        _ => None,
+    }
+}
+
+/// The derivative of a radius with respect to a parameter.
+fn radius_rate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    p: &[f64],
+    radius: SphereRadius,
+    kind: Geometric,
+) -> f64 {
+    let wanted = match (radius, kind) {
+        (SphereRadius::Parameter(k), Geometric::RodRadius(wanted)) if k == wanted => return 1.0,
+        (SphereRadius::Link(b, _), Geometric::LinkRadius(body, tip)) if b == body => tip,
+        _ => return 0.0,
+    };
+    let SphereRadius::Link(body, place) = radius else { return 0.0 };
+    let Shape::Link(link) = &model.bodies[body].shape else { return 0.0 };
+    let (_, f) = link_fraction(&model.tree, p, place);
+    let taper = p[link.radius_tip] - p[link.radius_base];
+    let moved = taper * link_fraction_slope(p, link, place)[usize::from(wanted)];
+    if wanted { f + moved } else { 1.0 - f + moved }
 }
 
 /// The world twist that a parameter adds at frame `f` itself.

@@ -104,6 +104,8 @@ pub enum Section {
         /// Width over thickness.
         ratio: f64,
     },
+    /// Fibres of materials, described apart; then moduli and density of the rod are not used.
+    Fibres,
 }
 
 /// A strain mode of a rod and its basis.
@@ -213,5 +215,8 @@ pub enum AttachmentDescription {
         /// Offset from there, in the local frame [m].
         #[serde(default)]
         offset: [f64; 3],
+        /// Further offset, in multiples of the body's radius there.
+        #[serde(default)]
+        surface: [f64; 3],
     },
 }

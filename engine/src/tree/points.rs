@@ -9,6 +9,8 @@ pub(crate) struct Point<const P: usize> {
     pub place: Place,
     /// Constant part of the local position.
     pub offset: Vector<P>,
+    /// Multiple of the body's radius there that is added.
+    pub surface: Option<(SphereRadius, Vector<P>)>,
 }
 
 /// The design-dependent part of a point's local position.

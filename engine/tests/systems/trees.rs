@@ -102,7 +102,12 @@ pub fn spatial_tree(
     d.bodies.push(turned(body("hand", Some("arm"), [0.0; 3], hinge(JointKind::Spherical, 3), link(0.04))));
     d.bodies.push(body("thumb", Some("hand"), [0.0, 0.01, 0.0], prismatic, link(0.03)));
     d.bodies.push(body("ball", None, [0.3, 0.0, 0.05], hinge(JointKind::Free, 6), link(0.05)));
-    let on = |body: &str, station, offset| AttachmentDescription::Body { body: body.into(), station, offset };
+    let on = |body: &str, station, offset| AttachmentDescription::Body {
+        body: body.into(),
+        station,
+        offset,
+        surface: [0.1, 0.3, -0.5],
+    };
     let spring = |name: &str, first, second, slack| SpringDescription {
         name: name.into(),
         first,
@@ -245,6 +250,7 @@ pub fn planar_tree(
         body: "pad".into(),
         station: Station::Fraction(1.0),
         offset: [0.0, 0.0, 0.01],
+        surface: [0.0, 0.0, 0.4],
     };
     let frame = if follower { WrenchFrame::Body } else { WrenchFrame::World };
     d.wrenches.push(WrenchDescription {

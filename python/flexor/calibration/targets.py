@@ -92,7 +92,7 @@ def _loads(target: Target, system: System, place: str) -> Array:
         return np.zeros((1, 0))
     given = model.evaluation_forces if target.force is None else target.force
     try:
-        return read_loads(given, model.inputs)
+        return read_loads(given, model.input_dimensions)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 

@@ -21,9 +21,11 @@ def simulate(
     force: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="FORCES",
-            help="Forces in N: `first:last:step`, values, or a list of both such as "
-            "`0:5:1,5:0:1`; of a model with several inputs `NAME=FORCES`, repeated.",
+            "--load",
+            "--force",
+            metavar="LOADS",
+            help="Forces in N or pressures: `first:last:step`, values, or a list of both such as "
+            "`0:5:1,5:0:1` or `0:60:5 kPa`; of a model with several inputs `NAME=LOADS`, repeated.",
         ),
     ] = None,
     start: Annotated[
@@ -108,8 +110,9 @@ def report(path: Path) -> None:
     angular = path.model.angular_joints
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
-    inputs = path.model.inputs if len(path.model.inputs) > 1 else ("force",)
-    headings = [f"{name} / N" for name in inputs]
+    inputs = path.model.inputs if len(path.model.inputs) > 1 else (_quantity(path),)
+    units = [path.model.load_unit(i) for i in range(len(inputs))]
+    headings = [f"{name} / {unit}" for name, (_, unit) in zip(inputs, units, strict=True)]
     headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
     if len(angular) > 1:
         headings.append("sum / °")
@@ -123,7 +126,9 @@ def report(path: Path) -> None:
     rows = []
     for step in range(len(path)):
         forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
-        cells = [number(float(force)) for force in forces]
+        cells = [
+            number(float(force) / size) for force, (size, _) in zip(forces, units, strict=True)
+        ]
         cells += [fixed(angle) for angle in angles[step]]
         if len(angular) > 1:
             cells.append(fixed(angles[step].sum()))
@@ -143,8 +148,14 @@ def report(path: Path) -> None:
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")
+    for warning in path.warnings:
+        say(f"warning: {warning}")
     for event in path.events:
         say(_describe_event(event, path))
+
+
+def _quantity(path: Path) -> str:
+    return "force" if path.model.load_unit()[1] == "N" else "pressure"
 
 
 def _state(path: Path, step: int) -> str:
@@ -162,4 +173,5 @@ def _describe_event(event: Event, path: Path) -> str:
         if name in path.model.angular_joints
     )
     kind = event.kind.replace("_", " ")
-    return f"{kind} at {event.force:.4g} N: {', '.join(turns) or 'no joint moves'}"
+    size, unit = path.model.load_unit()
+    return f"{kind} at {event.force / size:.4g} {unit}: {', '.join(turns) or 'no joint moves'}"

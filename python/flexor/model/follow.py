@@ -22,7 +22,17 @@ from flexor.model.start import Start
 from flexor.model.structure import Structure
 
 _EngineArray = Literal[
-    "q", "stable", "iterations", "residual", "tolerance", "energy", "pairs", "touching", "tip_force"
+    "q",
+    "stable",
+    "iterations",
+    "residual",
+    "tolerance",
+    "energy",
+    "pairs",
+    "touching",
+    "tip_force",
+    "volume",
+    "stretch",
 ]
 _ARRAYS: tuple[_EngineArray, ...] = get_args(_EngineArray)
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)

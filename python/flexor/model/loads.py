@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 
@@ -11,15 +12,15 @@ from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
-from flexor.model.units import FORCE
+from flexor.model.units import FORCE, Dimension
 from flexor.model.validation import describe
 
 Forces = str | float | Sequence[float | str] | Array
 _MAX_STEPS = 1_000_000
 
 
-def forces(force: Forces) -> Array:
-    """Parse a list of forces.
+def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
+    """Parse a list of loads: forces, unless they have another dimension.
 
     Parameters
     ----------
@@ -28,11 +29,13 @@ def forces(force: Forces) -> Array:
         ``"0:5:1"``, up or down, which include the stop; or one text of these with commas between
         them. A single value is a list of one. Forces may rise, fall and be negative; where a range
         begins as the entry before it ends, that force comes once.
+    dimension
+        Dimension of the loads. Texts with pressures need a unit (``"0:60:5 kPa"``).
 
     Returns
     -------
     (steps,) array
-        The forces [N].
+        The loads [N or Pa].
 
     Raises
     ------
@@ -48,10 +51,10 @@ def forces(force: Forces) -> Array:
     values: list[float] = []
     for path, entry in entries:
         if isinstance(entry, str) and ":" in entry:
-            steps = _range(entry.strip(), path)
+            steps = _range(entry.strip(), path, dimension)
             values += steps[1:] if values and values[-1] == steps[0] else steps
         else:
-            values.append(_value(entry, path))
+            values.append(_value(entry, path, dimension))
         if len(values) > _MAX_STEPS:
             raise InputError(f"{path} is too long: a path has at most {_MAX_STEPS:,} steps.")
     if not values:
@@ -61,16 +64,16 @@ def forces(force: Forces) -> Array:
     return np.array(values)
 
 
-def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
-    """Parse the loads of all inputs, (steps, inputs) [N].
+def loads(force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension]) -> Array:
+    """Parse the loads of all inputs of these dimensions, (steps, inputs) [N or Pa].
 
     A table has forces by the name of the input: an input that is left out stays at zero, a single
     force is held constant.
     """
     if not isinstance(force, Mapping):
-        column = forces(force)
         if len(inputs) == 1:
-            return column[:, None]
+            return forces(force, *inputs.values())[:, None]
+        column = forces(force)
         if not inputs and not column.any():
             return np.zeros((len(column), 0))
         if not inputs:
@@ -78,13 +81,13 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
         listed = ", ".join(f'"{name}"' for name in inputs)
         raise InputError(
             f"force must name its input, one of {listed}: use a dict in Python, and "
-            f"{inputs[0]}=0:5:1 on the command line."
+            f"{next(iter(inputs))}=0:5:1 on the command line."
         )
     columns = {}
     for name, values in force.items():
         if name not in inputs:
             raise unknown("input", name, inputs)
-        columns[name] = forces(values)
+        columns[name] = forces(values, inputs[name])
     steps = max((len(column) for column in columns.values()), default=1)
     result = np.zeros((steps, len(inputs)))
     for name, column in columns.items():
@@ -97,10 +100,12 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
     return result
 
 
-def evaluation_forces(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
+def evaluation_forces(
+    force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension]
+) -> Array:
     """Parse the forces at which designs are evaluated: as `forces`, or by the name of the input."""
     if not isinstance(force, Mapping):
-        return forces(force)
+        return forces(force, *list(inputs.values())[:1])
     if len(inputs) > 1:
         raise InputError(
             f"force is a table, but designs of a model with {len(inputs)} inputs cannot be "
@@ -109,29 +114,52 @@ def evaluation_forces(force: Forces | Mapping[str, Forces], inputs: Sequence[str
     return loads(force, inputs)[:, 0]
 
 
-def _value(value: object, path: str) -> float:
-    if isinstance(value, str) and (number := _decimal(value)) is not None:
+def _value(value: object, path: str, dimension: Dimension) -> float:
+    bare = dimension is FORCE
+    if bare and isinstance(value, str) and (number := _decimal(value)) is not None:
         value = float(number)
     if isinstance(value, str):
         try:
-            return float(FORCE.parse(value.strip()))
+            return float(dimension.parse(value.strip()))
         except PydanticCustomError as error:
             raise InputError(f"{path} {error.message()}.") from None
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(f"{path} is {describe(value)}: expected a force in N.")
+        expected = f"expected {dimension.name} in {dimension.unit}"
+        raise InputError(f"{path} is {describe(value)}: {expected}.")
     if not math.isfinite(value):
         raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
     return float(value)
 
 
-def _range(text: str, path: str) -> list[float]:
+def _range(text: str, path: str, dimension: Dimension) -> list[float]:
+    if dimension is not FORCE:
+        return _range_in_unit(text, path, dimension)
     parts = [part.strip().removesuffix("N").strip() for part in text.split(":")]
+    return [float(number) for number in _steps(parts, text, path, FORCE)]
+
+
+def _range_in_unit(text: str, path: str, dimension: Dimension) -> list[float]:
+    """Parse a range whose last number has the unit of all."""
+    last = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(.*?)\s*", text.split(":")[-1])
+    unit = last[1] if last else ""
+    try:
+        dimension.parse(f"1 {unit}" if unit else "1")
+    except PydanticCustomError as error:
+        raise InputError(f'{path} is "{text}": {error.message().split(": ")[-1]}.') from None
+    parts = [part.strip().removesuffix(unit).strip() for part in text.split(":")]
+    steps = _steps(parts, text, path, dimension)
+    return [float(dimension.parse(f"{step} {unit}")) for step in steps]
+
+
+def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list[Decimal]:
     numbers = [_decimal(part) for part in parts]
     if len(numbers) == 2:
         numbers.append(Decimal(1))
     finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
-        raise InputError(f'{path} is "{text}": write start:stop:step in N, such as 0:5:1.')
+        example = "0:5:1" if dimension is FORCE else f"0:60:5 {dimension.example.split()[-1]}"
+        tail = f"write start:stop:step in {dimension.unit}, such as {example}"
+        raise InputError(f'{path} is "{text}": {tail}.')
     start, stop, step = finite
     if step <= 0:
         raise InputError(f'{path} is "{text}": the step must be greater than zero.')
@@ -140,7 +168,7 @@ def _range(text: str, path: str) -> list[float]:
         raise InputError(f'{path} is "{text}": a path has at most {_MAX_STEPS:,} steps.')
     step = step.copy_sign(stop - start)
     # Decimal, so that 0:5:0.1 holds exactly the numbers that 0:5:1 holds.
-    return [float(start + step * index) for index in range(int(steps) + 1)]
+    return [start + step * index for index in range(int(steps) + 1)]
 
 
 def _decimal(text: str) -> Decimal | None:

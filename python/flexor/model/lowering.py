@@ -19,6 +19,8 @@ from flexor.model.schema import (
     Rod,
 )
 from flexor.model.schema.profile import surface
+from flexor.model.schema.section import Solid
+from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
 from flexor.model.schema.vector import direction
 
@@ -38,6 +40,13 @@ def lower(file: ModelFile) -> Json:
     for name, group in file.spheres.items():
         spheres = group.lower(file.bodies, name in solid)
         described.setdefault("spheres", []).append({"name": name, "spheres": spheres})
+    materials = [material.lower(name) for name, material in file.materials.items()]
+    if materials:
+        described["materials"] = materials
+    for name, body in file.bodies.items():
+        if isinstance(body, Rod) and is_made_of_fibres(body):
+            fibres = lower_fibres(name, body, file.materials, file.planar)
+            described.setdefault("fibres", []).append(fibres)
     for _, name, force in file.forces():
         described.setdefault(force.description, []).append(force.lower(name, file))
     return described
@@ -79,9 +88,16 @@ def _body(name: str, body: Body, planar: bool) -> Json:
 
 
 def _rod(rod: Rod, radius: Array, slope: Array) -> Json:
-    section: Json = {"kind": rod.section.kind}
-    if rod.section.ratio is not None:
-        section["ratio"] = rod.section.ratio
+    if is_made_of_fibres(rod):
+        section: Json = {"kind": "fibres"}
+        # Not used by the engine, which takes those of the fibres.
+        young, shear = 1.0, 1.0
+    else:
+        assert isinstance(rod.section, Solid) and rod.young_modulus is not None
+        section = {"kind": rod.section.kind}
+        if rod.section.ratio is not None:
+            section["ratio"] = rod.section.ratio
+        young, shear = float(rod.young_modulus), rod.shear_modulus
     return {
         "length": float(rod.length),
         "section": section,
@@ -92,8 +108,8 @@ def _rod(rod: Rod, radius: Array, slope: Array) -> Json:
         "elements": rod.elements,
         "gauss_points": rod.gauss_points,
         "magnus_order": rod.magnus_order,
-        "young_modulus": float(rod.young_modulus),
-        "shear_modulus": rod.shear_modulus,
+        "young_modulus": young,
+        "shear_modulus": shear,
         "density": float(rod.density),
         "reference_strain": [float(getattr(rod.reference_strain, mode)) for mode in MODES],
         "radius": radius.tolist(),

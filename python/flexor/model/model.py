@@ -167,10 +167,10 @@ class Model(Structure):
 
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
-            return loads(force, self.inputs)
+            return loads(force, self.input_dimensions)
         if len(self.inputs) != 1:
             return np.zeros((1, len(self.inputs)))
-        return loads(self.evaluation_forces, self.inputs)
+        return loads(self.evaluation_forces, self.input_dimensions)
 
 
 def rebuilt(text: str, hash: str) -> Model:

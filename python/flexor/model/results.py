@@ -15,6 +15,7 @@ from flexor.errors import InputError
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.geometry import Geometry, GeometryJacobian
+from flexor.model.limits import materials_exceeded, straps_exceeded
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -74,6 +75,11 @@ class Results:
         Touching pairs of spheres, and n_c, the spheres of the contacts' first groups that touch.
     tip_force : (n, s) array
         F_t (14), the contact force on the tip spheres [N].
+    volume : (n, s, pressures) array
+        Volume of each cavity under pressure, in the order of the model's pressures [m³].
+    stretch : (n, s, materials, 2) array
+        Least and greatest stretch of the fibres of each of the file's materials; NaN of one that no
+        section has.
     event_table : (n,) array of structured arrays
         Snaps on the way as arrays with the fields of `Event`, of which `events` is made.
     event_count, total_iterations : (n,) arrays
@@ -118,6 +124,8 @@ class Results:
     pairs: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
     touching: NDArray[np.integer] = field(default=_NONE, metadata=_PATH_RECORDED)
     tip_force: Array = field(default=_NONE, metadata=_PATH_RECORDED)
+    volume: Array = field(default=_NONE, metadata=_PATH)
+    stretch: Array = field(default=_NONE, metadata=_PATH)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     total_iterations: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -134,6 +142,12 @@ class Results:
         if self.loads.shape[-1] == 0:
             return np.zeros(self.loads.shape[:-1])
         return self.loads[..., 0]
+
+    @property
+    def max_strain(self) -> Array:
+        """Largest strain |λ - 1| of a fibre, (n, s); NaN without fibres or equilibrium."""
+        strain = np.abs(self.stretch - 1.0)
+        return np.asarray(np.fmax.reduce(strain, axis=(-2, -1), initial=np.nan))
 
     @property
     def parameters(self) -> Array:
@@ -193,7 +207,9 @@ class State(Results):
 
     def __repr__(self) -> str:
         ends = str(self.stability)
-        return f"<State of {self.model.name!r}: {self.force:g} N, {self.status}, {ends}>"
+        size, unit = self.model.load_unit()
+        load = f"{self.force / size:g} {unit}"
+        return f"<State of {self.model.name!r}: {load}, {self.status}, {ends}>"
 
     def frames(self) -> dict[str, Array]:
         """Return the frames along each body, base to tip.
@@ -258,7 +274,8 @@ class Path(Results):
         worst = failed[0] if len(failed) else ""
         ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
-        steps = f"{len(self)} steps to {self.force[-1]:g} N"
+        size, unit = self.model.load_unit()
+        steps = f"{len(self)} steps to {self.force[-1] / size:g} {unit}"
         return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"
 
     def __len__(self) -> int:
@@ -294,9 +311,11 @@ class Path(Results):
         dict
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
-            ``tip_force`` [N], ``events`` (those on the way to the step), and ``q``, the generalized
-            coordinates by which another path can start there, with their names ``coordinates``; a
-            number that does not exist is None.
+            ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with straps
+            ``strap_force`` [N] likewise, with materials ``max_strain``, the largest of a fibre, and
+            `warnings`; ``events`` (those on the way to the step), and
+            ``q``, the generalized coordinates by which another path can start there, with their
+            names ``coordinates``; a number that does not exist is None.
         """
         inputs = self.model.inputs
         several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
@@ -318,10 +337,40 @@ class Path(Results):
             "stable": self.stable.tolist(),
             "contacts": self.touching.tolist(),
             "tip_force": _plain(self.tip_force),
+            **self._of_device(),
             "events": by_step,
             "coordinates": self.model.engine.coordinates,
             "q": _plain(self.q),
         }
+
+    def strap_forces(self) -> dict[str, Array]:
+        """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
+        file = self.model.file
+        tensions = np.full((len(self), len(file.springs) + len(file.straps)), np.nan)
+        if not file.straps:
+            return {}
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
+            tensions[step] = self.model.engine.spring_tensions(self.parameters, self.q[step])
+        columns = tensions[:, len(file.springs) :].T
+        return dict(zip(file.straps, columns, strict=True))
+
+    @property
+    def warnings(self) -> list[str]:
+        """Materials and straps beyond their limits, a sentence each."""
+        return materials_exceeded(self) + straps_exceeded(self)
+
+    def _of_device(self) -> dict[str, Any]:
+        shown: dict[str, Any] = {}
+        pressures = self.model.pressures
+        if pressures and self.volume is not None:
+            shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
+        if forces := self.strap_forces():
+            shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
+        if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
+            shown["max_strain"] = _plain(self.max_strain)
+        if self.model.file.materials or self.model.file.straps:
+            shown["warnings"] = self.warnings
+        return shown
 
 
 @dataclass(frozen=True, eq=False, repr=False)

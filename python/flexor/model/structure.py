@@ -14,6 +14,7 @@ from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
+from flexor.model.units import FORCE, PRESSURE, Dimension
 
 
 class Structure:
@@ -51,6 +52,24 @@ class Structure:
     def inputs(self) -> tuple[str, ...]:
         """Names of the load inputs."""
         return tuple(self.engine.inputs)
+
+    @cached_property
+    def input_dimensions(self) -> dict[str, Dimension]:
+        """Dimension of each load input: a force or a pressure."""
+        actuators = self.file.actuators
+        pressures = {name for name in actuators if actuators[name].kind == "pressure"}
+        return {name: PRESSURE if name in pressures else FORCE for name in self.inputs}
+
+    @cached_property
+    def pressures(self) -> tuple[str, ...]:
+        """Names of the pressures."""
+        return tuple(name for name, kind in self.input_dimensions.items() if kind is PRESSURE)
+
+    def load_unit(self, index: int = 0) -> tuple[float, str]:
+        """Return the unit in which loads of an input are shown, in SI and by name."""
+        dimensions = list(self.input_dimensions.values())
+        force = index >= len(dimensions) or dimensions[index] is FORCE
+        return (1.0, "N") if force else (1e3, "kPa")
 
     @cached_property
     def rods(self) -> tuple[str, ...]:
@@ -113,8 +132,14 @@ class Structure:
 
     @cached_property
     def evaluation_forces(self) -> Array:
-        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
-        last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
+        """Loads at which a design is evaluated, from zero in the file's steps [N or Pa]."""
+        evaluation = self.file.evaluation
+        last, step = float(evaluation.force), float(evaluation.step)
+        if self.inputs and self.input_dimensions[self.inputs[0]] is PRESSURE:
+            if evaluation.pressure is None:
+                raise InputError(f'the model "{self.name}" has no evaluation.pressure: give it.')
+            last = float(evaluation.pressure)
+            step = float(evaluation.pressure_step or last / 5.0)
         return np.linspace(0.0, last, max(1, round(last / step)) + 1)
 
     def slot(self, name: str, parameters: Array | None = None) -> Array:

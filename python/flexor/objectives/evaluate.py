@@ -44,7 +44,8 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
             failure = "is unstable"
         else:
             failure = "is not a finite number"
-        reason[i] = f"{failure} at {paths.force[step]:g} N{status}"
+        size, unit = paths.model.load_unit()
+        reason[i] = f"{failure} at {paths.force[step] / size:g} {unit}{status}"
     if evaluated.any():
         chosen = paths if evaluated.all() else paths[evaluated]
         value[evaluated], shown[evaluated] = objective.value(chosen), objective.shown(chosen)

@@ -52,7 +52,9 @@ def path(path: Path) -> Figure:
         steps = found[np.unique(np.linspace(0, len(found) - 1, MOST_SCENES).round().astype(int))]
     scenes = [read_scene(path, int(step)) for step in steps]
     planar_model = path.model.planar
-    return draw_path(scenes, path.force[list(steps)], planar_model=planar_model, history=history)
+    size, unit = path.model.load_unit()
+    loads = path.force[list(steps)] / size
+    return draw_path(scenes, loads, planar_model=planar_model, history=history, unit=unit)
 
 
 def designs(
@@ -72,13 +74,14 @@ def designs(
     matplotlib.figure.Figure
         One page wide; the titles state the sum of the joint angles at the last load.
     """
+    size, unit = start_path.model.load_unit()
     panels = [
         Design(
             title=title,
             first=read_scene(path, 0),
             last=read_scene(path, -1),
-            first_load=float(path.force[0]),
-            last_load=float(path.force[-1]),
+            first_load=f"{path.force[0] / size:g} {unit}",
+            last_load=f"{path.force[-1] / size:g} {unit}",
             bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
         )
         for title, path in zip(titles, (start_path, best_path), strict=True)

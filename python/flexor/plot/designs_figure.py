@@ -25,8 +25,8 @@ class Design:
     title: str
     first: Scene  # at the first load
     last: Scene
-    first_load: float  # [N]
-    last_load: float
+    first_load: str
+    last_load: str
     bending: float | None  # sum of the joint angles at the last load [rad]; None without joints
 
 
@@ -74,8 +74,8 @@ def _handles(designs: Sequence[Design]) -> list[Artist]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    first = ", ".join(dict.fromkeys(f"{design.first_load:g} N" for design in designs))
-    last = ", ".join(dict.fromkeys(f"{design.last_load:g} N" for design in designs))
+    first = ", ".join(dict.fromkeys(design.first_load for design in designs))
+    last = ", ".join(dict.fromkeys(design.last_load for design in designs))
     lines = dict.fromkeys(line.label for design in designs for line in design.last.lines)
     return [
         Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label=f"exosuit at {first}"),

@@ -23,10 +23,11 @@ _MOST_ARROWS = 10
 class History:
     """What to draw of a path that returns, or that is not stable throughout."""
 
-    loads: Array  # (s,): load of the input that changes most [N]
+    loads: Array  # (s,): load of the input that changes most
     values: Array  # (s,): what is shown over them
     label: str  # what that is, with its unit
     stable: NDArray[np.bool_]  # (s,): whether each point is stable
+    unit: str = "N"  # of the loads
 
 
 def read_history(path: Path) -> History | None:
@@ -34,7 +35,9 @@ def read_history(path: Path) -> History | None:
     found = path.converged
     if path.loads.shape[1] == 0 or found.sum() < 2:
         return None
-    loads = path.loads[:, np.argmax(np.ptp(path.loads, axis=0))]
+    most = int(np.argmax(np.ptp(path.loads, axis=0)))
+    size, unit = path.model.load_unit(most)
+    loads = path.loads[:, most] / size
     if (np.diff(loads) >= 0.0).all() and path.stable[found].all():
         return None
     angular = [path.model.joints.index(name) for name in path.model.angular_joints]
@@ -51,7 +54,7 @@ def read_history(path: Path) -> History | None:
             tips[step] = 100.0 * path.frames(int(step))[rod][-1, :3, 3]
         axis = int(np.argmax(np.ptp(tips[found], axis=0)))
         values, label = tips[:, axis], f"{rod} tip {'xyz'[axis]} / cm"
-    return History(loads[found], values[found], label, path.stable[found])
+    return History(loads[found], values[found], label, path.stable[found], unit)
 
 
 def draw_history(axes: Axes, history: History) -> None:
@@ -79,6 +82,6 @@ def draw_history(axes: Axes, history: History) -> None:
     if not stable.all():
         axes.plot([], [], color=LINE, linewidth=1.2, linestyle=(0, (3, 2)), label="not stable")
         axes.legend(loc="best")
-    axes.set_xlabel("load / N")
+    axes.set_xlabel(f"load / {history.unit}")
     axes.set_ylabel(history.label)
     axes.grid(visible=True, linewidth=0.3, alpha=0.5)

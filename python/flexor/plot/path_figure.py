@@ -30,6 +30,7 @@ def draw_path(
     *,
     planar_model: bool,
     history: History | None = None,
+    unit: str = "N",
 ) -> Figure:
     """Draw a model at every load step, to scale."""
     from matplotlib.figure import Figure
@@ -62,7 +63,7 @@ def draw_path(
             height = figure.get_figheight()
             grid.set_height_ratios((height, PANEL))
             figure.set_figheight(height + PANEL)
-        _legends(figure, _load_handles(np.asarray(loads), colours), _line_handles(scenes))
+        _legends(figure, _load_handles(np.asarray(loads), colours, unit), _line_handles(scenes))
     return figure
 
 
@@ -82,14 +83,14 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
         figure.legend(handles=lines, loc="outside lower center", ncols=2, handlelength=1.4)
 
 
-def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]]) -> list[Artist]:
+def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str) -> list[Artist]:
     from matplotlib.patches import Patch
 
     # The legend of a long path lists only some of the steps.
     every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
-        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} N")
+        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} {unit}")
         for i in chosen
     ]
 

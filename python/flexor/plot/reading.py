@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 def read_scene(path: Path, step: int = -1) -> Scene:
     """Return the bodies, lines and contact forces of a model at one load step."""
+    from flexor.model.schema.section_geometry import half_width
+
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
     stations: dict[str, Array] = {}
@@ -25,8 +27,8 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            # A circular section has no ratio.
-            rods[name] = Rod(name, fine, height, (body.section.ratio or 1.0) * height)
+            width = half_width(body, model.file.materials, height)
+            rods[name] = Rod(name, fine, height, width)
             stations[name] = station
         else:
             base, tip = frames[name][0, :3, 3], frames[name][-1, :3, 3]
@@ -39,6 +41,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     lines = [
         _line(path, name, actuator, rods[actuator.rod], stations[actuator.rod])
         for name, actuator in model.file.actuators.items()
+        if actuator.kind != "pressure"
     ]
     return Scene(list(rods.values()), links, lines, _contact_arrows(path.contact_forces(step)))
 

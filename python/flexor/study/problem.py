@@ -64,7 +64,7 @@ class Problem:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective)
         if force is not None:
-            wanted = wanted.at(evaluation_forces(force, model.inputs))
+            wanted = wanted.at(evaluation_forces(force, model.input_dimensions))
         return cls(model, chosen, wanted, dict(options or {}))
 
     @property

@@ -13,7 +13,7 @@ use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::strain::Mode;
-use crate::tree::{GaussPoint, ModelError, Shape, Tree, finite};
+use crate::tree::{GaussPoint, ModelError, Tree, finite};
 pub(crate) use path::Paths;
 use path::{
     Actuator, PathColumn, PathPoint, RoutingPoint, add_strain, add_tangent_of, dot, tangent_by_offset,
@@ -61,10 +61,7 @@ impl Actuators {
         let mut built = vec![];
         for actuator in actuators {
             let field = |f: &str| format!("actuators.{}.{f}", actuator.name);
-            let (_, body) = tree.body(&field("rod"), &actuator.rod)?;
-            let Shape::Rod(rod) = body.shape else {
-                return Err(ModelError::new(field("rod"), format!("`{}` is not a rod", actuator.rod)));
-            };
+            let rod = tree.rod(&field("rod"), &actuator.rod)?;
             let needed = tree.rods[rod].x.len();
             for (what, list) in [("path", &actuator.path), ("path_slope", &actuator.path_slope)] {
                 if list.len() != needed {

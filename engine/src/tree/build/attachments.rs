@@ -13,14 +13,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             let start = self.spheres.len();
             for sphere in &group.spheres {
                 let (frame, place) = self.locate(&field, &sphere.body, sphere.station)?;
-                let radius = match (&self.body(&field, &sphere.body)?.1.shape, sphere.station) {
-                    (Shape::Rod(r), Station::Point(k)) => {
-                        SphereRadius::Parameter(self.rods[*r].radius.start + k)
-                    }
-                    _ => SphereRadius::Link(self.body(&field, &sphere.body)?.0, place),
-                };
+                let radius = self.radius_at(&field, &sphere.body, sphere.station, place)?;
                 self.spheres.push(Sphere { point: self.points.len(), radius });
-                self.points.push(Point { frame, place, offset: Vector::ZERO });
+                self.points.push(Point { frame, place, offset: Vector::ZERO, surface: None });
             }
             if self.sphere_groups.iter().any(|(name, _)| *name == group.name) {
                 return Err(ModelError::new(field, "two sphere groups have this name"));
@@ -40,23 +35,53 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
 
     /// Appends the point of an attachment.
     pub(crate) fn attach(&mut self, field: &str, at: &AttachmentDescription) -> Result<usize, ModelError> {
-        let (frame, place, offset) = match at {
-            AttachmentDescription::World { world } => (0, Place::Frame, world),
-            AttachmentDescription::Body { body, station, offset } => {
+        let local = |vector: &[f64; 3]| {
+            finite(field, vector)?;
+            G::point_from_spatial(vector)
+                .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))
+        };
+        let point = match at {
+            AttachmentDescription::World { world } => {
+                Point { frame: 0, place: Place::Frame, offset: local(world)?, surface: None }
+            }
+            AttachmentDescription::Body { body, station, offset, surface } => {
                 let (frame, place) = self.locate(field, body, *station)?;
-                (frame, place, offset)
+                let direction = local(surface)?;
+                let radius = self.radius_at(field, body, *station, place)?;
+                let surface = (direction != Vector::ZERO).then_some((radius, direction));
+                Point { frame, place, offset: local(offset)?, surface }
             }
         };
-        finite(field, offset)?;
-        let offset = G::point_from_spatial(offset)
-            .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))?;
-        self.points.push(Point { frame, place, offset });
+        self.points.push(point);
         Ok(self.points.len() - 1)
+    }
+
+    /// The radius of a body at a station, which is at this place.
+    fn radius_at(
+        &self,
+        field: &str,
+        name: &str,
+        station: Station,
+        place: Place,
+    ) -> Result<SphereRadius, ModelError> {
+        let (index, body) = self.body(field, name)?;
+        Ok(match (&body.shape, station) {
+            (Shape::Rod(r), Station::Point(k)) => SphereRadius::Parameter(self.rods[*r].radius.start + k),
+            _ => SphereRadius::Link(index, place),
+        })
     }
 
     pub(crate) fn body(&self, field: &str, name: &str) -> Result<(usize, &Body<P>), ModelError> {
         let found = self.bodies.iter().enumerate().find(|(_, b)| b.name == name);
         found.ok_or_else(|| ModelError::new(field, format!("no body is named `{name}`")))
+    }
+
+    /// The rod that is a body.
+    pub(crate) fn rod(&self, field: &str, name: &str) -> Result<usize, ModelError> {
+        match self.body(field, name)?.1.shape {
+            Shape::Rod(rod) => Ok(rod),
+            Shape::Link(_) => Err(ModelError::new(field, format!("`{name}` is not a rod"))),
+        }
     }
 
     /// The frame and place of a station on a body.

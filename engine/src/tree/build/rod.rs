@@ -104,6 +104,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             young_modulus,
             shear_modulus,
             density,
+            masses: vec![],
             angular,
         });
         Ok(frame)

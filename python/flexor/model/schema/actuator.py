@@ -89,7 +89,7 @@ class Actuator(Force):
 
     description: ClassVar[str] = "actuators"
 
-    kind: Annotated[Literal["chamber", "cable"], Choice("chamber", "cable")]
+    kind: Annotated[Literal["chamber", "cable"], Choice("chamber", "cable", "pressure")]
     rod: Name
     path: Annotated[
         Annotated[Curve, Tag("curve")] | Annotated[Helix, Tag("helix")], Discriminator(_form)

@@ -12,8 +12,9 @@ from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
+from flexor.model.schema.section import Section, Solid
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
-from flexor.model.schema.table import Choice, Count, Name, PositiveNumber, Table, one_of
+from flexor.model.schema.table import Choice, Count, Name, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
@@ -46,32 +47,10 @@ class Placement(Table):
         return np.asarray(along + np.cos(angle) * (up - along) + np.sin(angle) * np.cross(axis, up))
 
 
-class Section(Table):
-    """Shape of a rod's cross-section, with half-height S along z and half-width ratio S along y."""
-
-    kind: Literal["circular", "elliptic", "rectangular"]
-    ratio: PositiveNumber | None = None
-
-    @model_validator(mode="after")
-    def _check(self) -> Section:
-        if self.kind == "circular" and self.ratio is not None:
-            raise field_error(f"is {self.ratio!r}: circular sections do not have it", path="ratio")
-        if self.kind != "circular" and self.ratio is None:
-            raise field_error(
-                f"is missing: {self.kind} sections need it (half-width over half-height)",
-                path="ratio",
-            )
-        return self
-
-
 def _magnus(value: object) -> object:
     if value not in (2, 4):
         raise field_error(f"is {describe(value)}: expected 2 or 4")
     return value
-
-
-def _section(value: object) -> object:
-    return {"kind": value} if isinstance(value, str) else value
 
 
 class Rod(Table):
@@ -83,19 +62,32 @@ class Rod(Table):
     joint: Joint = FixedJoint(kind="fixed")
     length: PositiveLength
     radius: RodRadius
-    section: Annotated[
-        Section,
-        BeforeValidator(one_of("circular", "elliptic", "rectangular")),
-        BeforeValidator(_section),
-    ] = Section(kind="circular")
-    young_modulus: PositiveModulus
-    poisson_ratio: Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)]
+    section: Section = Solid(kind="circular")
+    material: Name | None = None
+    young_modulus: PositiveModulus | None = None
+    poisson_ratio: (
+        Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)] | None
+    ) = None
     density: Density = units.DENSITY.si(0.0)
     strain: Strain
     reference_strain: ReferenceStrain = ReferenceStrain()
     elements: Annotated[Count, Field(le=1000)] = 1
     gauss_points: Annotated[Count, Field(le=30)]
     magnus_order: Annotated[Literal[2, 4], BeforeValidator(_magnus)] = 4
+
+    @model_validator(mode="after")
+    def _check_material(self) -> Rod:
+        """Check that there is one description of the material."""
+        own = self.material is None and isinstance(self.section, Solid)
+        for key, hint in (("young_modulus", f": {units.MODULUS.hint}"), ("poisson_ratio", "")):
+            if own and getattr(self, key) is None:
+                raise field_error(f"is missing{hint}", path=key)
+            if not own and getattr(self, key) is not None:
+                tail = "is given, but the section is made of [materials] or of stiffness"
+                raise field_error(tail, path=key)
+        if not own and self.density > 0.0:
+            raise field_error("is given, but the mass is that of the section", path="density")
+        return self
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:
@@ -121,6 +113,8 @@ class Rod(Table):
     @property
     def shear_modulus(self) -> float:
         """Shear modulus of the isotropic material [Pa]."""
+        if self.young_modulus is None or self.poisson_ratio is None:
+            raise ValueError("the rod has no material of its own")
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property

@@ -8,6 +8,7 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin
 from pydantic import Field
 
 from flexor.model.schema.body import Body, Rod
+from flexor.model.schema.material import Material
 from flexor.model.schema.points import SphereGroup
 from flexor.model.schema.table import Name, Switch, Table, Text
 from flexor.model.schema.vector import Gravity
@@ -23,6 +24,7 @@ class BodySystem(Table):
     planar: Switch = False
     gravity: Gravity = Gravity()
     bodies: Annotated[dict[Name, Body], Field(min_length=1)]
+    materials: dict[Name, Material] = Field(default_factory=dict)
     spheres: dict[Name, SphereGroup] = Field(default_factory=dict)
 
     @classmethod

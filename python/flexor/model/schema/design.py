@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from flexor.model import units
 from flexor.model.schema.table import Name, Table
-from flexor.model.units import PositiveForce, PositiveLength
+from flexor.model.units import PositiveForce, PositiveLength, PositivePressure
 from flexor.model.validation import describe, field_error
 
 MAX_STEPS = 10_000
@@ -53,17 +53,27 @@ class Evaluation(Table):
 
     force: PositiveForce = units.FORCE.si(5.0)
     step: PositiveForce = units.FORCE.si(1.0)
+    pressure: PositivePressure | None = None
+    pressure_step: PositivePressure | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Evaluation:
-        steps = self.force / self.step
-        if not steps <= MAX_STEPS:
-            tail = f"is {_original(self.step)}: the force, {_original(self.force)}, has more than "
-            raise field_error(f"{tail}{MAX_STEPS:,} steps of it", path="step")
-        if abs(steps - round(steps)) > 1e-9 * steps:
-            tail = f"is {_original(self.step)}: the force, {_original(self.force)}, must be an "
-            raise field_error(f"{tail}integer multiple of it", path="step")
+        _check_steps("force", self.force, "step", self.step)
+        if self.pressure_step is not None:
+            if self.pressure is None:
+                raise field_error("is given without pressure", path="pressure_step")
+            _check_steps("pressure", self.pressure, "pressure_step", self.pressure_step)
         return self
+
+
+def _check_steps(load: str, last: float, key: str, step: float) -> None:
+    steps = last / step
+    if not steps <= MAX_STEPS:
+        tail = f"is {_original(step)}: the {load}, {_original(last)}, has more than "
+        raise field_error(f"{tail}{MAX_STEPS:,} steps of it", path=key)
+    if abs(steps - round(steps)) > 1e-9 * steps:
+        tail = f"is {_original(step)}: the {load}, {_original(last)}, must be an "
+        raise field_error(f"{tail}integer multiple of it", path=key)
 
 
 def _original(value: float) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Rod
@@ -16,7 +16,10 @@ from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
+from flexor.model.schema.pressure import Pressure
+from flexor.model.schema.section_geometry import check_section
 from flexor.model.schema.spring import Spring
+from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
@@ -44,6 +47,17 @@ _Value = Annotated[StartValue, BeforeValidator(_value)]
 StartTable = dict[Name, Annotated[StartValue | dict[Name, _Value], BeforeValidator(_entry)]]
 
 
+def _kind(value: Any) -> str:
+    kind = value.get("kind") if isinstance(value, Mapping) else getattr(value, "kind", None)
+    return "pressure" if kind == "pressure" else "thread"
+
+
+AnyActuator = Annotated[
+    Annotated[Actuator, Tag("thread")] | Annotated[Pressure, Tag("pressure")],
+    Discriminator(_kind),
+]
+
+
 class ModelFile(BodySystem):
     """A model file with one of its sets of constants applied.
 
@@ -53,8 +67,9 @@ class ModelFile(BodySystem):
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)
     obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
-    actuators: dict[Name, Actuator] = Field(default_factory=dict)
+    actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
+    straps: dict[Name, Strap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     design: Design | None = None
     evaluation: Evaluation = Evaluation()
@@ -75,6 +90,9 @@ class ModelFile(BodySystem):
         if self.design is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
         self._check_size()
+        for name, body in self.bodies.items():
+            if isinstance(body, Rod):
+                check_section(body, f"bodies.{name}", self.materials)
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():

@@ -1,0 +1,275 @@
+//! FibreSections of material fibres: their description, and its numbers among the parameters.
+
+use super::law::Law;
+use crate::lie::LieGroup;
+use crate::linalg::Matrix;
+use crate::tree::description::Section;
+use crate::tree::{ModelError, Rod, Tree, finite, positive};
+use serde::Deserialize;
+use std::ops::Range;
+
+/// A material.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialDescription {
+    /// Unique name.
+    pub name: String,
+    /// Strain energy function.
+    pub law: Law,
+    /// Its constants.
+    pub constants: Vec<f64>,
+    /// Whether a winding around the section keeps the material from stretching across its fibres.
+    #[serde(default)]
+    pub wound: bool,
+}
+
+/// A straight fibre along a rod; its place and area depend on the surface S(X).
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FibreDescription {
+    /// Index of its material.
+    pub material: usize,
+    /// Offset y, z from the axis: constant [m] and multiple of S.
+    pub y: [f64; 2],
+    /// See `y`.
+    pub z: [f64; 2],
+    /// Area: constant [m²], multiples of S [m] and of S².
+    pub area: [f64; 3],
+    /// Stretch in the reference state.
+    pub stretch: f64,
+    /// Radius of the winding and radius of the fibre: each a constant [m] and a multiple of S.
+    pub winding: [f64; 4],
+}
+
+/// A cross-section.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FibreSectionDescription {
+    /// Fibres; their energy depends on extension and bending.
+    pub fibres: Vec<FibreDescription>,
+    /// Torsional rigidity by Σ G A (y² + z²) of the fibres.
+    pub torsion: f64,
+    /// Further stiffness, the upper triangle of a symmetric matrix in the order of the strain modes,
+    /// row by row [N·m² for two curvatures, N·m for one, N for none].
+    pub rigidity: [f64; 21],
+    /// Mass per length: constant [kg/m], multiples of S and of S².
+    pub mass: [f64; 3],
+    /// Widths that must not be negative: constant [m] and multiple of S.
+    pub clearances: Vec<[f64; 2]>,
+}
+
+/// The sections of a rod whose own section is [`Section::Fibres`].
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FibreRodDescription {
+    /// The rod.
+    pub rod: String,
+    /// Its sections.
+    pub sections: Vec<FibreSectionDescription>,
+    /// Which of these each Gauss point has.
+    pub of_gauss: Vec<usize>,
+}
+
+/// A material: its constants are parameters.
+#[derive(Clone, Debug)]
+pub(super) struct Material {
+    pub law: Law,
+    pub wound: bool,
+    pub constants: Range<usize>,
+}
+
+/// Numbers that describe a fibre, in the order of [`FibreDescription`].
+pub(super) const NUMBERS: usize = 12;
+
+/// A section: the places of its parameters.
+#[derive(Clone, Debug)]
+pub(super) struct FibreSection {
+    /// Material of each fibre, sorted.
+    pub materials: Vec<usize>,
+    /// First number of its first fibre.
+    pub fibres: usize,
+    pub torsion: usize,
+    pub rigidity: usize,
+    pub mass: usize,
+    pub clearances: Range<usize>,
+}
+
+/// For each Gauss point, pairs of its columns with their entries in a pattern.
+type Pairs = Vec<Vec<(usize, usize, usize)>>;
+
+/// A rod with its sections.
+#[derive(Clone, Debug)]
+pub(super) struct FibreRod {
+    pub rod: usize,
+    pub sections: Vec<FibreSection>,
+    pub of_gauss: Vec<usize>,
+    /// Parameter holding S at each Gauss point.
+    pub radii: Vec<usize>,
+    /// Pairs of coordinates that its linear stiffness couples, the first not after the second.
+    pub pattern: Vec<(usize, usize)>,
+    /// The pairs that make it.
+    pub pairs: Pairs,
+}
+
+/// A fibre of a section with this S.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fibre {
+    pub y: f64,
+    pub z: f64,
+    pub area: f64,
+    pub stretch: f64,
+    /// ϱ, the square of winding radius by fibre radius.
+    pub ratio: f64,
+}
+
+impl Fibre {
+    #[inline]
+    pub fn new(n: &[f64], s: f64) -> Self {
+        let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
+        Self {
+            y: n[0] + n[1] * s,
+            z: n[2] + n[3] * s,
+            area: n[4] + s * (n[5] + s * n[6]),
+            stretch: n[7],
+            ratio: (winding / own) * (winding / own),
+        }
+    }
+
+    /// Adds derivatives with respect to the numbers, and returns that with respect to S, given those with
+    /// respect to y, z, area, stretch and ϱ.
+    #[inline]
+    pub fn add_derivatives(
+        n: &[f64],
+        s: f64,
+        [y, z, area, stretch, ratio]: [f64; 5],
+        out: &mut [f64],
+    ) -> f64 {
+        let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
+        let by_winding = ratio * 2.0 * winding / (own * own);
+        let by_own = -ratio * 2.0 * winding * winding / (own * own * own);
+        let derivatives = [
+            y,
+            y * s,
+            z,
+            z * s,
+            area,
+            area * s,
+            area * s * s,
+            stretch,
+            by_winding,
+            by_winding * s,
+            by_own,
+            by_own * s,
+        ];
+        out.iter_mut().zip(derivatives).for_each(|(o, d)| *o += d);
+        y * n[1] + z * n[3] + area * (n[5] + 2.0 * s * n[6]) + by_winding * n[9] + by_own * n[11]
+    }
+}
+
+/// Builds the materials of a model.
+pub(super) fn materials<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &mut Tree<G, D, P>,
+    described: &[MaterialDescription],
+) -> Result<Vec<Material>, ModelError> {
+    let mut built = vec![];
+    for material in described {
+        let field = format!("materials.{}.constants", material.name);
+        finite(&field, &material.constants)?;
+        let law = material.law;
+        if !law.accepts(material.constants.len()) || !law.is_admissible(&material.constants) {
+            let problem = format!("found {:?}, which are not those of {law:?}", material.constants);
+            return Err(ModelError::new(field, problem));
+        }
+        let constants = tree.slot(format!("{}.constants", material.name), &material.constants);
+        built.push(Material { law, wound: material.wound, constants });
+    }
+    Ok(built)
+}
+
+/// Builds the sections of a rod.
+pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &mut Tree<G, D, P>,
+    described: &FibreRodDescription,
+    materials: usize,
+) -> Result<FibreRod, ModelError> {
+    let name = &described.rod;
+    let field = |f: &str| format!("fibres.{name}.{f}");
+    let rod = tree.rod(&field("rod"), name)?;
+    if tree.rods[rod].section != Section::Fibres {
+        return Err(ModelError::new(field("rod"), "the rod has a solid section"));
+    }
+    let points = tree.rods[rod].gauss.len();
+    let of_gauss = described.of_gauss.clone();
+    if of_gauss.len() != points || of_gauss.iter().any(|i| *i >= described.sections.len()) {
+        let problem =
+            format!("one of {} sections is needed at each of {points} points", described.sections.len());
+        return Err(ModelError::new(field("of_gauss"), problem));
+    }
+    let mut sections = vec![];
+    for (index, section) in described.sections.iter().enumerate() {
+        let mut fibres = section.fibres.clone();
+        fibres.sort_by_key(|fibre| fibre.material);
+        if fibres.last().is_some_and(|fibre| fibre.material >= materials) {
+            return Err(ModelError::new(field("fibres"), format!("there are {materials} materials")));
+        }
+        let mut numbers = vec![];
+        for fibre in &fibres {
+            positive(field("stretch"), fibre.stretch)?;
+            numbers.extend(fibre.y.iter().chain(&fibre.z).chain(&fibre.area));
+            numbers.push(fibre.stretch);
+            numbers.extend(fibre.winding);
+        }
+        let mut slot = |part: &str, values: &[f64]| -> Result<Range<usize>, ModelError> {
+            finite(field(part), values)?;
+            Ok(tree.slot(format!("{name}.{part}[{index}]"), values))
+        };
+        sections.push(FibreSection {
+            materials: fibres.iter().map(|fibre| fibre.material).collect(),
+            fibres: slot("fibres", &numbers)?.start,
+            torsion: slot("torsion", &[section.torsion])?.start,
+            rigidity: slot("rigidity", &section.rigidity)?.start,
+            mass: slot("mass", &section.mass)?.start,
+            clearances: slot("clearances", section.clearances.as_flattened())?,
+        });
+    }
+    let masses = of_gauss.iter().map(|section| sections[*section].mass).collect();
+    tree.rods[rod].masses = masses;
+    let (pattern, pairs) = pattern(&tree.rods[rod]);
+    let Rod { radius, gauss, .. } = &tree.rods[rod];
+    let radii = gauss.iter().map(|gauss| radius.start + gauss.point).collect();
+    Ok(FibreRod { rod, sections, of_gauss, radii, pattern, pairs })
+}
+
+/// All pairs of columns of each Gauss point, and the entries of the stiffness that they make.
+fn pattern(rod: &Rod) -> (Vec<(usize, usize)>, Pairs) {
+    let (mut pattern, mut seen) = (vec![], std::collections::HashMap::new());
+    let mut pairs = vec![];
+    for gauss in &rod.gauss {
+        let mut of_point = vec![];
+        for (a, (i, ..)) in gauss.columns.iter().enumerate() {
+            for (b, (j, ..)) in gauss.columns.iter().enumerate().filter(|(_, (j, ..))| j >= i) {
+                let entry = *seen.entry((*i, *j)).or_insert_with(|| {
+                    pattern.push((*i, *j));
+                    pattern.len() - 1
+                });
+                of_point.push((a, b, entry));
+            }
+        }
+        pairs.push(of_point);
+    }
+    (pattern, pairs)
+}
+
+/// A symmetric matrix from its upper triangle.
+pub(super) fn symmetric(upper: &[f64]) -> Matrix<6, 6> {
+    let mut matrix = Matrix::ZERO;
+    let mut upper = upper.iter();
+    for i in 0..6 {
+        for j in i..6 {
+            let value = upper.next().copied().unwrap_or(0.0);
+            matrix.0[i][j] = value;
+            matrix.0[j][i] = value;
+        }
+    }
+    matrix
+}

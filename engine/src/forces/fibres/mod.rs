@@ -1,0 +1,495 @@
+//! FibreSections of material fibres: Σ ∫ W(ε, κ) dX with W = Σ A w(λ) and λ = 1 + ε + κ_y z − κ_z y, and
+//! linear stiffness of torsion, shear and whatever else is given.
+//!
+//! With θ = Lκ, the fibre at (y, z) adds w L A w′(λ) (1, z/L, −y/L) to the forces conjugate to ε, θ_y and
+//! θ_z at a Gauss point of weight w. Fibres of linear materials are summed up once for each design.
+
+mod description;
+mod jet;
+mod law;
+mod sensitivity;
+
+use super::element::{ForceElement, ForceMemory, VirtualMotion};
+use super::magnitudes::Magnitudes;
+use super::state::State;
+use super::terms::Terms;
+use crate::geometry::Geometry;
+use crate::lie::LieGroup;
+use crate::strain::Mode;
+use crate::tree::description::Section;
+use crate::tree::{ModelError, Tree};
+use description::{Fibre, FibreRod, FibreSection, Material, NUMBERS, symmetric};
+pub use description::{FibreDescription, FibreRodDescription, FibreSectionDescription, MaterialDescription};
+use jet::{Jet, Lanes, WIDTH};
+pub use law::Law;
+pub(crate) use sensitivity::FibreSensitivity;
+
+/// All rods with sections of fibres.
+#[derive(Clone, Debug)]
+pub(crate) struct FibreSections {
+    materials: Vec<Material>,
+    rods: Vec<FibreRod>,
+}
+
+/// Some fibres of one material at a Gauss point, ready for evaluation; those that fill up have no weight.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// z/L and −y/L.
+    arms: [Lanes; 2],
+    /// w L A.
+    weight: Lanes,
+    stretch: Lanes,
+    ratio: Lanes,
+}
+
+/// What a design makes of the sections.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FibreDesign {
+    /// Linear stiffness, rod after rod on its pattern.
+    stiffness: Vec<f64>,
+    /// Forces of linear fibres in the reference state, by coordinate, and their energy.
+    force: Vec<f64>,
+    energy: f64,
+    /// Other fibres, Gauss point after Gauss point.
+    blocks: Vec<Block>,
+}
+
+/// Forces conjugate to ε, θ_y, θ_z and their derivative at a Gauss point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PointForce {
+    force: [f64; 3],
+    tangent: [[f64; 3]; 3],
+}
+
+/// The place of a mode among ε, θ_y, θ_z.
+fn axial(mode: usize) -> Option<usize> {
+    match Mode::ALL[mode] {
+        Mode::ExtendX => Some(0),
+        Mode::BendY => Some(1),
+        Mode::BendZ => Some(2),
+        _ => None,
+    }
+}
+
+/// The power of L that makes a strain of a coordinate's mode.
+fn length_power(mode: usize) -> i32 {
+    if Mode::ALL[mode].is_angular() { -1 } else { 0 }
+}
+
+/// Σ φ q by mode.
+fn strains(columns: &[(usize, usize, f64)], q: &[f64]) -> [f64; 6] {
+    let mut sum = [0.0; 6];
+    columns.iter().for_each(|(dof, mode, phi)| sum[*mode] += phi * q[*dof]);
+    sum
+}
+
+impl FibreSections {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        materials: &[MaterialDescription],
+        rods: &[FibreRodDescription],
+    ) -> Result<Self, ModelError> {
+        let materials = description::materials(tree, materials)?;
+        let rods = rods.iter().map(|rod| description::rod(tree, rod, materials.len()));
+        let rods = rods.collect::<Result<Vec<_>, _>>()?;
+        let described = |r: usize| rods.iter().filter(|rod| rod.rod == r).count();
+        for (r, rod) in tree.rods.iter().enumerate() {
+            let needed = usize::from(rod.section == Section::Fibres);
+            if described(r) != needed {
+                return Err(ModelError::new("fibres", "each rod of fibres needs its sections once"));
+            }
+        }
+        Ok(Self { materials, rods })
+    }
+
+    pub fn material_count(&self) -> usize {
+        self.materials.len()
+    }
+
+    /// Least and greatest stretch of the fibres of each material; NaN where there are none.
+    pub fn stretches<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        q: &[f64],
+        out: &mut [f64],
+    ) {
+        out.fill(f64::NAN);
+        for fibre_rod in &self.rods {
+            let rod = &tree.rods[fibre_rod.rod];
+            let length = p[rod.length];
+            for (gauss, section) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+                let strain = strains(&gauss.columns, q);
+                let s = p[rod.radius.start + gauss.point];
+                for (m, n) in numbers(&fibre_rod.sections[*section], p) {
+                    let fibre = Fibre::new(n, s);
+                    let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
+                    let stretch = fibre.stretch * (1.0 + strain[3] + bent);
+                    out[2 * m] = out[2 * m].min(stretch);
+                    out[2 * m + 1] = out[2 * m + 1].max(stretch);
+                }
+            }
+        }
+    }
+
+    /// Materials of a section that are not linear, and how many fibres each has, in order.
+    fn groups<'a>(&'a self, section: &'a FibreSection) -> impl Iterator<Item = (&'a Material, usize)> + 'a {
+        let runs = section.materials.chunk_by(|a, b| a == b).map(|run| (&self.materials[run[0]], run.len()));
+        runs.filter(|(material, _)| material.law != Law::Linear)
+    }
+
+    /// Visits the fibres that are not linear with the number of their Gauss point, w(λ) and the smallest
+    /// number that has to be positive.
+    #[inline]
+    fn for_each_block<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        q: &[f64],
+        blocks: &[Block],
+        mut visit: impl FnMut(usize, &Block, Jet, Lanes),
+    ) {
+        let mut blocks = blocks.iter();
+        let mut number = 0;
+        for rod in &self.rods {
+            for (gauss, section) in tree.rods[rod.rod].gauss.iter().zip(&rod.of_gauss) {
+                let strain = strains(&gauss.columns, q);
+                let [axial, bend_y, bend_z] = [strain[3], strain[1], strain[2]];
+                for (material, count) in self.groups(&rod.sections[*section]) {
+                    let constants = &p[material.constants.clone()];
+                    for block in blocks.by_ref().take(count.div_ceil(WIDTH)) {
+                        let [z, y] = block.arms;
+                        let stretch =
+                            (z * bend_y + y * bend_z).map(|bent| 1.0 + axial + bent) * block.stretch;
+                        let stretch = Jet::variable(stretch, block.stretch);
+                        let ratio = material.wound.then_some(block.ratio);
+                        let (energy, smallest) = material.law.fibres(constants, stretch, ratio);
+                        visit(number, block, energy, smallest);
+                    }
+                }
+                number += 1;
+            }
+        }
+    }
+
+    /// Forces at all Gauss points; returns the energy, which is not a number where a fibre vanishes.
+    #[inline]
+    fn evaluate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        q: &[f64],
+        blocks: &[Block],
+        points: &mut Vec<PointForce>,
+    ) -> f64 {
+        points.clear();
+        points.resize(self.rods.iter().map(|rod| rod.of_gauss.len()).sum(), PointForce::default());
+        let (mut total, mut least) = (Lanes::ZERO, Lanes::all(f64::INFINITY));
+        self.for_each_block(tree, p, q, blocks, |point, block, energy, smallest| {
+            let [z, y] = block.arms;
+            let (force, slope) = (block.weight * energy.first, block.weight * energy.second);
+            let point = &mut points[point];
+            let bent = [force, force * z, force * y];
+            point.force.iter_mut().zip(bent).for_each(|(sum, f)| *sum += f.sum());
+            let [slope_z, slope_y] = [slope * z, slope * y];
+            let t = &mut point.tangent;
+            t[0][0] += slope.sum();
+            t[0][1] += slope_z.sum();
+            t[1][1] += (slope_z * z).sum();
+            if P == 3 {
+                t[0][2] += slope_y.sum();
+                t[1][2] += (slope_z * y).sum();
+                t[2][2] += (slope_y * y).sum();
+            }
+            total = total + block.weight * energy.value;
+            least = least.min(smallest);
+        });
+        for point in points {
+            let t = &mut point.tangent;
+            (t[1][0], t[2][0], t[2][1]) = (t[0][1], t[0][2], t[1][2]);
+        }
+        if least.0.iter().all(|least| *least > 0.0) { total.sum() } else { f64::NAN }
+    }
+
+    /// Visits all pairs of coordinates at a Gauss point with their second derivative.
+    fn for_each_pair<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        points: &[PointForce],
+        mut visit: impl FnMut(usize, usize, f64),
+    ) {
+        let mut points = points.iter();
+        for rod in &self.rods {
+            let gauss = &tree.rods[rod.rod].gauss;
+            for ((gauss, pairs), point) in gauss.iter().zip(&rod.pairs).zip(points.by_ref()) {
+                for (a, b, _) in pairs {
+                    let ((i, mode_i, phi_i), (j, mode_j, phi_j)) = (gauss.columns[*a], gauss.columns[*b]);
+                    if let (Some(m), Some(n)) = (axial(mode_i), axial(mode_j)) {
+                        visit(i, j, phi_i * phi_j * point.tangent[m][n]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Visits the linear stiffness of each pair of coordinates.
+    fn for_each_linear(&self, stiffness: &[f64], mut visit: impl FnMut(usize, usize, f64)) {
+        let pattern = self.rods.iter().flat_map(|rod| &rod.pattern);
+        pattern.zip(stiffness).for_each(|((i, j), k)| visit(*i, *j, *k));
+    }
+}
+
+/// The numbers of a section's fibres, in the order of their materials.
+fn numbers<'a>(section: &'a FibreSection, p: &'a [f64]) -> impl Iterator<Item = (usize, &'a [f64])> + 'a {
+    let all = &p[section.fibres..section.fibres + NUMBERS * section.materials.len()];
+    section.materials.iter().copied().zip(all.chunks_exact(NUMBERS))
+}
+
+impl<const P: usize> ForceMemory<P> for FibreSections {
+    type Design = FibreDesign;
+    type State = Vec<PointForce>;
+    type Sensitivity = FibreSensitivity;
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for FibreSections {
+    fn design(&self, _: &Tree<G, D, P>) -> FibreDesign {
+        FibreDesign::default()
+    }
+
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<PointForce> {
+        vec![]
+    }
+
+    fn is_admissible(&self, p: &[f64]) -> bool {
+        let sound = |section: &FibreSection, s: f64| {
+            let clear = |c: &[f64]| c[0] + c[1] * s >= 0.0;
+            let fibre = |n: &[f64]| n[7] > 0.0 && Fibre::new(n, s).area >= 0.0 && n[10] + n[11] * s > 0.0;
+            p[section.clearances.clone()].chunks_exact(2).all(clear)
+                && p[section.mass] + s * (p[section.mass + 1] + s * p[section.mass + 2]) >= 0.0
+                && numbers(section, p).all(|(_, n)| fibre(n))
+        };
+        self.materials.iter().all(|m| m.law.is_admissible(&p[m.constants.clone()]))
+            && self.rods.iter().all(|rod| {
+                rod.of_gauss.iter().zip(&rod.radii).all(|(section, s)| sound(&rod.sections[*section], p[*s]))
+            })
+    }
+
+    fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, design: &mut FibreDesign) {
+        let p = &geometry.parameters;
+        let FibreDesign { stiffness, force, energy, blocks } = design;
+        blocks.clear();
+        stiffness.clear();
+        force.clear();
+        force.resize(if self.rods.is_empty() { 0 } else { tree.dof }, 0.0);
+        *energy = 0.0;
+        for fibre_rod in &self.rods {
+            let rod = &tree.rods[fibre_rod.rod];
+            let length = p[rod.length];
+            let first = stiffness.len();
+            stiffness.resize(first + fibre_rod.pattern.len(), 0.0);
+            let stiffness = &mut stiffness[first..];
+            for (g, gauss) in rod.gauss.iter().enumerate() {
+                let section = &fibre_rod.sections[fibre_rod.of_gauss[g]];
+                let s = p[rod.radius.start + gauss.point];
+                let scale = gauss.weight * length;
+                self.push_blocks(section, p, s, length, scale, blocks);
+                let (matrix, residual, own) = self.linear(section, p, s);
+                *energy += scale * own;
+                for (dof, mode, phi) in &gauss.columns {
+                    force[*dof] += scale * phi * residual[*mode] * length.powi(length_power(*mode));
+                }
+                for (a, b, entry) in &fibre_rod.pairs[g] {
+                    let ((_, m, phi), (_, n, other)) = (gauss.columns[*a], gauss.columns[*b]);
+                    let power = length_power(m) + length_power(n);
+                    stiffness[*entry] += scale * phi * other * matrix[m][n] * length.powi(power);
+                }
+            }
+        }
+    }
+
+    fn add_elastic_stiffness(
+        &self,
+        tree: &Tree<G, D, P>,
+        geometry: &Geometry<G, D, P>,
+        design: &FibreDesign,
+        stiffness: &mut [f64],
+    ) {
+        let mut diagonal = |i: usize, j: usize, k: f64| {
+            if i == j {
+                stiffness[i] += k
+            }
+        };
+        self.for_each_linear(&design.stiffness, &mut diagonal);
+        if !design.blocks.is_empty() {
+            let mut points = vec![];
+            let reference = vec![0.0; tree.dof];
+            self.evaluate(tree, &geometry.parameters, &reference, &design.blocks, &mut points);
+            self.for_each_pair(tree, &points, diagonal);
+        }
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        design: &FibreDesign,
+        points: &mut Vec<PointForce>,
+        Terms { coordinates: out, .. }: &mut Terms<D>,
+    ) {
+        if self.rods.is_empty() {
+            return;
+        }
+        let mut energy = design.energy;
+        for ((gradient, force), q) in out.gradient.iter_mut().zip(&design.force).zip(at.q) {
+            *gradient += force;
+            energy += force * q;
+        }
+        let q = at.q;
+        self.for_each_linear(&design.stiffness, |i, j, k| {
+            out.gradient[i] += k * q[j];
+            if i == j {
+                energy += 0.5 * k * q[i] * q[i];
+            } else {
+                energy += k * q[i] * q[j];
+                out.gradient[j] += k * q[i];
+            }
+        });
+        if !design.blocks.is_empty() {
+            energy += self.evaluate(at.tree, at.parameters(), q, &design.blocks, points);
+            let mut points = points.iter();
+            for rod in &self.rods {
+                for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
+                    for (dof, mode, phi) in &gauss.columns {
+                        out.gradient[*dof] += axial(*mode).map_or(0.0, |m| phi * point.force[m]);
+                    }
+                }
+            }
+        }
+        out.energy += energy;
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        design: &FibreDesign,
+        points: &Vec<PointForce>,
+        out: &mut Terms<D>,
+    ) {
+        let n = at.tree.dof;
+        let half = &mut out.coordinates.half_tangent;
+        let mut add = |i: usize, j: usize, k: f64| half[j * n + i] += if i == j { 0.5 * k } else { k };
+        self.for_each_linear(&design.stiffness, &mut add);
+        if !design.blocks.is_empty() {
+            self.for_each_pair(at.tree, points, add);
+        }
+    }
+
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        design: &FibreDesign,
+        _: &Vec<PointForce>,
+        out: &mut Magnitudes<P>,
+    ) {
+        design.force.iter().enumerate().for_each(|(i, force)| out.add(i, *force));
+        self.for_each_linear(&design.stiffness, |i, j, k| {
+            out.add(i, k * at.q[j]);
+            if i != j {
+                out.add(j, k * at.q[i]);
+            }
+        });
+        let mut points = vec![[0.0; 3]; self.rods.iter().map(|rod| rod.of_gauss.len()).sum()];
+        self.for_each_block(at.tree, at.parameters(), at.q, &design.blocks, |point, block, energy, _| {
+            let force = (block.weight * energy.first).map(f64::abs);
+            let [z, y] = block.arms.map(|arm| arm.map(f64::abs));
+            for (sum, size) in points[point].iter_mut().zip([force, force * z, force * y]) {
+                *sum += size.sum();
+            }
+        });
+        let mut points = points.iter();
+        for rod in &self.rods {
+            for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
+                for (dof, mode, phi) in &gauss.columns {
+                    out.add(*dof, axial(*mode).map_or(0.0, |m| phi * point[m]));
+                }
+            }
+        }
+    }
+
+    fn update_sensitivity(&self, at: &State<G, D, P>, _: &FibreDesign, fibres: &mut FibreSensitivity) {
+        self.update(at, fibres);
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &FibreDesign,
+        _: &Vec<PointForce>,
+        fibres: &FibreSensitivity,
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        self.add_work(at, fibres, motion.coordinates, gradient);
+    }
+}
+
+impl FibreSections {
+    /// Appends the fibres of a section that are not linear.
+    fn push_blocks(
+        &self,
+        section: &FibreSection,
+        p: &[f64],
+        s: f64,
+        length: f64,
+        scale: f64,
+        blocks: &mut Vec<Block>,
+    ) {
+        let mut fibres = numbers(section, p).filter(|(m, _)| self.materials[*m].law != Law::Linear);
+        for (_, count) in self.groups(section) {
+            for first in (0..count).step_by(WIDTH) {
+                let mut block = Block {
+                    arms: [Lanes::ZERO; 2],
+                    weight: Lanes::ZERO,
+                    stretch: Lanes::all(1.0),
+                    ratio: Lanes::all(1.0),
+                };
+                for (lane, (_, n)) in fibres.by_ref().take(WIDTH.min(count - first)).enumerate() {
+                    let fibre = Fibre::new(n, s);
+                    block.arms[0].0[lane] = fibre.z / length;
+                    block.arms[1].0[lane] = -fibre.y / length;
+                    block.weight.0[lane] = scale * fibre.area;
+                    block.stretch.0[lane] = fibre.stretch;
+                    block.ratio.0[lane] = fibre.ratio;
+                }
+                blocks.push(block);
+            }
+        }
+    }
+
+    /// Stiffness matrix, forces in the reference state and energy per length of what is linear, in the
+    /// order of the modes.
+    fn linear(&self, section: &FibreSection, p: &[f64], s: f64) -> ([[f64; 6]; 6], [f64; 6], f64) {
+        let mut matrix = symmetric(&p[section.rigidity..section.rigidity + 21]).0;
+        let (mut force, mut energy) = ([0.0; 6], 0.0);
+        for (m, n) in numbers(section, p) {
+            let (material, fibre) = (&self.materials[m], Fibre::new(n, s));
+            let constants = &p[material.constants.clone()];
+            let shear = material.law.shear_modulus(constants) * fibre.area;
+            let polar = fibre.y * fibre.y + fibre.z * fibre.z;
+            matrix[0][0] += p[section.torsion] * shear * polar;
+            matrix[4][4] += shear;
+            matrix[5][5] += shear;
+            if material.law == Law::Linear {
+                let axial = Law::modulus(constants, material.wound)[0] * fibre.area * fibre.stretch;
+                let arms = [(3, 1.0), (1, fibre.z), (2, -fibre.y)];
+                for (a, arm) in arms {
+                    force[a] += axial * (fibre.stretch - 1.0) * arm;
+                    for (b, other) in arms {
+                        matrix[a][b] += axial * fibre.stretch * arm * other;
+                    }
+                }
+                energy += 0.5 * axial / fibre.stretch * (fibre.stretch - 1.0).powi(2);
+            }
+        }
+        (matrix, force, energy)
+    }
+}

@@ -1,0 +1,270 @@
+//! Pressure in the cavities of rods: −p V with V = ∫ A (ξ_x + κ_y z − κ_z y) dX, A and (y, z) being area and
+//! centroid of what the pressure acts on; by Pappus' theorem this is the volume that A sweeps.
+//!
+//! A and its first moments are polynomials of S, so V is linear in the coordinates.
+
+use super::element::{ForceElement, ForceMemory, VirtualMotion};
+use super::magnitudes::Magnitudes;
+use super::state::State;
+use super::terms::Terms;
+use crate::geometry::Geometry;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::{ModelError, Tree, finite};
+use serde::Deserialize;
+use std::ops::Range;
+
+/// A pressurised cavity along a rod.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureDescription {
+    /// Unique name, also that of its load input [Pa].
+    pub name: String,
+    /// The rod.
+    pub rod: String,
+    /// Sections that the pressure acts on: the area's coefficients of 1, S, S², then those of 1, S, S²,
+    /// S³ of its first moments ∫ y dA and ∫ z dA.
+    pub sections: Vec<[f64; MOMENTS]>,
+    /// Which of these each Gauss point has.
+    pub of_gauss: Vec<usize>,
+    /// Share of each Gauss point's length that is under pressure.
+    pub share: Vec<f64>,
+    /// Volume of what surrounds the cavity inside those sections, which does not change [m³].
+    pub enclosed: f64,
+}
+
+/// Coefficients of a section.
+const MOMENTS: usize = 11;
+
+#[derive(Clone, Debug)]
+struct Pressure {
+    rod: usize,
+    input: usize,
+    sections: Vec<Range<usize>>,
+    of_gauss: Vec<usize>,
+    share: Vec<f64>,
+    enclosed: f64,
+}
+
+/// All pressures.
+#[derive(Clone, Debug)]
+pub(crate) struct Pressures(Vec<Pressure>);
+
+/// The volumes of a design: each is its first number plus the sum of these multiples of coordinates.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Volumes {
+    /// One for each pressure: reference volume and number of its columns.
+    fixed: Vec<(f64, usize)>,
+    columns: Vec<(usize, f64)>,
+}
+
+/// Area and first moments at a Gauss point, with their derivatives with respect to S.
+struct Moments {
+    value: [f64; 3],
+    by_radius: [f64; 3],
+}
+
+impl Moments {
+    /// Area, ∫ y dA and ∫ z dA from their coefficients.
+    fn new(c: &[f64], s: f64) -> Self {
+        let cubic = |c: &[f64]| {
+            let value = c.iter().rev().fold(0.0, |sum, c| sum * s + c);
+            let slope = c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * s + k as f64 * c);
+            [value, slope]
+        };
+        let all = [cubic(&c[..3]), cubic(&c[3..7]), cubic(&c[7..])];
+        Self { value: all.map(|[value, _]| value), by_radius: all.map(|[_, slope]| slope) }
+    }
+}
+
+/// Area and moments by the strain mode that makes volume of them, with the power of L; none for torsion
+/// and shear.
+fn by_mode([area, y, z]: [f64; 3], mode: usize) -> Option<(f64, i32)> {
+    match mode {
+        1 => Some((z, 0)),
+        2 => Some((-y, 0)),
+        3 => Some((area, 1)),
+        _ => None,
+    }
+}
+
+impl Pressures {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        pressures: &[PressureDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for pressure in pressures {
+            let field = |f: &str| format!("pressures.{}.{f}", pressure.name);
+            let rod = tree.rod(&field("rod"), &pressure.rod)?;
+            let points = tree.rods[rod].gauss.len();
+            for (what, found) in [("of_gauss", pressure.of_gauss.len()), ("share", pressure.share.len())] {
+                if found != points {
+                    let problem = format!("found {found} values, the rod has {points} Gauss points");
+                    return Err(ModelError::new(field(what), problem));
+                }
+            }
+            if pressure.of_gauss.iter().any(|i| *i >= pressure.sections.len()) {
+                return Err(ModelError::new(field("of_gauss"), "there are fewer sections"));
+            }
+            finite(field("sections"), pressure.sections.as_flattened())?;
+            finite(field("share"), &pressure.share)?;
+            finite(field("enclosed"), &[pressure.enclosed])?;
+            let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), section);
+            let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
+            tree.inputs.push(pressure.name.clone());
+            built.push(Pressure {
+                rod,
+                input: tree.inputs.len() - 1,
+                sections,
+                of_gauss: pressure.of_gauss.clone(),
+                share: pressure.share.clone(),
+                enclosed: pressure.enclosed,
+            });
+        }
+        Ok(Self(built))
+    }
+
+    /// Volume of each cavity [m³].
+    pub fn volumes(&self, q: &[f64], volumes: &Volumes, out: &mut [f64]) {
+        let mut columns = volumes.columns.iter();
+        for (out, (fixed, count)) in out.iter_mut().zip(&volumes.fixed) {
+            *out = columns.by_ref().take(*count).fold(*fixed, |sum, (dof, size)| sum + size * q[*dof]);
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Visits the columns of each pressure's volume.
+    #[inline]
+    fn for_each_column(&self, volumes: &Volumes, mut visit: impl FnMut(&Pressure, usize, f64)) {
+        let mut columns = volumes.columns.iter();
+        for (pressure, (_, count)) in self.0.iter().zip(&volumes.fixed) {
+            columns.by_ref().take(*count).for_each(|(dof, size)| visit(pressure, *dof, *size));
+        }
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Pressures {
+    type Design = Volumes;
+    type State = ();
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Pressures {
+    fn design(&self, _: &Tree<G, D, P>) -> Volumes {
+        Volumes::default()
+    }
+
+    fn state(&self, _: &Tree<G, D, P>) {}
+
+    fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, volumes: &mut Volumes) {
+        let p = &geometry.parameters;
+        volumes.fixed.clear();
+        volumes.columns.clear();
+        for pressure in &self.0 {
+            let rod = &tree.rods[pressure.rod];
+            let length = p[rod.length];
+            let first = volumes.columns.len();
+            volumes.columns.extend(rod.dofs.clone().map(|dof| (dof, 0.0)));
+            let mut fixed = -pressure.enclosed;
+            for (g, gauss) in rod.gauss.iter().enumerate() {
+                let s = p[rod.radius.start + gauss.point];
+                let moments = Moments::new(&p[pressure.sections[pressure.of_gauss[g]].clone()], s).value;
+                let weight = gauss.weight * pressure.share[g];
+                for (mode, strain) in rod.reference_strain.iter().enumerate() {
+                    fixed += by_mode(moments, mode).map_or(0.0, |(size, _)| weight * length * size * strain);
+                }
+                for (dof, mode, phi) in &gauss.columns {
+                    if let Some((size, power)) = by_mode(moments, *mode) {
+                        volumes.columns[first + dof - rod.dofs.start].1 +=
+                            weight * phi * size * length.powi(power);
+                    }
+                }
+            }
+            volumes.fixed.push((fixed, rod.dofs.len()));
+        }
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        volumes: &Volumes,
+        _: &mut (),
+        Terms { coordinates: out, .. }: &mut Terms<D>,
+    ) {
+        for (pressure, (fixed, _)) in self.0.iter().zip(&volumes.fixed) {
+            out.energy -= at.load[pressure.input] * fixed;
+        }
+        self.for_each_column(volumes, |pressure, dof, size| {
+            let force = at.load[pressure.input] * size;
+            out.gradient[dof] -= force;
+            out.energy -= force * at.q[dof];
+        });
+    }
+
+    fn add_tangent(&self, _: &State<G, D, P>, _: &Volumes, _: &(), _: &mut Terms<D>) {}
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, volumes: &Volumes, _: &(), out: &mut Magnitudes<P>) {
+        self.for_each_column(volumes, |pressure, dof, size| out.add(dof, at.load[pressure.input] * size));
+    }
+
+    fn add_load_derivative(
+        &self,
+        _: &State<G, D, P>,
+        volumes: &Volumes,
+        change: &[f64],
+        out: &mut [f64],
+        _: &impl Fn(usize, &Vector<D>, &mut [f64]),
+    ) {
+        self.for_each_column(volumes, |pressure, dof, size| out[dof] -= change[pressure.input] * size);
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &Volumes,
+        _: &(),
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        let p = at.parameters();
+        for pressure in &self.0 {
+            let rod = &at.tree.rods[pressure.rod];
+            let length = p[rod.length];
+            for (g, gauss) in rod.gauss.iter().enumerate() {
+                let radius = rod.radius.start + gauss.point;
+                let slot = pressure.sections[pressure.of_gauss[g]].clone();
+                let s = p[radius];
+                let moments = Moments::new(&p[slot.clone()], s);
+                // Work by area and by moments.
+                let mut work = [0.0; 3];
+                let weight = -at.load[pressure.input] * gauss.weight * pressure.share[g];
+                for (dof, mode, phi) in &gauss.columns {
+                    let share = weight * phi * motion.coordinates[*dof];
+                    match mode {
+                        1 => work[2] += share,
+                        2 => work[1] -= share,
+                        3 => {
+                            work[0] += share * length;
+                            gradient[rod.length] += share * moments.value[0];
+                        }
+                        _ => {}
+                    }
+                }
+                for (work, slope) in work.iter().zip(moments.by_radius) {
+                    gradient[radius] += work * slope;
+                }
+                let powers = [1.0, s, s * s, s * s * s];
+                let of = |k: usize| if k < 3 { (0, k) } else { (1 + (k - 3) / 4, (k - 3) % 4) };
+                for (k, out) in gradient[slot].iter_mut().enumerate() {
+                    let (part, power) = of(k);
+                    *out += work[part] * powers[power];
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+"""Materials: constitutive laws, their constants, and their fit to tensile tests."""
+
+from __future__ import annotations
+
+from flexor.materials.material import KINDS, Material
+
+__all__ = ["KINDS", "Material"]

@@ -1,0 +1,180 @@
+"""A material: a constitutive law with its constants, how it is wound, and its limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexor.errors import InputError, unknown
+from flexor.materials import laws
+
+Array = NDArray[np.float64]
+Constant = float | tuple[float, ...]
+
+# Constants of each kind [Pa; Poisson's ratio and the exponents α are numbers], and their defaults.
+KINDS: dict[str, dict[str, Constant | None]] = {
+    "linear": {"young_modulus": None, "poisson_ratio": 0.5},
+    "neo-hookean": {"shear_modulus": None},
+    "mooney-rivlin": {"c10": None, "c01": None},
+    "yeoh": {"c1": None, "c2": 0.0, "c3": 0.0},
+    "ogden": {"mu": None, "alpha": None},
+}
+WINDINGS = ("none", "hoop")
+
+
+@dataclass(frozen=True)
+class Material:
+    """A constitutive law with its constants.
+
+    Parameters
+    ----------
+    name
+        For messages.
+    kind
+        One of `KINDS`; see `flexor.materials.laws` for the energies.
+    constants
+        By name, as in `KINDS` [Pa]; ``mu`` [Pa] and ``alpha`` of Ogden's law are tuples of the same
+        length, with the energy Σ μ_i/α_i I(α_i).
+    winding
+        ``"hoop"`` if the hoop stretch is kept at 1, ``"none"`` otherwise.
+    density
+        [kg/m³].
+    strain_limit, stress_limit
+        Largest nominal strain, and largest nominal stress [Pa], that the material should see; none
+        by default.
+    stretch_range
+        Stretches between which the constants were measured; unknown by default.
+    title, source
+        Of the material and of its constants.
+
+    Raises
+    ------
+    InputError
+        If the kind, the winding or a constant is invalid, or the material is not stiff at rest.
+    """
+
+    name: str
+    kind: str
+    constants: Mapping[str, Constant]
+    winding: str = "none"
+    density: float = 0.0
+    strain_limit: float = math.inf
+    stress_limit: float = math.inf
+    stretch_range: tuple[float, float] | None = None
+    title: str = field(default="", compare=False)
+    source: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise unknown(f'kind of the material "{self.name}"', str(self.kind), KINDS)
+        if self.winding not in WINDINGS:
+            raise unknown(f'winding of the material "{self.name}"', str(self.winding), WINDINGS)
+        allowed = KINDS[self.kind]
+        for key in self.constants:
+            if key not in allowed:
+                raise unknown(f'constant of the {self.kind} material "{self.name}"', key, allowed)
+        for key, default in allowed.items():
+            if key not in self.constants and default is None:
+                raise InputError(f'the {self.kind} material "{self.name}" needs {key}.')
+        if self.kind == "ogden" and np.shape(self["mu"]) != np.shape(self["alpha"]):
+            raise InputError(f'mu and alpha of the material "{self.name}" differ in length.')
+        if not -1.0 < self.poisson_ratio <= 0.5:
+            raise InputError(
+                f'poisson_ratio of the material "{self.name}" is {self.poisson_ratio:g}: '
+                "expected a number above -1 and at most 0.5."
+            )
+        if not (self.young_modulus > 0.0 and math.isfinite(self.young_modulus)):
+            raise InputError(
+                f'the {self.kind} material "{self.name}" has a Young\'s modulus of '
+                f"{self.young_modulus:g} Pa at rest: expected a positive number."
+            )
+
+    def __getitem__(self, constant: str) -> Constant:
+        """Return a constant, or its default."""
+        value = self.constants.get(constant, KINDS[self.kind][constant])
+        assert value is not None
+        return value
+
+    def _number(self, constant: str) -> float:
+        return float(np.asarray(self[constant], dtype=float))
+
+    @property
+    def terms(self) -> Array:
+        """The terms α, k_1, k_2, k_3 of the energy, (n, 4) [-, Pa, Pa, Pa]; linear: (0, 4)."""
+        rows: list[tuple[Constant, ...]] = []
+        if self.kind == "neo-hookean":
+            rows = [(2.0, 0.5 * self._number("shear_modulus"), 0.0, 0.0)]
+        elif self.kind == "mooney-rivlin":
+            rows = [(2.0, self["c10"], 0.0, 0.0), (-2.0, self["c01"], 0.0, 0.0)]
+        elif self.kind == "yeoh":
+            rows = [(2.0, self["c1"], self["c2"], self["c3"])]
+        elif self.kind == "ogden":
+            pairs = zip(np.ravel(self["mu"]), np.ravel(self["alpha"]), strict=True)
+            rows = [(alpha, mu / alpha, 0.0, 0.0) for mu, alpha in pairs]
+        return np.array(rows, dtype=float).reshape(-1, 4)
+
+    @property
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio ν at small strain."""
+        return self._number("poisson_ratio") if self.kind == "linear" else 0.5
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus E of the unwound material at small strain [Pa]."""
+        if self.kind == "linear":
+            return self._number("young_modulus")
+        terms = self.terms
+        return float(1.5 * np.sum(terms[:, 0] ** 2 * terms[:, 1]))
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus G = E/(2(1 + ν)) at small strain [Pa]."""
+        return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    def energy(self, stretch: ArrayLike) -> laws.Energy:
+        """Return the energy of a fibre, free or wound, and its derivatives.
+
+        Parameters
+        ----------
+        stretch : array_like
+            λ, of any shape; positive unless the material is linear.
+
+        Returns
+        -------
+        flexor.materials.laws.Energy
+            w [J/m³], w' (the nominal stress) [Pa] and w'' [Pa], of the shape of `stretch`.
+        """
+        hoop = self.winding == "hoop"
+        if self.kind == "linear":
+            plane = 1.0 - self.poisson_ratio**2 if hoop else 1.0
+            return laws.linear(self.young_modulus / plane, stretch)
+        return (laws.wound if hoop else laws.uniaxial)(self.terms, stretch)
+
+    def sheet_energy(self, stretch: ArrayLike, hoop: ArrayLike) -> laws.SheetEnergy:
+        """Return the energy at given axial and hoop stretches, whatever the winding.
+
+        Parameters
+        ----------
+        stretch, hoop : array_like
+            λ and h, of shapes that broadcast; positive unless the material is linear.
+
+        Returns
+        -------
+        flexor.materials.laws.SheetEnergy
+            The energy [J/m³] and its first and second derivatives [Pa].
+        """
+        if self.kind == "linear":
+            return laws.linear_sheet(self.young_modulus, self.poisson_ratio, stretch, hoop)
+        return laws.biaxial(self.terms, stretch, hoop)
+
+    def nominal_stress(self, stretch: ArrayLike) -> Array:
+        """Return the force per unstrained area, w'(λ) [Pa]; see `energy`."""
+        return self.energy(stretch).first
+
+    def true_stress(self, stretch: ArrayLike) -> Array:
+        """Return the force per strained area of an incompressible fibre, λ w'(λ) [Pa]."""
+        return np.asarray(stretch, dtype=float) * self.nominal_stress(stretch)

@@ -1,0 +1,71 @@
+"""Whether materials and straps see more than they should."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexor.model.results import Path
+
+
+def materials_exceeded(path: Path) -> list[str]:
+    """List the materials beyond their limits, a sentence each.
+
+    Parameters
+    ----------
+    path
+        Equilibria of one design.
+
+    Returns
+    -------
+    list of str
+        With the load at which the limit is first exceeded.
+    """
+    if path.stretch is None:
+        return []
+    size, unit = path.model.load_unit()
+    found = []
+    for index, (name, table) in enumerate(path.model.file.materials.items()):
+        stretch = path.stretch[:, index]
+        if np.isnan(stretch).all():
+            continue
+        material = table.material(name)
+        strain = np.abs(stretch - 1.0).max(axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            stress = np.abs(material.nominal_stress(stretch)).max(axis=1)
+        checks = [
+            (strain, table.strain_limit, "is strained by {:.3g}", "{:.3g}"),
+            (stress / 1e3, _kilo(table.stress_limit), "sees a stress of {:.4g} kPa", "{:.4g} kPa"),
+            (-stretch.min(axis=1), 0.0, "has a fibre with the stretch {:.3g}", "above 0"),
+        ]
+        for values, limit, sentence, allowed in checks:
+            if limit is None or not (values >= limit).any():
+                continue
+            worst = float(np.nanmax(values)) if limit else float(np.nanmin(stretch))
+            load = f"{path.force[np.argmax(values >= limit)] / size:.4g} {unit}"
+            found.append(
+                f'material "{name}" {sentence.format(worst)}, from {load} on beyond its limit '
+                f"of {allowed.format(limit)}"
+            )
+    return found
+
+
+def straps_exceeded(path: Path) -> list[str]:
+    """List the straps beyond their limits, a sentence each; see `materials_exceeded`."""
+    size, unit = path.model.load_unit()
+    found = []
+    for name, forces in path.strap_forces().items():
+        limit = path.model.file.straps[name].limit
+        if limit is not None and (forces > limit).any():
+            load = f"{path.force[np.argmax(forces > limit)] / size:.4g} {unit}"
+            found.append(
+                f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
+                f"limit of {limit:.4g} N"
+            )
+    return found
+
+
+def _kilo(pressure: float | None) -> float | None:
+    return None if pressure is None else pressure / 1e3

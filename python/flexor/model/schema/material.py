@@ -1,0 +1,102 @@
+"""Materials of sections."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from flexor import materials
+from flexor.errors import InputError
+from flexor.model import units
+from flexor.model.schema.table import Choice, Number, PositiveNumber, Table
+from flexor.model.units import Density, Modulus, PositiveModulus
+from flexor.model.validation import field_error
+
+_LAWS = {
+    "linear": "linear",
+    "neo-hookean": "neo_hookean",
+    "mooney-rivlin": "mooney_rivlin",
+    "yeoh": "yeoh",
+    "ogden": "ogden",
+}
+
+
+class Material(Table):
+    """A constitutive law with its constants; see `flexor.materials.laws`."""
+
+    kind: Annotated[
+        Literal["linear", "neo-hookean", "mooney-rivlin", "yeoh", "ogden"],
+        Choice(*materials.KINDS),
+    ]
+    young_modulus: PositiveModulus | None = None
+    poisson_ratio: Number | None = None
+    shear_modulus: PositiveModulus | None = None
+    c10: Modulus | None = None
+    c01: Modulus | None = None
+    c1: Modulus | None = None
+    c2: Modulus | None = None
+    c3: Modulus | None = None
+    mu: Annotated[tuple[Modulus, ...], Field(min_length=1)] | None = None
+    alpha: Annotated[tuple[Number, ...], Field(min_length=1)] | None = None
+    winding: Annotated[Literal["none", "hoop"], Choice("none", "hoop")] = "none"
+    density: Density = units.DENSITY.si(0.0)
+    strain_limit: PositiveNumber | None = None
+    stress_limit: PositiveModulus | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Material:
+        for key in self._constants():
+            if key not in materials.KINDS[self.kind]:
+                own = ", ".join(materials.KINDS[self.kind])
+                raise field_error(f"is not a constant of a {self.kind} material: it has {own}", key)
+        for key, default in materials.KINDS[self.kind].items():
+            if default is None and getattr(self, key) is None:
+                raise field_error(f"is missing: a {self.kind} material needs it", path=key)
+        try:
+            self.material("")
+        except InputError as error:
+            raise field_error(f"cannot be used: {str(error).rstrip('.')}") from None
+        return self
+
+    def _constants(self) -> dict[str, Any]:
+        names = dict.fromkeys(key for kind in materials.KINDS.values() for key in kind)
+        return {key: value for key in names if (value := getattr(self, key)) is not None}
+
+    def material(self, name: str) -> materials.Material:
+        """Return the material.
+
+        Parameters
+        ----------
+        name
+            Its name, for messages.
+        """
+        return materials.Material(
+            name=name,
+            kind=self.kind,
+            constants=self._constants(),
+            winding=self.winding,
+            density=float(self.density),
+        )
+
+    def lower(self, name: str) -> dict[str, Any]:
+        """Describe the material to the engine.
+
+        Parameters
+        ----------
+        name
+            Its name.
+        """
+        material = self.material(name)
+        constants: list[float] = []
+        if self.kind == "ogden":
+            for mu, alpha in zip(self.mu or (), self.alpha or (), strict=True):
+                constants += [float(mu), float(alpha)]
+        else:
+            constants = [float(material[key]) for key in materials.KINDS[self.kind]]  # type: ignore[arg-type]
+        return {
+            "name": name,
+            "law": _LAWS[self.kind],
+            "constants": constants,
+            "wound": self.winding == "hoop",
+        }

@@ -1,0 +1,68 @@
+"""Where bodies are in the reference state, all coordinates being zero."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.model.schema.body import Body, Rod
+from flexor.model.schema.profile import surface
+
+
+def reference_frames(bodies: Mapping[str, Body]) -> dict[str, Callable[[float], Array]]:
+    """Return the frame along each body as a function of the fraction of its length.
+
+    Parameters
+    ----------
+    bodies
+        A tree of bodies.
+
+    Returns
+    -------
+    dict
+        Functions that return a homogeneous matrix, (4, 4).
+    """
+    frames: dict[str, Callable[[float], Array]] = {}
+
+    def along(name: str) -> Callable[[float], Array]:
+        if name not in frames:
+            body = bodies[name]
+            base = np.eye(4) if body.parent is None else along(body.parent)(1.0)
+            frames[name] = _along(body, base @ _placement(body))
+        return frames[name]
+
+    for name in bodies:
+        along(name)
+    return frames
+
+
+def _along(body: Body, base: Array) -> Callable[[float], Array]:
+    from scipy.linalg import expm  # deferred: slow to import
+
+    strain = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    if isinstance(body, Rod):
+        names = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
+        strain = np.array([float(getattr(body.reference_strain, name)) for name in names])
+    length = float(body.length)
+    return lambda fraction: np.asarray(base @ expm(_twist(strain * length * fraction)))
+
+
+def _placement(body: Body) -> Array:
+    from scipy.linalg import expm  # deferred: slow to import
+
+    place = body.placement
+    frame = np.asarray(expm(_twist(np.array([*place.rotation.components, 0.0, 0.0, 0.0]))))
+    frame[:3, 3] = [place.x, place.y, place.z]
+    if isinstance(body, Rod) and place.reference == "underside":
+        frame[:3, 3] += surface(body.radius, np.zeros(1))[0][0] * place.dorsal
+    return frame
+
+
+def _twist(twist: Array) -> Array:
+    x, y, z = twist[:3]
+    matrix = np.zeros((4, 4))
+    matrix[:3, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+    matrix[:3, 3] = twist[3:]
+    return matrix

@@ -1,0 +1,22 @@
+"""Geometry of cross-sections: from shapes to the fibres and moments that the engine takes."""
+
+from __future__ import annotations
+
+from flexor.sections.geometry import Cavity, Geometry, Part
+from flexor.sections.kinds import box, composite, half_round, solid, tube
+from flexor.sections.linear import Linear
+from flexor.sections.shapes import Rectangle, Sector
+
+__all__ = [
+    "Cavity",
+    "Geometry",
+    "Linear",
+    "Part",
+    "Rectangle",
+    "Sector",
+    "box",
+    "composite",
+    "half_round",
+    "solid",
+    "tube",
+]

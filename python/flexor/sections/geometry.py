@@ -1,0 +1,187 @@
+"""A cross-section as parts of material and cavities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.errors import InputError
+from flexor.sections.linear import Linear
+from flexor.sections.shapes import Shape, moments
+
+
+@dataclass(frozen=True)
+class Part:
+    """A shape of one material.
+
+    Parameters
+    ----------
+    shape
+        The shape.
+    material
+        Name of the material.
+    stretch
+        Its stretch where the rod is in its reference state.
+    winding
+        Radius of the winding about the centre of the shape's arc, which keeps the section that it
+        encloses while the incompressible wall moves; without, a wound material has hoop stretch 1.
+    """
+
+    shape: Shape
+    material: str
+    stretch: float = 1.0
+    winding: Linear | None = None
+
+
+@dataclass(frozen=True)
+class Cavity:
+    """A cavity.
+
+    Parameters
+    ----------
+    shapes
+        Its shapes.
+    enclosed
+        Shapes that a pressure acts on: those of the cavity, and of the wall inside a winding.
+    """
+
+    shapes: tuple[Shape, ...]
+    enclosed: tuple[Shape, ...]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A cross-section.
+
+    Parameters
+    ----------
+    parts
+        Parts of material.
+    cavities
+        Cavities by name.
+    clearances
+        Widths that must be positive, with the message of what is not, ``"wall must be …"``.
+    torsion
+        Torsional rigidity by Σ G A (y² + z²), given the shear moduli of the materials and S.
+    """
+
+    parts: tuple[Part, ...]
+    cavities: Mapping[str, Cavity] = field(default_factory=dict)
+    clearances: tuple[tuple[Linear, str], ...] = ()
+    torsion: Callable[[Mapping[str, float], float], float] | None = None
+
+    def check(self, s: float) -> None:
+        """Check that the section can be made where the surface is at S = `s`.
+
+        Raises
+        ------
+        InputError
+            If a wall leaves no cavity, parts overlap or a cavity is outside.
+        """
+        for width, message in self.clearances:
+            if not width.at(s) > 0.0:
+                raise InputError(f"{message}, but S is {1e3 * s:.4g} mm")
+
+    def check_parts(self, s: float, names: Mapping[int, str]) -> None:
+        """Check that the shapes of a composite do not overlap and contain its cavities.
+
+        Parameters
+        ----------
+        s
+            S [m].
+        names
+            Name of each shape, materials first, for messages.
+
+        Raises
+        ------
+        InputError
+            If they do, or do not.
+        """
+        shapes: list[Shape] = [part.shape for part in self.parts]
+        solid = len(shapes)
+        shapes += [shape for cavity in self.cavities.values() for shape in cavity.shapes]
+        for i, shape in enumerate(shapes):
+            for cell in shape.cells(folded=False, exact=True):
+                y, z = cell.y.at(s), cell.z.at(s)
+                for j, other in enumerate(shapes):
+                    if i != j and other.contains(y, z, s):
+                        first, second = sorted((names[i], names[j]))
+                        raise InputError(
+                            f"{first} and {second} overlap, where S is {1e3 * s:.4g} mm"
+                        )
+        if not solid:
+            raise InputError("has no part of material")
+        low, high = (
+            np.array([shape.extent(s) for shape in shapes[:solid]]).T[[0, 2]].min(axis=1),
+            None,
+        )
+        high = np.array([shape.extent(s) for shape in shapes[:solid]]).T[[1, 3]].max(axis=1)
+        for i, shape in enumerate(shapes[solid:], start=solid):
+            extent = np.array(shape.extent(s))
+            if (extent[[0, 2]] < low).any() or (extent[[1, 3]] > high).any():
+                raise InputError(
+                    f"{names[i]} is a cavity outside the section, where S is {1e3 * s:.4g} mm"
+                )
+
+    def fibres(self, materials: Mapping[str, int], folded: bool) -> list[dict[str, object]]:
+        """Describe the fibres to the engine.
+
+        Parameters
+        ----------
+        materials
+            Index of each material.
+        folded
+            Whether fibres of equal z are to be one, as in planar models.
+        """
+        described = []
+        for part in self.parts:
+            for cell in part.shape.cells(folded):
+                winding = [1.0, 0.0, 1.0, 0.0]
+                if part.winding is not None and cell.radius is not None:
+                    winding = [
+                        *part.winding.coefficients.tolist(),
+                        *cell.radius.coefficients.tolist(),
+                    ]
+                described.append(
+                    {
+                        "material": materials[part.material],
+                        "y": cell.y.coefficients.tolist(),
+                        "z": cell.z.coefficients.tolist(),
+                        "area": cell.area.tolist(),
+                        "stretch": part.stretch,
+                        "winding": winding,
+                    }
+                )
+        return described
+
+    def polar(self, moduli: Mapping[str, float], s: float) -> float:
+        """Return Σ G A (y² + z²) [N m²].
+
+        Parameters
+        ----------
+        moduli
+            Shear modulus of each material [Pa].
+        s
+            S [m].
+        """
+        total = 0.0
+        powers = np.array([1.0, s, s * s])
+        for part in self.parts:
+            for cell in part.shape.cells(folded=False):
+                square = cell.y.at(s) ** 2 + cell.z.at(s) ** 2
+                total += moduli[part.material] * float(cell.area @ powers) * square
+        return total
+
+    def mass(self, densities: Mapping[str, float]) -> Array:
+        """Return the mass per length as coefficients of 1, S and S²; shape (3,) [SI].
+
+        Parameters
+        ----------
+        densities
+            Of each material [kg/m³].
+        """
+        each = [moments((part.shape,))[:3] * densities[part.material] for part in self.parts]
+        return np.asarray(np.sum(each, axis=0))

@@ -1,0 +1,220 @@
+"""The kinds of sections as parts and cavities. S is half the height; z points up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Literal
+
+from flexor.sections.geometry import Cavity, Geometry, Part
+from flexor.sections.linear import ZERO, Linear
+from flexor.sections.shapes import Rectangle, Sector, Shape
+
+Place = Literal["outside", "inside"]
+Torsion = Callable[[Mapping[str, float], float], float]
+SURFACE = Linear(0.0, 1.0)
+
+
+def solid(kind: str, ratio: float, material: str) -> Geometry:
+    """Return a disc, an ellipse or a rectangle of half-height S.
+
+    Parameters
+    ----------
+    kind
+        ``"circular"``, ``"elliptic"`` or ``"rectangular"``.
+    ratio
+        Half-width by S.
+    material
+        Name of its material.
+    """
+    if kind == "rectangular":
+        shape: Shape = Rectangle(ZERO, ZERO, SURFACE * (2.0 * ratio), SURFACE * 2.0)
+        inertia = 4.0 / 3.0 * ratio * (1.0 + ratio**2)
+        factor = _rectangle_torsion(ratio) / inertia
+    else:
+        shape = Sector(ZERO, ZERO, ZERO, SURFACE, ratio=ratio)
+        factor = 4.0 * ratio**2 / (1.0 + ratio**2) ** 2
+    return Geometry((Part(shape, material),), torsion=lambda moduli, s: factor)
+
+
+def tube(wall: Linear, material: str, stretch: float, winding: Place, wound: bool) -> Geometry:
+    """Return a tube of outer radius S.
+
+    Parameters
+    ----------
+    wall
+        Thickness.
+    material
+        Name of its material.
+    stretch
+        In the reference state.
+    winding
+        Where a wound material has its winding.
+    wound
+        Whether the material is wound.
+    """
+    bore = SURFACE - wall
+    place = SURFACE if winding == "outside" else bore
+    ring = Part(Sector(ZERO, ZERO, bore, SURFACE), material, stretch, place)
+    inside: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, bore),)
+    enclosed: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, place),) if wound else inside
+    message = "wall leaves no bore: it must be less than the radius S"
+    return Geometry(
+        (ring,), {"bore": Cavity(inside, enclosed)}, ((bore, message),), lambda moduli, s: 1.0
+    )
+
+
+def half_round(
+    wall: Linear,
+    floor: Linear,
+    layer: tuple[Linear, str, float] | None,
+    material: str,
+    stretch: float,
+    winding: Place,
+    wound: bool,
+) -> Geometry:
+    """Return a half-tube on a floor; its height is 2 S.
+
+    Parameters
+    ----------
+    wall, floor
+        Thicknesses; that of the floor includes the layer.
+    layer
+        Thickness, material and stretch of the layer at the bottom of the floor.
+    material, stretch, winding, wound
+        As for `tube`. The winding outside encloses the floor as well.
+    """
+    base = floor - SURFACE
+    outer = SURFACE * 2.0 - floor
+    bore = outer - wall
+    place = outer if winding == "outside" else bore
+    arc = Part(Sector(ZERO, base, bore, outer, half=True), material, stretch, place)
+    inside: tuple[Shape, ...] = (Sector(ZERO, base, ZERO, bore, half=True),)
+    enclosed = inside
+    if wound and winding == "outside":
+        below = Rectangle(ZERO, floor * 0.5 - SURFACE, outer * 2.0, floor)
+        enclosed = (Sector(ZERO, base, ZERO, outer, half=True), below)
+    parts, clearances = _floor(outer * 2.0, floor, layer, material, stretch)
+    message = "wall leaves no bore: with the floor it must be less than the height 2 S"
+
+    def torsion(moduli: Mapping[str, float], s: float) -> float:
+        t, b, r = wall.at(s), floor.at(s), outer.at(s) - 0.5 * wall.at(s)
+        g = moduli[material]
+        area = 0.5 * pi * r * r + r * b
+        flow = (pi * r + b) / (g * t) + 2.0 * r / _floor_rigidity(floor, layer, material, moduli, s)
+        return 4.0 * area * area / flow / geometry.polar(moduli, s)
+
+    cavities = {"bore": Cavity(inside, enclosed)}
+    geometry = Geometry((arc, *parts), cavities, ((bore, message), *clearances), torsion)
+    return geometry
+
+
+def box(
+    width: Linear,
+    wall: Linear,
+    floor: Linear,
+    layer: tuple[Linear, str, float] | None,
+    material: str,
+    stretch: float,
+    winding: Place,
+    wound: bool,
+) -> Geometry:
+    """Return a rectangular tube; its height is 2 S.
+
+    Parameters
+    ----------
+    width
+        Along y.
+    wall
+        Thickness of the sides and of the top.
+    floor, layer, material, stretch, winding, wound
+        As for `half_round`; flat walls are held flat, with hoop stretch 1.
+    """
+    height = SURFACE * 2.0 - wall - floor
+    middle = (floor - wall) * 0.5
+    inner = width - wall * 2.0
+    side = (width - wall) * 0.5
+    walls = [Rectangle(side * sign, middle, wall, height) for sign in (1.0, -1.0)] + [
+        Rectangle(ZERO, SURFACE - wall * 0.5, width, wall)
+    ]
+    inside: tuple[Shape, ...] = (Rectangle(ZERO, middle, inner, height),)
+    outline: tuple[Shape, ...] = (Rectangle(ZERO, ZERO, width, SURFACE * 2.0),)
+    enclosed = outline if wound and winding == "outside" else inside
+    parts, clearances = _floor(width, floor, layer, material, stretch)
+    messages = (
+        (height, "wall leaves no bore: with the floor it must be less than the height 2 S"),
+        (inner, "wall leaves no bore: twice the wall must be less than the width"),
+    )
+
+    def torsion(moduli: Mapping[str, float], s: float) -> float:
+        t, b = wall.at(s), floor.at(s)
+        g = moduli[material]
+        across, up = width.at(s) - t, 2.0 * s - 0.5 * (t + b)
+        flow = (2.0 * up + across) / (g * t)
+        flow += across / _floor_rigidity(floor, layer, material, moduli, s)
+        return 4.0 * (across * up) ** 2 / flow / geometry.polar(moduli, s)
+
+    cavities = {"bore": Cavity(inside, enclosed)}
+    every = (*(Part(shape, material, stretch) for shape in walls), *parts)
+    geometry = Geometry(every, cavities, (*messages, *clearances), torsion)
+    return geometry
+
+
+def composite(
+    parts: list[Part], cavities: Mapping[str, Shape], torsion: Torsion | None
+) -> Geometry:
+    """Return a section of parts; pressure acts on the cavities themselves.
+
+    Parameters
+    ----------
+    parts, cavities
+        Its parts of material, and its cavities by name.
+    torsion
+        See `Geometry`.
+    """
+    hollow = {name: Cavity((shape,), (shape,)) for name, shape in cavities.items()}
+    return Geometry(tuple(parts), hollow, torsion=torsion)
+
+
+def _floor(
+    width: Linear,
+    floor: Linear,
+    layer: tuple[Linear, str, float] | None,
+    material: str,
+    stretch: float,
+) -> tuple[list[Part], tuple[tuple[Linear, str], ...]]:
+    """Return the parts of a floor, and what must be positive."""
+    if layer is None:
+        return [Part(Rectangle(ZERO, floor * 0.5 - SURFACE, width, floor), material, stretch)], ()
+    thickness, limiting, pretension = layer
+    above = floor - thickness
+    parts = [
+        Part(Rectangle(ZERO, thickness * 0.5 - SURFACE, width, thickness), limiting, pretension),
+        Part(Rectangle(ZERO, thickness + above * 0.5 - SURFACE, width, above), material, stretch),
+    ]
+    return parts, ((above, "layer.thickness must be less than the floor"),)
+
+
+def _floor_rigidity(
+    floor: Linear,
+    layer: tuple[Linear, str, float] | None,
+    material: str,
+    moduli: Mapping[str, float],
+    s: float,
+) -> float:
+    """Return Σ G t across a floor [N/m]."""
+    t, g = floor.at(s), moduli[material]
+    if layer is None:
+        return g * t
+    thin = layer[0].at(s)
+    return g * (t - thin) + moduli[layer[1]] * thin
+
+
+def _rectangle_torsion(ratio: float) -> float:
+    """Saint-Venant torsion constant of a rectangle with half-sides 1 and `ratio`, by its series."""
+    from math import tanh
+
+    long, short = 2.0 * max(ratio, 1.0), 2.0 * min(ratio, 1.0)
+    odd = range(1, 400, 2)
+    series = sum(tanh(m * pi * long / (2.0 * short)) / m**5 for m in odd)
+    return long * short**3 / 3.0 * (1.0 - 192.0 * short / (pi**5 * long) * series)

@@ -1,0 +1,185 @@
+"""Shapes in a cross-section, cut into cells by Gauss quadrature.
+
+Sizes are linear in the surface S(X), so that cells are at places linear in S and have areas
+quadratic in S: a shape is cut up once for every S.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from math import cos, pi, sin
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.sections.linear import ZERO, Linear
+
+# Quadrature points. Across a wall the strain varies little, along an arc like a sine.
+_ACROSS, _RADII, _QUARTER, _FLOOR = 2, 4, 6, 4
+# For moments, which are exact then.
+_EXACT = 6
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A part of a shape.
+
+    Attributes
+    ----------
+    y, z : Linear
+        Place [m].
+    area : (3,) array
+        Coefficients of 1, S and S² [m², m, 1].
+    radius : Linear or None
+        Distance from the centre of the arc that it is part of.
+    """
+
+    y: Linear
+    z: Linear
+    area: Array
+    radius: Linear | None = None
+
+
+@dataclass(frozen=True)
+class Sector:
+    """A sector of a ring: of a tube, a disc or the halves of these.
+
+    Parameters
+    ----------
+    y, z
+        Centre.
+    inner, outer
+        Radii.
+    half
+        Whether only the half above the centre.
+    ratio
+        Extent along y by that along z; not 1 for ellipses.
+    """
+
+    y: Linear
+    z: Linear
+    inner: Linear
+    outer: Linear
+    half: bool = False
+    ratio: float = 1.0
+
+    def cells(self, folded: bool, exact: bool = False) -> list[Cell]:
+        """Cut the shape up.
+
+        Parameters
+        ----------
+        folded
+            Whether cells of equal z are to be one.
+        exact
+            Whether areas and moments have to be exact.
+        """
+        solid = self.inner == ZERO
+        radial = _gauss(_EXACT if exact else _RADII if solid else _ACROSS)
+        thickness = self.outer - self.inner
+        found = []
+        for angle, share in self._angles(folded, _EXACT if exact else _QUARTER):
+            for place, weight in radial:
+                r = self.inner + thickness * place
+                area = r.times(thickness) * (share * weight * self.ratio)
+                y = self.y if folded else self.y + r * (cos(angle) * self.ratio)
+                found.append(Cell(y, self.z + r * sin(angle), area, r))
+        return found
+
+    def _angles(self, folded: bool, quarter: int) -> list[tuple[float, float]]:
+        """Angles from the y axis with what they stand for [rad]."""
+        start, stop = (0.0, pi) if self.half else (-pi, pi)
+        twice = 1.0
+        if folded:
+            start, stop, twice = (0.0 if self.half else -pi / 2), pi / 2, 2.0
+        pieces = round((stop - start) / (pi / 2))
+        size = (stop - start) / pieces
+        return [
+            (start + size * (piece + place), twice * size * weight)
+            for piece in range(pieces)
+            for place, weight in _gauss(quarter)
+        ]
+
+    def contains(self, y: float, z: float, s: float) -> bool:
+        """Whether a point is inside, by more than rounding."""
+        dy, dz = (y - self.y.at(s)) / self.ratio, z - self.z.at(s)
+        margin = 1e-9 * self.outer.at(s)
+        if self.half and dz < margin:
+            return False
+        return self.inner.at(s) + margin < float(np.hypot(dy, dz)) < self.outer.at(s) - margin
+
+    def extent(self, s: float) -> tuple[float, float, float, float]:
+        """Return the lowest and highest y, and z [m]."""
+        y, z, r = self.y.at(s), self.z.at(s), self.outer.at(s)
+        return y - r * self.ratio, y + r * self.ratio, z if self.half else z - r, z + r
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle.
+
+    Parameters
+    ----------
+    y, z
+        Middle.
+    width, height
+        Along y and z.
+    """
+
+    y: Linear
+    z: Linear
+    width: Linear
+    height: Linear
+
+    def cells(self, folded: bool, exact: bool = False) -> list[Cell]:
+        """Cut the shape up; see `Sector.cells`."""
+        rule = _gauss(_EXACT if exact else _FLOOR)
+        found = []
+        for across, share in [(0.5, 1.0)] if folded else rule:
+            for up, weight in rule:
+                y = self.y + self.width * (across - 0.5)
+                z = self.z + self.height * (up - 0.5)
+                found.append(Cell(y, z, self.width.times(self.height) * (share * weight)))
+        return found
+
+    def contains(self, y: float, z: float, s: float) -> bool:
+        """Whether a point is inside, by more than rounding."""
+        half = [0.5 * (1.0 - 1e-9) * side.at(s) for side in (self.width, self.height)]
+        return abs(y - self.y.at(s)) < half[0] and abs(z - self.z.at(s)) < half[1]
+
+    def extent(self, s: float) -> tuple[float, float, float, float]:
+        """Return the lowest and highest y, and z [m]."""
+        y, z, b, h = (side.at(s) for side in (self.y, self.z, self.width, self.height))
+        return y - 0.5 * b, y + 0.5 * b, z - 0.5 * h, z + 0.5 * h
+
+
+Shape = Sector | Rectangle
+
+
+@cache
+def _gauss(points: int) -> list[tuple[float, float]]:
+    """Gauss-Legendre rule on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return [(0.5 * (a + 1.0), 0.5 * b) for a, b in zip(x.tolist(), w.tolist(), strict=True)]
+
+
+def moments(shapes: tuple[Shape, ...]) -> Array:
+    """Return area and first moments as polynomials of S.
+
+    Parameters
+    ----------
+    shapes
+        Shapes that do not overlap.
+
+    Returns
+    -------
+    (11,) array
+        Coefficients of 1, S, S² of the area, then those of 1, S, S², S³ of ∫ y dA and ∫ z dA [SI].
+    """
+    total = np.zeros(11)
+    for shape in shapes:
+        for cell in shape.cells(folded=False, exact=True):
+            total[:3] += cell.area
+            total[3:7] += np.convolve(cell.area, cell.y.coefficients)
+            total[7:] += np.convolve(cell.area, cell.z.coefficients)
+    return total
