@@ -12,6 +12,7 @@ from flexor.cli import (
     calibrate,
     compare,
     landscape,
+    materials,
     methods,
     optimize,
     presets,
@@ -41,6 +42,7 @@ app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("reproduce", hidden=True, context_settings=reproduce.ANYTHING)(reproduce.reproduce)
+app.command("materials", cls=Command)(materials.materials)
 app.command("presets")(presets.presets)
 app.command("sets")(sets.sets)
 app.command("methods")(methods.methods)

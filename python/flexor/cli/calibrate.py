@@ -14,7 +14,8 @@ import typer
 
 from flexor.cli.changes import load_changed
 from flexor.cli.console import err, out
-from flexor.cli.options import Constants, Model, Seed, Set, Threads
+from flexor.cli.materials import Law, Strains, calibrate_material
+from flexor.cli.options import Constants, Seed, Set, Threads
 from flexor.cli.progress import LiveLine, duration
 from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
@@ -28,10 +29,17 @@ CALIBRATIONS = FilePath("calibrations")
 
 
 def calibrate(
-    model: Model,
-    targets: Annotated[
-        str, typer.Argument(metavar="TARGETS", help="A targets file (see docs/calibration.md).")
+    model: Annotated[
+        str,
+        typer.Argument(metavar="MODEL", help="Model file or preset; or the CSV of a tensile test."),
     ],
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="TARGETS",
+            help="A targets file (see docs/calibration.md); or tensile tests of more specimens.",
+        ),
+    ] = None,
     folder: Annotated[
         FilePath | None,
         typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
@@ -43,16 +51,18 @@ def calibrate(
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
     name: Annotated[
-        str, typer.Option(help="What to call the set of constants that is written.")
+        str, typer.Option(help="What to call the set of constants, or the material.")
     ] = "calibrated",
     threads: Threads = 0,
     constants: Constants = None,
     changes: Set = None,
+    law: Law = None,
+    strains: Strains = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object instead of the tables.")
     ] = False,
 ) -> int:
-    """Fit constants of a model to measured or published values.
+    """Fit constants of a model to measured values, or of a material to tensile tests.
 
     TARGETS says which fields of the model may vary within which ranges, and the values to fit:
     angles, forces, positions. The folder gets the constants, ready to be pasted into the model
@@ -64,9 +74,21 @@ def calibrate(
     * `flexor calibrate finger examples/bench-targets.toml`
     * `flexor calibrate finger examples/bench-targets.toml --out bench`
     * `flexor calibrate finger examples/bench-targets.toml --out bench --resume`
+    * `flexor calibrate specimen-1.csv specimen-2.csv --name silicone --strains 0:1.5`
+
+    With CSV files of tensile tests instead of a model, one per specimen, hyperelastic laws are
+    fitted to their mean, and the one that predicts best is printed as the table `[materials.NAME]`
+    of a model file; `--out` writes it with a figure (see docs/materials.md).
 
     Exit code 1: hard targets were not met.
     """
+    if model.lower().endswith(".csv"):
+        return calibrate_material([model, *(inputs or [])], name, law, strains, folder, as_json)
+    if law is not None or strains is not None:
+        raise InputError("--law and --strains are for tensile tests: give their CSV files.")
+    if inputs is None or len(inputs) != 1:
+        raise InputError("calibrate needs a model and one targets file, or CSVs of tensile tests.")
+    targets = inputs[0]
     from flexor import calibration
     from flexor.calibration import figure, report
 
