@@ -87,7 +87,7 @@ def calibrate(
     if law is not None or strains is not None:
         raise InputError("--law and --strains are for tensile tests: give their CSV files.")
     if inputs is None or len(inputs) != 1:
-        raise InputError("calibrate needs a model and one targets file, or CSVs of tensile tests.")
+        raise InputError("expected MODEL and one file TARGETS, or the CSV files of tensile tests.")
     targets = inputs[0]
     from flexor import calibration
     from flexor.calibration import figure, report

@@ -232,8 +232,8 @@ def fit(curve: Curve, law: str, name: str = "material") -> Fit | None:
             )
         except InputError:
             continue
-        deviation = (material.nominal_stress(curve.stretch) - curve.stress) / curve.stress
-        deviation = deviation[POINTS // 10 :]
+        stretch, stress = curve.stretch[POINTS // 10 :], curve.stress[POINTS // 10 :]
+        deviation = material.nominal_stress(stretch) / stress - 1.0
         stable = is_stable(material, float(curve.stretch[-1]))
         if best is None or (stable and not best.stable):
             best = Fit(
