@@ -124,7 +124,7 @@ def mean_curve(tests: Sequence[TensileTest], strains: tuple[float, float] | None
 
 def _slack(test: TensileTest) -> float:
     start = test.stretch - 1.0 <= TOE
-    if np.count_nonzero(start) < 4:
+    if np.unique(test.stress[start]).size < 4:
         return 0.0
     # Strain as a polynomial of stress, at zero stress.
     at_zero = float(np.polynomial.polynomial.polyfit(test.stress[start], test.stretch[start], 2)[0])
@@ -233,7 +233,8 @@ def fit(curve: Curve, law: str, name: str = "material") -> Fit | None:
         except InputError:
             continue
         stretch, stress = curve.stretch[POINTS // 10 :], curve.stress[POINTS // 10 :]
-        deviation = material.nominal_stress(stretch) / stress - 1.0
+        size = np.maximum(np.abs(stress), ABSOLUTE * np.max(np.abs(stress)))
+        deviation = (material.nominal_stress(stretch) - stress) / size
         stable = is_stable(material, float(curve.stretch[-1]))
         if best is None or (stable and not best.stable):
             best = Fit(

@@ -17,7 +17,7 @@ from flexor.errors import InputError, shortened
 
 Array = NDArray[np.float64]
 
-_MAX_BYTES = 50_000_000
+_MAX_BYTES = 10_000_000
 _STRESS_UNITS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "n/mm^2": 1e6, "n/mm2": 1e6}
 _STRAIN_UNITS = {"": 1.0, "-": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01, "percent": 0.01}
 _COLUMNS = (
