@@ -69,7 +69,7 @@ def draw_fits(curve: Curve, tests: Sequence[TensileTest], fits: Sequence[Fit]) -
         for test in tests:
             inside = test.stretch <= curve.stretch[-1] * (1.0 + curve.slack)
             strain = 100.0 * (test.stretch[inside] / (1.0 + curve.slack) - 1.0)
-            axes.plot(strain, test.stress[inside] / 1e3, ".", color="0.7", markersize=2)
+            axes.plot(strain, test.stress[inside] / 1e3, "k.", markersize=2.0, zorder=3)
         for index, (fit, colour) in enumerate(zip(fits, shades(len(fits)), strict=True)):
             stress = fit.material.nominal_stress(curve.stretch) / 1e3
             strain = 100.0 * (curve.stretch - 1.0)

@@ -60,7 +60,7 @@ def displacements(model: Model, grams: Array) -> Array:
 def run() -> Measurement:
     """Compare every value of the strips that Flexor can model."""
     table = read(SET, "displacement_at_500mm.csv")
-    groups, rows, curves = [], [], []
+    groups, rows, curves, sizes = [], [], [], []
     for beam in (1, 2, 3):
         for angle in (0, 45):
             chosen = [
@@ -84,6 +84,7 @@ def run() -> Measurement:
                     np.array([found[key] for key in keys]),
                 )
             )
+            sizes += [float(np.linalg.norm(found[step])) for step, _ in keys]
             rows += [
                 [
                     str(beam),
@@ -106,11 +107,12 @@ def run() -> Measurement:
         panels[0].set(ylabel="displacement / mm")
         panels[0].legend()
 
-    everything = Group(
-        "all",
-        np.concatenate([group.measured for group in groups]),
-        np.concatenate([group.found for group in groups]),
-    )
+    off = np.concatenate([group.off for group in groups])
+    measured = np.concatenate([group.measured for group in groups])
+    groups += [
+        Group("all, over the values", measured, measured + off),
+        Group("all, over the displacement at that weight", np.array(sizes), np.array(sizes) + off),
+    ]
     return Measurement(
         name="composite-strips",
         title="Composite strips bent in space",
@@ -124,11 +126,14 @@ def run() -> Measurement:
             "fitted**. Digitising error about 1 mm; the strip's own weight is not known and left "
             "out."
         ),
-        groups=[*groups, everything],
+        groups=groups,
         verdict=(
-            "Rod theory lies below these measurements by a few percent, as other geometrically "
-            "exact rods do with the same stiffness; the strip's own weight, which is missing, acts "
-            "in this direction."
+            "u2 and u3 lie 6 to 8 % below the measurement, already at weights where theory is "
+            "linear: the stiffness of laminate theory is a few percent too high, most for beam 3. "
+            "u1 lies 26 % below, and no straight inextensible strip has both the measured u1 and "
+            "the measured u3: the strips sagged before they were loaded. With an assumed 70 g/m "
+            "(30 mm × 1.5 mm of carbon and epoxy) 26 % become 21 %. Integration of the same rod "
+            "equations by shooting agrees with Flexor, so that the deviations are not numerical."
         ),
         headings=("beam", "rotated", "weight / g", "u1 / mm", "u2 / mm", "u3 / mm"),
         rows=rows,

@@ -147,8 +147,8 @@ def run() -> Measurement:
             "is stiffer than the rest: the face glued to the clamp cannot contract, which matters "
             "in a beam as short as this (L/h = 3.3) and which a rod does not know. The modulus of "
             "the tensile tests is far too low for this beam: another batch of unknown age and "
-            "mixing ratio, and strain from the crosshead, which reads high. **A modulus should be "
-            "fitted to a specimen of one's own batch.**"
+            "mixing ratio, and strain from the crosshead, which reads high. **Fit the modulus to "
+            "a specimen of the same batch.**"
         ),
         headings=("force / N", "marker", "", "measured / mm", "tensile", "authors' E", "fitted"),
         rows=rows,

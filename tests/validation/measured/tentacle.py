@@ -169,7 +169,8 @@ def run() -> Measurement:
             for name, (_, places) in cases.items():
                 colour = SERIES[1] if "m12" in name else SERIES[0]
                 axes.plot(places[:, i], places[:, 2], "o", color=colour, markersize=2.5)
-                axes.plot(found[name][:, i], found[name][:, 2], color=colour, linewidth=0.6)
+                pairs = np.stack([places, found[name]])
+                axes.plot(pairs[..., i], pairs[..., 2], color=colour, linewidth=0.6)
             axes.set(xlabel=label, aspect="equal")
         panels[0].set(ylabel="Z / mm")
 
@@ -211,7 +212,7 @@ def run() -> Measurement:
         ),
         rows=rows,
         draw=draw,
-        caption="Markers, measured (dots) and computed (corners of the lines): one tendon blue, "
-        "both orange.",
+        caption="Measured places of the markers (dots), and lines to the computed ones: one tendon "
+        "blue, both orange.",
         panels=2,
     )
