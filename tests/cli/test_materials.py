@@ -48,6 +48,15 @@ def test_calibrate_a_material(flexor, specimen, tmp_path: Path) -> None:
     assert (tmp_path / "made" / "material.png").exists()
 
 
+def test_a_link_in_the_folder_is_replaced(flexor, specimen, tmp_path: Path) -> None:
+    (tmp_path / "made").mkdir()
+    (tmp_path / "precious.toml").write_text("precious")
+    (tmp_path / "made" / "material.toml").symlink_to(tmp_path / "precious.toml")
+    assert flexor("calibrate", specimen, "--law", "yeoh", "--out", "made").code == 0
+    assert (tmp_path / "precious.toml").read_text() == "precious"
+    assert not (tmp_path / "made" / "material.toml").is_symlink()
+
+
 def test_calibrate_one_law_as_json(flexor, specimen) -> None:
     ran = flexor("calibrate", specimen, "--law", "yeoh", "--strains", "0:1", "--json")
     found = json.loads(ran.out)

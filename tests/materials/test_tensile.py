@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +93,14 @@ def test_unreadable(tmp_path: Path) -> None:
     for name, words in {
         "none.csv": "no such file",
         "binary.csv": "UTF-8",
-        ".": "directory",
+        ".": "not a file",
     }.items():
         with pytest.raises(InputError, match=words):
             read_test(tmp_path / name)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
+def test_a_pipe_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(InputError, match="not a file"):
+        read_test(tmp_path / "pipe.csv")

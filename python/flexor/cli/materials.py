@@ -147,10 +147,11 @@ def calibrate_material(
     written: list[Path] = []
     if folder is not None:
         from flexor.plot.material_figure import draw_fits
+        from flexor.store import write_text
 
         folder.mkdir(parents=True, exist_ok=True)
         written.append(folder / "material.toml")
-        written[0].write_text(model_table(best.material), encoding="utf-8")
+        write_text(written[0], model_table(best.material))
         written += save_figure(draw_fits(curve, tests, fits), folder, "material")
     if as_json:
         print(json.dumps(_report(fits, curve.slack), allow_nan=False))

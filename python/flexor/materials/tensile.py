@@ -72,6 +72,8 @@ def read_test(path: str | os.PathLike[str]) -> TensileTest:
     """
     path = Path(path)
     try:
+        if path.exists() and not path.is_file():
+            raise InputError(f'"{path}" is not a file: expected the CSV file of a tensile test.')
         if path.stat().st_size > _MAX_BYTES:
             raise InputError(f'"{path}" has more than {_MAX_BYTES // 1_000_000} MB.')
         text = path.read_text(encoding="utf-8-sig")
