@@ -15,17 +15,16 @@ after each chunk, and the same command resumes from there.
 from __future__ import annotations
 
 import argparse
-import hashlib
-import json
 import sys
 import time
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from _machine import machine
+from _resumed_count import engine, resumed, save
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import (
@@ -39,7 +38,6 @@ from rich.progress import (
 from rich.table import Table
 
 import flexor
-from flexor import _engine
 from flexor._engine import REGULARITY, STATUS
 from flexor.model import Model
 
@@ -76,7 +74,8 @@ def main() -> int:
     parser.add_argument("--limit", type=int, default=100, help="iterations of one load step")
     parser.add_argument("--state", type=Path, default=Path("stress-designs.json"))
     options = parser.parse_args()
-    count = resumed(options.state, Count(options.seed, options.limit, engine()))
+    fresh = Count(options.seed, options.limit, engine())
+    count = resumed(options.state, fresh, ("seed", "limit", "engine"))
     models = [flexor.load(name) for name in MODELS]
     parts = -(-options.designs // PART)
     console = Console(stderr=True)
@@ -89,31 +88,6 @@ def main() -> int:
             progress.update(bar, completed=count.parts * PART)
     report(count)
     return 1 if count.failures else 0
-
-
-def engine() -> str:
-    """Return the version and the first digits of the hash of the compiled engine."""
-    found = hashlib.sha256(Path(_engine.__file__).read_bytes()).hexdigest()
-    return f"{flexor.__version__}, {found[:12]}"
-
-
-def resumed(path: Path, fresh: Count) -> Count:
-    """Return the saved counts, or fresh ones."""
-    if not path.exists():
-        return fresh
-    count = Count(**json.loads(path.read_text()))
-    for key in ("seed", "limit", "engine"):
-        if getattr(count, key) != getattr(fresh, key):
-            was = getattr(count, key)
-            sys.exit(f'error: "{path}" is of {key} {was}: choose another --state to start again.')
-    return count
-
-
-def save(path: Path, count: Count) -> None:
-    """Write the counts atomically."""
-    draft = path.with_name(f"{path.name}.new")
-    draft.write_text(json.dumps(asdict(count), indent=1))
-    draft.replace(path)
 
 
 def evaluate(count: Count, models: list[Model]) -> None:

@@ -32,7 +32,7 @@ import flexor
 from flexor.calibration.reading import read as read_targets
 from flexor.errors import InputError
 from flexor.model import Model, parse, presets, read
-from flexor.model.presets import locate
+from flexor.model.reading import locate
 from flexor.study import Study, optimize, resume
 
 ROOT = Path(__file__).resolve().parent.parent

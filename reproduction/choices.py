@@ -23,6 +23,7 @@ from flexor.calibration import Calibration, calibrate
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.model.toml import tables
+from flexor.store import write_text
 
 HERE = Path(__file__).resolve().parent
 DESIGN, OPTIMUM = "paper-targets.toml", "paper-optimum-targets.toml"
@@ -83,7 +84,7 @@ def prepare(name: str, choice: Choice, out: Path) -> tuple[Model, Path]:
     }
     targets = out / f"{slug(name)}.toml"
     out.mkdir(parents=True, exist_ok=True)
-    targets.write_text(tomli_w.dumps(document), encoding="utf-8")
+    write_text(targets, tomli_w.dumps(document))
     return flexor.load("finger", changes={**choice.both, **choice.three}), targets
 
 
@@ -148,7 +149,7 @@ def main() -> int:
             print(f"error: {error}", file=sys.stderr)
             return 2
     text = table(found)
-    (options.out / "choices.md").write_text(text, encoding="utf-8")
+    write_text(options.out / "choices.md", text)
     print(text, end="")
     return 0
 

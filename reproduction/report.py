@@ -13,6 +13,7 @@ from markdown_it import MarkdownIt
 
 from flexor.errors import InputError, unknown
 from flexor.plot import save
+from flexor.store import write_text
 from reproduction import (
     conclusions,
     constants,
@@ -34,6 +35,7 @@ from reproduction.study import (
     SYMBOLS,
     Data,
     Study,
+    made,
     parameters,
     provenance,
     published_design,
@@ -69,16 +71,15 @@ def chosen(names: str | None) -> tuple[str, ...]:
 
 def write_report(study: Study, results: Data) -> Path:
     """Draw the figures and write report.md and report.html; return the folder."""
-    figures = study.folder / "figures"
-    figures.mkdir(exist_ok=True)
+    figures = made(study.folder / "figures")
     for name, data in results.items():
         if hasattr(ITEMS[name], "draw"):
             for title, figure in ITEMS[name].draw(study, data).items():
                 save(figure, figures / f"{title}.png")
                 save(figure, figures / f"{title}.svg")
     text = render(results, study)
-    (study.folder / "report.md").write_text(text, encoding="utf-8")
-    (study.folder / "report.html").write_text(html(text, study.folder), encoding="utf-8")
+    write_text(study.folder / "report.md", text)
+    write_text(study.folder / "report.html", html(text, study.folder))
     return study.folder
 
 

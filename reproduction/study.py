@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import platform
 import sys
 import time
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 import flexor
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
+from flexor.store import check_regular, write_text
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -121,7 +121,7 @@ class Study:
             json.dumps({"seed": seed, **asdict(self.effort), **provenance()})
         )
         stamp = folder / "settings.json"
-        if not stamp.is_file():
+        if not check_regular(stamp):
             if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
                 raise InputError(f'"{folder}" is not an empty folder: choose another with --out.')
             write_json(stamp, self.settings)
@@ -135,8 +135,8 @@ class Study:
 
     def cached(self, name: str, compute: Callable[[], Data]) -> Data:
         """Return the values of `compute` (JSON types), computed once and saved in the folder."""
-        file = self.folder / "results" / f"{name}.json"
-        if not file.is_file():
+        file = made(self.folder / "results") / f"{name}.json"
+        if not check_regular(file):
             self.report_progress(name)
             began = time.perf_counter()
             values = compute()
@@ -146,8 +146,9 @@ class Study:
 
     def subfolder(self, name: str) -> tuple[Path, bool]:
         """Return the folder of a study or landscape, and whether it exists and is to be resumed."""
-        place = self.folder / "studies" / name
-        place.parent.mkdir(parents=True, exist_ok=True)
+        place = made(self.folder / "studies") / name
+        if place.is_symlink():
+            raise InputError(f'"{place}" is a link: only a folder is used in its place.')
         return place, place.exists()
 
 
@@ -203,13 +204,19 @@ def bending(path: flexor.Path, step: int = -1) -> float:
 
 def write_json(file: Path, values: Data) -> None:
     """Write JSON values atomically."""
-    draft = file.with_name(f".{file.name}.new")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(json.dumps(values, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        os.replace(draft, file)
+        write_text(file, json.dumps(values, indent=1, allow_nan=False) + "\n")
     except OSError as error:
         raise InputError(f'"{file}" cannot be written: {error.strerror}.') from error
+
+
+def made(folder: Path) -> Path:
+    """Make a folder if it is not there; refuse a link in its place."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if folder.is_symlink():
+        raise InputError(f'"{folder}" is a link: only a folder is used in its place.')
+    return folder
 
 
 def read_json(file: Path) -> Data:

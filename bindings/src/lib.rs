@@ -5,6 +5,7 @@
 
 mod dispatch;
 mod error;
+mod interrupt;
 mod model;
 mod options;
 mod structure;
@@ -61,6 +62,7 @@ engine!(_engine_native);
 fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_points, module)?)?;
     module.add_function(wrap_pyfunction!(cpu_runs, module)?)?;
+    module.add_function(wrap_pyfunction!(interrupt::cancel, module)?)?;
     module.add_class::<model::Model>()?;
     module.add("SOLVER_OPTIONS", options::describe(module.py())?)?;
     module.add("STATUS", Status::ALL.map(Status::name).to_vec())?;

@@ -2,6 +2,7 @@
 
 use crate::dispatch::{AnyModel, ContactForce, State, on_model};
 use crate::error::value_error;
+use crate::interrupt::interruptible;
 use crate::{options, structure};
 use flexor_engine::equilibrium::{Stability, Status};
 use flexor_engine::model::{Description, Structure};
@@ -221,11 +222,12 @@ impl Model {
             return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
         }
         if loads.as_array().iter().any(|u| !u.is_finite()) {
-            return value_error("loads: finite numbers are needed");
+            return value_error("loads: must be finite numbers");
         }
         let start = self.start(start)?;
         let values: Vec<f64> = values.as_array().iter().copied().collect();
         let loads: Vec<f64> = loads.as_array().iter().copied().collect();
+        let options = options::read(solver_options)?;
         let batch = Batch {
             base: &base,
             varied: &varied,
@@ -235,9 +237,12 @@ impl Model {
             steps,
             start: start.as_deref(),
             gradient: &gradient,
+            cancel: None,
         };
-        let options = options::read(solver_options)?;
-        let result = py.detach(|| on_model!(&self.inner, m => m.solve_batch(batch, options, threads)));
+        let result = interruptible(py, batch.is_parallel(threads), |cancel| {
+            let batch = Batch { cancel: Some(cancel), ..batch };
+            on_model!(&self.inner, m => m.solve_batch(batch, options, threads))
+        })?;
 
         let out = PyDict::new(py);
         let shape = [designs, steps];
@@ -291,14 +296,17 @@ impl Model {
             ));
         }
         if loads.iter().any(|u| !u.is_finite()) {
-            return value_error("loads: finite numbers are needed");
+            return value_error("loads: must be finite numbers");
         }
         let rows: Vec<Vec<f64>> = loads.rows().into_iter().map(|row| row.to_vec()).collect();
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         let start = self.start(start)?.unwrap_or_else(|| vec![0.0; dof]);
         let options = options::read(solver_options)?;
-        let found =
-            py.detach(|| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options)));
+        let found = interruptible(
+            py,
+            false,
+            |cancel| on_model!(&self.inner, m => m.follow_branch(&parameters, &rows, &start, options, Some(cancel))),
+        )?;
         let Some(found) = found else { return value_error("the design is not admissible") };
 
         let out = PyDict::new(py);
@@ -330,7 +338,7 @@ impl Model {
             ));
         }
         if start.iter().any(|q| !q.is_finite()) {
-            return value_error("start: finite numbers are needed");
+            return value_error("start: must be finite numbers");
         }
         Ok(Some(start))
     }

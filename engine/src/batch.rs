@@ -1,7 +1,8 @@
 //! Many designs at once: one path per design, in parallel, results independent of the thread count.
 
 use crate::equilibrium::{
-    Continuation, ContinuationOptions, Event, EventKind, PathSink, Stability, Status, StepReport, System,
+    Cancel, Continuation, ContinuationOptions, Event, EventKind, PathSink, Stability, Status, StepReport,
+    System,
 };
 use crate::lie::LieGroup;
 use crate::model::Model;
@@ -27,6 +28,19 @@ pub struct Batch<'a> {
     pub start: Option<&'a [f64]>,
     /// Parameters with respect to which the last step is differentiated; none: no derivatives.
     pub gradient: &'a [usize],
+    /// Set while the batch is solved, ends it soon; what was not done has [`Status::Cancelled`].
+    pub cancel: Option<&'a dyn Cancel>,
+}
+
+/// Designs that a thread solves one after another: few enough to balance, and enough to share one
+/// workspace.
+const CHUNK: usize = 16;
+
+impl Batch<'_> {
+    /// Whether more than the calling thread would work on it.
+    pub fn is_parallel(&self, threads: usize) -> bool {
+        threads != 1 && self.designs > CHUNK
+    }
 }
 
 /// What a batch returns: row-major arrays over (design, step).
@@ -177,11 +191,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         };
         let mut rows = split_rows(&mut result, dof, steps, width);
         let solve = |rows: &mut [Row]| {
-            let mut path = Continuation::new(self, options);
+            let mut path = Continuation::new(self, options, batch.cancel);
             let mut parameters = batch.base.to_vec();
             let start = batch.start.map_or_else(|| vec![0.0; dof], <[f64]>::to_vec);
             let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
             for row in rows {
+                if batch.cancel.is_some_and(Cancel::is_requested) {
+                    row.status.fill(Status::Cancelled as u8);
+                    continue;
+                }
                 let values = &batch.values[row.design * batch.varied.len()..][..batch.varied.len()];
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;
@@ -192,11 +210,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 }
             }
         };
-        // Chunks are small enough to balance and large enough to share one workspace.
-        let chunk = 16;
-        match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) if threads != 1 => pool.install(|| rows.par_chunks_mut(chunk).for_each(solve)),
-            _ => solve(&mut rows),
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        match batch.is_parallel(threads).then(|| pool.build().ok()).flatten() {
+            Some(pool) => pool.install(|| rows.par_chunks_mut(CHUNK).for_each(solve)),
+            None => solve(&mut rows),
         }
         let (events, free): (Vec<_>, Vec<_>) = rows.into_iter().map(|row| (row.events, row.free)).unzip();
         result.events = events.into_iter().flatten().collect();

@@ -1,6 +1,6 @@
 //! One branch followed by arc length: as many points as it takes.
 
-use crate::equilibrium::{Continuation, ContinuationOptions, Event, PathSink, StepReport, System};
+use crate::equilibrium::{Cancel, Continuation, ContinuationOptions, Event, PathSink, StepReport, System};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -56,7 +56,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Follows the branch from `start` at the first load to the last by arc length; `None` when the
-    /// parameters are not admissible.
+    /// parameters are not admissible. Ends soon after `cancel` is requested.
     ///
     /// # Panics
     /// If a length does not fit.
@@ -66,8 +66,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         loads: &[&[f64]],
         start: &[f64],
         options: ContinuationOptions,
+        cancel: Option<&dyn Cancel>,
     ) -> Option<Branch> {
-        let mut path = Continuation::new(self, options);
+        let mut path = Continuation::new(self, options, cancel);
         let mut branch = Branch::default();
         path.set_parameters(parameters).then(|| {
             path.follow_arc(loads, start, &mut branch);

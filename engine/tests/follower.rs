@@ -45,6 +45,7 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         steps: loads.len(),
         start: None,
         gradient: &[],
+        cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8), "{:?}", result.status);

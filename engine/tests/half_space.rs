@@ -65,6 +65,7 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
         steps: loads.len(),
         start: None,
         gradient: &[slot],
+        cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8));

@@ -201,7 +201,7 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let mut energy = first;
     for max_iterations in 1..=40 {
         let options = ContinuationOptions { max_iterations, ..ContinuationOptions::default() };
-        let mut path = Continuation::new(&model, options);
+        let mut path = Continuation::new(&model, options, None);
         let mut end = End::default();
         path.follow(&[load], &start, &mut end);
         let (now, residual) = at(&end.q);

@@ -37,6 +37,7 @@ fn solve(model: &Model<SE2, 3, 2>, young_modulus: f64, held: f64) -> BatchResult
         loads: &loads,
         steps: 6,
         gradient: &[],
+        cancel: None,
         start: None,
     };
     model.solve_batch(batch, ContinuationOptions::default(), 1)

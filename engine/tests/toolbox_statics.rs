@@ -27,6 +27,7 @@ fn joint_angles_of_the_default_design() {
         steps: loads.len(),
         start: None,
         gradient: &[],
+        cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.events.is_empty());

@@ -15,7 +15,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexor.errors import InputError
+    from flexor.errors import InputError, ModelWarning
     from flexor.model import Model, Path, load
     from flexor.study import Study, objective_function, optimize
     from flexor.study.comparison import MethodComparison, compare
@@ -28,6 +28,7 @@ __all__ = [
     "Landscape",
     "MethodComparison",
     "Model",
+    "ModelWarning",
     "Path",
     "Study",
     "__version__",
@@ -43,6 +44,7 @@ __all__ = [
 _HOME = {
     "InputError": "flexor.errors",
     "Model": "flexor.model",
+    "ModelWarning": "flexor.errors",
     "Path": "flexor.model",
     "Landscape": "flexor.study.landscape",
     "MethodComparison": "flexor.study.comparison",

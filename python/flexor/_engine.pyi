@@ -79,6 +79,7 @@ class Contacts(TypedDict):
     point: NDArray[np.float64]
     depth: NDArray[np.float64]
 
+def cancel() -> None: ...  # ends all solves that are running, with KeyboardInterrupt
 def cpu_runs() -> list[str]: ...
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
 

@@ -2,7 +2,8 @@
 
 The message of an `InputError` is one sentence that names the file and the field, what was found
 and what is expected; the command line prints it after ``error:`` and exits with code 2. A
-`ClusterError` reports the loss of a cluster; the exit code is 3, and the study can be resumed.
+`ClusterError` reports the loss of a cluster; the exit code is 3, and the study can be resumed. A
+`ModelWarning` is printed after ``warning:``.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from difflib import get_close_matches
 __all__ = [
     "ClusterError",
     "InputError",
+    "ModelWarning",
     "alternatives",
     "one_line",
     "shortened",
@@ -42,6 +44,19 @@ class ClusterError(RuntimeError):
 
 class InputError(ValueError):
     """Invalid input, explained in one sentence.
+
+    Parameters
+    ----------
+    sentence
+        The explanation; non-printable characters are replaced by spaces.
+    """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(one_line(sentence))
+
+
+class ModelWarning(UserWarning):
+    """A model that can be used, but whose results may not be what was meant.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexor as package
-from flexor.cli.changes import load_changed
+from flexor.cli.values import load_changed
 from flexor.design import parameter_set
 
 
@@ -48,6 +48,39 @@ def test_a_model_without_joints_shows_where_its_tip_is(flexor) -> None:
     ran = flexor("simulate", "exosuit-alone", "--force", "0")
     assert ran.code == 0
     assert "10.00, 0.00," in ran.out
+
+
+SLIDES = """
+name = "slides"
+planar = true
+
+[bodies.cart]
+kind = "link"
+length = "1 cm"
+radius = "1 mm"
+joint = { kind = "prismatic", axis = "x", stiffness = "2 N/m" }
+
+[wrenches.pull]
+body = "cart"
+at = "tip"
+force = { x = "1 N" }
+input = true
+
+[wrenches.push]
+body = "cart"
+at = "tip"
+force = { x = "-1 N" }
+input = true
+"""
+
+
+def test_slides_have_a_column_and_several_inputs_rest_without_load(flexor, tmp_path) -> None:
+    file = tmp_path / "slides.toml"
+    file.write_text(SLIDES)
+    ran = flexor("simulate", str(file))
+    assert ran.code == 0, ran.err
+    assert "cart.d" in ran.out and "mm" in ran.out
+    assert "no load is given: --force pull=0:5:1 applies one" in ran.out
 
 
 def test_constants_change_the_result(flexor) -> None:

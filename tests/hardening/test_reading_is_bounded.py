@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -108,3 +110,65 @@ def test_many_sets_of_constants(tmp_path: Path) -> None:
 def test_large_files(tmp_path: Path) -> None:
     said = refusal(tmp_path, "#" * (MAX_BYTES + 1))
     assert "more than 10 MB" in said
+
+
+MODES = ("bend_y", "bend_z", "twist_x", "shear_y", "shear_z", "extend_x")
+
+
+def rods(count: int, elements: int, basis: str) -> str:
+    modes = ", ".join(f'{mode} = "{basis}"' for mode in MODES)
+    each = "".join(
+        ROD.format(name=f"r{i}", elements=elements, points=4)
+        .replace('bend_y = "nodal_linear"', modes)
+        .split("[spheres")[0]
+        .replace('name = "rod"\n', "")
+        for i in range(count)
+    )
+    return f'name = "rods"\n{each}'
+
+
+def test_a_tangent_fits_into_memory(tmp_path: Path) -> None:
+    said = refusal(tmp_path, rods(10, 1000, "nodal_cubic"))
+    assert "bodies have 180,060 strains: at most 10,000" in said
+
+
+@pytest.mark.parametrize("basis", ["nodal_linear", "nodal_quadratic", "nodal_cubic", "hermite"])
+def test_strains_are_counted_as_the_engine_does(tmp_path: Path, basis: str) -> None:
+    file = tmp_path / "m.toml"
+    file.write_text(rods(2, 3, basis))
+    model = flexor.load(file)
+    counted = sum(
+        mode.size(rod.elements)
+        for rod in map(model.file.rod, model.rods)
+        for mode in rod.strain.modes.values()
+    )
+    assert counted == model.dof
+
+
+LIMITED = """
+import resource, sys
+import numpy as np
+import flexor
+from flexor.design import parameter_set
+model = flexor.load("finger")
+pages = int(open("/proc/self/statm").read().split()[0])
+limit = pages * resource.getpagesize() + 300_000_000
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+chosen = parameter_set("L", model.design)
+def many():
+    model.evaluate(chosen.geometry(np.full((20_000, 1), 0.1), model.X), "0:5:0.01", 1)
+def steps():
+    model.equilibrium("0:5:0.00001", max_seconds=1)
+try:
+    {"many": many, "steps": steps}[sys.argv[1]]()
+except MemoryError:
+    sys.exit(7)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory")
+@pytest.mark.parametrize("what", ["many", "steps"])
+def test_arrays_too_large_are_a_memory_error(what: str) -> None:
+    done = subprocess.run([sys.executable, "-c", LIMITED, what], capture_output=True, text=True)
+    assert done.returncode == 7, done.stderr
+    assert done.stderr == ""

@@ -8,7 +8,7 @@ import pytest
 
 from flexor.errors import InputError, unknown
 from flexor.model import parse, presets, read
-from flexor.model.presets import locate
+from flexor.model.reading import locate
 
 ROOT = pathlib.Path(__file__).parents[2]
 ALL = ("exosuit-alone", "finger", "finger-2-links", "tendon-arm")

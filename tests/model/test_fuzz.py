@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from flexor.errors import InputError
 from flexor.model import Model, parse, presets, read
-from flexor.model.presets import locate
-from flexor.model.reading import check
+from flexor.model.reading import check, locate
 
 FILES = {name: json.loads(json.dumps(read(locate(name)).to_document())) for name in presets()}
 SCALARS = st.one_of(

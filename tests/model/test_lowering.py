@@ -10,7 +10,7 @@ import pytest
 
 from flexor.model import ModelFile, parse, read
 from flexor.model.lowering import lower
-from flexor.model.presets import locate
+from flexor.model.reading import locate
 
 # Gauss points of three on (0, 1).
 GAUSS = [0.5 - 0.5 * math.sqrt(0.6), 0.5, 0.5 + 0.5 * math.sqrt(0.6)]

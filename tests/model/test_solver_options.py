@@ -18,7 +18,7 @@ from flexor.errors import InputError
         (
             {"tolerence": 1e-9},
             'unknown solver option "tolerence" (did you mean "tolerance"?): expected one of '
-            '"tolerance", "max_iterations", "min_step", "max_displacement", '
+            '"tolerance", "max_iterations", "max_seconds", "min_step", "max_displacement", '
             '"max_displacement_with_contact".',
         ),
         ({"tolerance": 0.0}, "solver option tolerance is 0.0: it must be above 0 and at most 1."),
@@ -44,6 +44,7 @@ from flexor.errors import InputError
             {"max_displacement": 2e6},
             "solver option max_displacement is 2000000.0: it must be above 0 and at most 1e+06.",
         ),
+        ({"max_seconds": 0}, "solver option max_seconds is 0: it must be above 0 and at most inf."),
         ({"max_iterations": True}, "solver option max_iterations is true: expected a number."),
     ],
 )
@@ -57,6 +58,7 @@ def test_the_engine_says_what_its_options_are() -> None:
     assert list(_engine.SOLVER_OPTIONS) == [
         "tolerance",
         "max_iterations",
+        "max_seconds",
         "min_step",
         "max_displacement",
         "max_displacement_with_contact",
@@ -99,3 +101,8 @@ def test_too_few_iterations_are_told_not_raised() -> None:
 def test_every_tolerance_that_is_allowed_works_in_long_steps(tolerance: float) -> None:
     path = flexor.load("finger", "calibrated").equilibrium([0, 20], tolerance=tolerance)
     assert path.converged.all()
+
+
+def test_a_step_that_takes_too_long_is_told_not_raised() -> None:
+    path = flexor.load("finger", "calibrated").equilibrium([0, 5, 6], max_seconds=1e-9)
+    assert list(path.status) == ["time-limit", "not-reached", "not-reached"]

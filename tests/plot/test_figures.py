@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from flexor.errors import InputError
-from flexor.plot import arrows
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.path_figure import MAX_LEGEND_ENTRIES, draw_path
-from flexor.plot.scene import ContactArrow, Scene
+from flexor.plot.scene import LONGEST_ARROW, ContactArrow, Scene, arrow_scale
 from flexor.plot.style import COLUMN, save, shades
 
 from .synthetic import scene
@@ -43,10 +42,10 @@ def test_everything_lies_inside_the_axes() -> None:
 
 
 def test_arrows_share_one_scale_and_the_key_is_round() -> None:
-    cm_per_newton, key = arrows.scale([scene(0.5, 3.7)])
-    assert cm_per_newton * 3.7 == pytest.approx(arrows.MAX_LENGTH)
+    cm_per_newton, key = arrow_scale([scene(0.5, 3.7)])
+    assert cm_per_newton * 3.7 == pytest.approx(LONGEST_ARROW)
     assert key == 2.0
-    assert arrows.scale([scene(0.5)]) == (0.0, 0.0)
+    assert arrow_scale([scene(0.5)]) == (0.0, 0.0)
 
 
 def test_arrow_ends_where_the_force_acts() -> None:
@@ -60,7 +59,7 @@ def test_arrow_ends_where_the_force_acts() -> None:
     arrow = next(c for c in axes.collections if isinstance(c, matplotlib.quiver.Quiver))
     np.testing.assert_allclose(arrow.get_offsets(), [[5.0, 1.0]])
     assert arrow.pivot == "tip"
-    np.testing.assert_allclose([arrow.U[0], arrow.V[0]], [0.0, -arrows.MAX_LENGTH])
+    np.testing.assert_allclose([arrow.U[0], arrow.V[0]], [0.0, -LONGEST_ARROW])
 
 
 def test_the_legend_of_a_long_path_lists_some_loads() -> None:

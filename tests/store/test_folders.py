@@ -204,7 +204,7 @@ def test_a_study_is_pickled_with_its_record(tmp_path: Path, monkeypatch: Any, wh
     assert copy.start.value == study.start.value
     if where == "folder":
         with pytest.raises(InputError, match="readonly"):
-            copy.record.note("finished", None)
+            copy.record.database.note("finished", None)
         study.close()
         (tmp_path / "s" / "record.sqlite").unlink()
         with pytest.raises(InputError, match="cannot be used: unable to open"):

@@ -38,7 +38,7 @@ from flexor.study import (
 )
 from flexor.study.comparison import compare
 from flexor.study.executors import cluster, interface, task
-from flexor.study.executors.address import Address
+from flexor.study.executors.cluster import local_workers
 from flexor.study.executors.task import PickledProblem, dumps
 
 
@@ -137,8 +137,8 @@ def test_an_address_that_is_none_is_refused(text: str, said: str) -> None:
     "text", ["tcp://10.0.0.1:8786", "tls://my-host.lab:1", "tcp://[::1]:8786/", " tcp://h:1 "]
 )
 def test_addresses_of_schedulers_are_read(text: str) -> None:
-    assert Address.read(text) == Address(text.strip())
-    assert Address.read("local:3").local == 3
+    assert local_workers(text.strip()) == 0
+    assert local_workers("local:3") == 3
 
 
 def test_without_dask_the_extra_is_named(monkeypatch: Any) -> None:
@@ -206,9 +206,9 @@ def test_a_worker_does_what_it_is_sent(finger: Problem) -> None:
     expected = finger.evaluate(designs, gradient=True)
     assert found.value.tobytes() == expected.value.tobytes()
     assert found.derivatives.tobytes() == expected.derivatives.tobytes()
-    kept = task._problems[pickled.token]
-    assert task.run(pickled, work).error is None
-    assert task._problems[pickled.token] is kept
+    kept = task._unpickled(pickled)
+    assert task.run(pickle.loads(pickle.dumps(pickled)), work).error is None
+    assert task._unpickled(pickle.loads(pickle.dumps(pickled))) is kept
     assert isinstance(task.run(pickled, evaluation(designs[:, :1])).error, InputError)
 
 
@@ -216,14 +216,15 @@ def test_a_worker_refuses_another_version_engine_model_or_module(finger: Problem
     pickled, work = PickledProblem.of(finger), evaluation([[0.007, 0.008]])
 
     def refusal(**changed: Any) -> str:
-        reply = task.run(replace(pickled, token=str(changed), **changed), work)
+        reply = task.run(replace(pickled, **changed), work)
         assert isinstance(reply.error, InputError)
         return str(reply.error)
 
     here = flexor.__version__
-    said = refusal(versions={**pickled.versions, "flexor": "0.0.1"})
+    versions = dict(pickled.versions)
+    said = refusal(versions=(*{**versions, "flexor": "0.0.1"}.items(),))
     assert said == f"a worker runs Flexor {here}, this is 0.0.1: install the same version."
-    said = refusal(versions={**pickled.versions, "engine": "0" * 16})
+    said = refusal(versions=(*{**versions, "engine": "0" * 16}.items(),))
     assert said.startswith("a worker runs another build of the engine than this process")
     known = finger.model.hash
     said = refusal(content=pickled.content.replace(known.encode(), b"0" * 64))

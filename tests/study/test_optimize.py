@@ -187,8 +187,11 @@ def test_study_in_memory_and_in_a_folder_are_the_same(analytic: ModuleType, tmp_
     [
         (("finger.toml", "L", "bending"), "model is 'finger.toml': expected a Model"),
         ((None, "L", "bending"), "model is None: expected a Model"),
-        (("model", None, "bending"), "parameter set is None: a name"),
-        (("model", "L", len), "objective is <built-in function len>: a name or an objective"),
+        (("model", None, "bending"), "parameter set is None: expected a name"),
+        (
+            ("model", "L", len),
+            "objective is <built-in function len>: expected a name or an objective",
+        ),
     ],
 )
 def test_things_of_another_kind_are_refused(

@@ -39,7 +39,6 @@ struct ArcLength<'s, 'm, G, const D: usize, const P: usize> {
     system: &'s mut System<'m, G, D, P>,
     bordered: Bordered,
     options: ArcLengthOptions,
-    max_iterations: usize,
     target: BorderedTarget,
     rate: &'s [f64],
     /// w.
@@ -60,6 +59,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     pub fn follow_arc(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
         let Some(first) = loads.first() else { return };
         let mut reports = Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, sink };
+        self.system.budget.restart();
         self.system.set_state(q0);
         self.system.measure_units(loads);
         self.system.set_load(first);
@@ -156,7 +156,7 @@ impl<S> Reports<'_, S> {
     ) where
         S: PathSink<G, D, P>,
     {
-        let iterations = system.iterations() - self.iterations;
+        let iterations = system.budget.iterations() - self.iterations;
         let (status, stability) = match found {
             Ok(Stability::Unstable) => (Status::Unstable, Stability::Unstable),
             Ok(stability) => (Status::Converged, stability),
@@ -169,7 +169,7 @@ impl<S> Reports<'_, S> {
         let report = StepReport { status, q, iterations, stability, accuracy, free: &[] };
         self.sink.step(self.index, report, system);
         self.index += 1;
-        self.iterations = system.iterations();
+        self.iterations = system.budget.iterations();
     }
 }
 
@@ -183,7 +183,6 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
             system,
             bordered,
             options: options.arc_length,
-            max_iterations: options.max_iterations,
             target: target(options),
             rate: &run.rate,
             weight: 1.0,
@@ -193,14 +192,15 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
 
     /// Follows the run to its last load.
     fn follow<S: PathSink<G, D, P>>(&mut self, run: &Run, reports: &mut Reports<S>) -> Result<(), Status> {
-        let first = self.system.iterations();
+        self.system.budget.restart();
+        reports.iterations = 0;
         let mut here = self.first_point();
         // The step whose load would be the first listed one.
         let begin = run.listed[1] / here.tangent[here.q.len()];
         let mut length = begin;
         loop {
-            if self.system.iterations() - first > self.max_iterations {
-                return Err(Status::IterationLimit);
+            if let Some(status) = self.system.budget.exhausted() {
+                return Err(status);
             }
             let Some(next) = self.step(&here, length, begin) else {
                 length *= 0.5;

@@ -48,7 +48,7 @@ impl Constraint for Sphere {
 
 fn solver(model: &Model<SE2, 3, 2>) -> (Planar<'_>, Bordered) {
     let bordered = Bordered::new(model.dof(), 1, 1);
-    (Planar::new(model, ContinuationOptions::default()), bordered)
+    (Planar::new(model, ContinuationOptions::default(), None), bordered)
 }
 
 /// A material, a joint, a contact and two lengths.

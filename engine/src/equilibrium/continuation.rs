@@ -1,10 +1,11 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
+use super::budget::{Budget, Cancel};
 use super::corrector::{Corrector, CorrectorTolerance};
-use super::critical::{CriticalPoint, CriticalSearch};
+use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
 use super::options::ContinuationOptions;
-use super::path::{Event, EventKind, PathSink, StepReport};
+use super::path::{PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
 use super::stability::{NULL, Stability};
@@ -12,7 +13,7 @@ use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
 use super::trust_region::{Target, TrustRegion};
-use super::vector::{dot, max_norm};
+use super::vector::{max_norm, norm};
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -25,53 +26,47 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     corrector: Corrector,
     trust_region: TrustRegion,
     damped_newton: DampedNewton,
-    critical: CriticalSearch,
+    pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
     /// Largest change of a residual with λ, at both.
-    change: [f64; 2],
+    pub(super) change: [f64; 2],
     /// The state at its beginning, and the displacement over it.
-    start: Vec<f64>,
-    moved: Vec<f64>,
+    pub(super) start: Vec<f64>,
+    pub(super) moved: Vec<f64>,
     /// The load at the beginning of the segment between two listed loads, and its change over it.
-    start_load: Vec<f64>,
-    rate: Vec<f64>,
+    pub(super) start_load: Vec<f64>,
+    pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    work: Vec<f64>,
-}
-
-/// What lies ahead of the end of a branch.
-#[derive(Clone, Copy, Debug)]
-enum Lookahead {
-    /// Stability is about to be lost.
-    Critical(CriticalPoint),
-    /// It is not.
-    Definite,
-    /// Some motion is held by nothing, and
-    Neutral {
-        /// whether the load acts on it.
-        pulled: bool,
-    },
+    /// λ and 1/speed² at the last state of the branch but one.
+    pub(super) slowness: Option<(f64, f64)>,
+    /// The load's rate in the state at the beginning of a sub-step that jumps, dimensionless.
+    pub(super) load_at_start: Vec<f64>,
+    pub(super) work: Vec<f64>,
 }
 
 /// The listed load that is being approached.
 #[derive(Clone, Copy, Debug)]
-struct LoadStep {
-    index: usize,
+pub(super) struct LoadStep {
+    pub index: usize,
     /// [`CorrectorTolerance::tangent_reuse`] there: zero where the path ends, as there the tangent must be
     /// that of the very state.
-    tangent_reuse: f64,
+    pub tangent_reuse: f64,
 }
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
-    /// For `model`, with the model's own parameters.
-    pub fn new(model: &'m Model<G, D, P>, options: ContinuationOptions) -> Self {
+    /// For `model`, with the model's own parameters. Solves end soon after `cancel` is requested.
+    pub fn new(
+        model: &'m Model<G, D, P>,
+        options: ContinuationOptions,
+        cancel: Option<&'m dyn Cancel>,
+    ) -> Self {
         debug_assert_eq!(options.validate(), Ok(()));
         let (n, inputs) = (model.dof(), model.inputs().len());
         let zeros = || vec![0.0; n];
         Self {
-            system: System::new(model),
+            system: System::new(model, Budget::new(&options, cancel)),
             predictor: Predictor::new(model, options.predictor),
             options,
             corrector: Corrector::new(options.corrector, options.newton, n),
@@ -85,6 +80,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],
             range: vec![0.0; inputs],
+            slowness: None,
+            load_at_start: zeros(),
             work: zeros(),
         }
     }
@@ -112,7 +109,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.rate.fill(0.0);
         let mut status = Status::Converged;
         for (index, target) in loads.iter().enumerate() {
-            let before = self.system.iterations();
+            self.system.budget.restart();
             if status.is_equilibrium() {
                 let last = loads[index..].iter().all(|later| later == target);
                 let tangent_reuse = if last { 0.0 } else { self.options.accuracy.tangent_reuse_at_listed };
@@ -126,7 +123,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             } else {
                 status = Status::NotReached;
             }
-            let iterations = self.system.iterations() - before;
+            let iterations = self.system.budget.iterations();
             let stability = match status {
                 Status::Converged => self.system.stability(),
                 Status::Unstable => Stability::Unstable,
@@ -151,7 +148,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if max_norm(&self.rate) == 0.0 {
             return Status::Converged;
         }
-        let first = self.system.iterations();
         let max_displacement = if !self.system.model().has_switches() {
             self.options.max_displacement
         } else {
@@ -160,6 +156,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let mut control = StepControl::new(self.options.step, self.smallest_step());
         // The factor at hand belongs to the equilibrium just found.
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
+        self.slowness = None;
         let mut status = Status::Converged;
         let mut lambda = 0.0;
         while lambda < 1.0 {
@@ -172,8 +169,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 if self.correct(next - lambda, self.tolerance_at(next, next - lambda, step)) {
                     break true;
                 }
-                if self.system.iterations() - first > self.options.max_iterations {
-                    return Status::IterationLimit;
+                if let Some(status) = self.system.budget.exhausted() {
+                    return status;
                 }
                 match control.shorten(lambda, next) {
                     Some(shorter) => next = shorter,
@@ -183,6 +180,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             if followed {
                 self.predictor.learn_curvature(next - lambda, &self.moved, &self.velocity[1]);
                 control.accept(next);
+                self.slowness = Some((lambda, norm(&self.velocity[0]).powi(-2)));
                 status = Status::Converged;
             } else {
                 status = self.jump_to_stable(lambda, next, step, sink);
@@ -191,9 +189,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 }
                 self.predictor.forget_curvature();
                 control.restart();
+                self.slowness = None;
             }
-            if self.system.iterations() - first > self.options.max_iterations {
-                return Status::IterationLimit;
+            if let Some(status) = self.system.budget.exhausted() {
+                return status;
             }
             lambda = next;
             self.velocity.swap(0, 1);
@@ -268,163 +267,14 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if self.system.is_elastic() { speed } else { speed.min(self.change[0]) }
     }
 
-    /// From the end of the branch, in `start` at `from`, to a stable equilibrium at `lambda`.
-    fn jump_to_stable(
-        &mut self,
-        from: f64,
-        lambda: f64,
-        step: LoadStep,
-        sink: &mut impl PathSink<G, D, P>,
-    ) -> Status {
-        let radius = self.options.jump.initial_radius;
-        self.system.set_state(&self.start);
-        let at_listed = lambda == 1.0;
-        let tangent_reuse =
-            if at_listed { step.tangent_reuse } else { self.options.accuracy.tangent_reuse_after_jump };
-        self.system.evaluate();
-        let energy = self.system.data().energy();
-        let status = self.find_stable(radius, tangent_reuse);
-        if !status.is_equilibrium() {
-            return status;
-        }
-        let released = (energy - self.system.data().energy()) / self.system.unit_energy();
-        self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
-        self.system.displacement(&self.start, &mut self.moved);
-        if !self.has_left(lambda - from) {
-            return status;
-        }
-        let ahead = self.look_back(from, lambda);
-        let at = match ahead {
-            Lookahead::Critical(point) => (from + point.distance).min(lambda),
-            _ => lambda,
-        };
-        if let Some(kind) = self.classify(ahead, released, at, from, lambda) {
-            let after = self.system.state().to_vec();
-            self.system.set_load_between(&self.start_load, &self.rate, at);
-            let (load, before) = (self.system.load(), &self.start[..]);
-            sink.event(Event { step: step.index, kind, load, before, after: &after });
-            self.system.set_load_between(&self.start_load, &self.rate, lambda);
-        }
-        status
-    }
-
-    /// Whether the state found is further away than the velocity at the end of the branch explains.
-    fn has_left(&self, h: f64) -> bool {
-        let jump = self.options.jump;
-        let before = jump.speed_margin * h * max_norm(&self.velocity[0]);
-        let explained = jump.min_displacement + jump.speed_margin * h * self.ordinary_speed();
-        max_norm(&self.moved) > explained.min(before + 1e-2 * jump.min_displacement)
-    }
-
-    /// Whether stability was about to be lost at the end of the branch, in `start` at `from`; comes back to
-    /// the state found at `lambda`.
-    fn look_back(&mut self, from: f64, lambda: f64) -> Lookahead {
-        let found = self.system.state().to_vec();
-        self.system.set_load_between(&self.start_load, &self.rate, from);
-        self.system.set_state(&self.start);
-        let critical = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, lambda - from);
-        let ahead = if self.critical.is_neutral() {
-            self.system.set_state(&self.start);
-            self.system.set_load_between(&self.start_load, &self.rate, lambda);
-            self.system.evaluate();
-            Lookahead::Neutral { pulled: self.system.pulls_free_motion(self.options.tolerance) }
-        } else {
-            critical.map_or(Lookahead::Definite, Lookahead::Critical)
-        };
-        self.return_to(&found, lambda);
-        ahead
-    }
-
-    /// Goes back to an equilibrium at `lambda`, with its tangent and factor.
-    fn return_to(&mut self, state: &[f64], lambda: f64) {
-        self.system.set_load_between(&self.start_load, &self.rate, lambda);
-        self.system.set_state(state);
-        self.system.evaluate();
-        self.system.evaluate_tangent();
-        self.system.factorise(0.0);
-    }
-
-    /// What happened between `start`, at `from`, and the stable equilibrium found at `lambda`, `moved`
-    /// away, the critical load being that at `at`.
-    fn classify(
-        &mut self,
-        ahead: Lookahead,
-        released: f64,
-        at: f64,
-        from: f64,
-        lambda: f64,
-    ) -> Option<EventKind> {
-        let jump = self.options.jump;
-        let (moved, h) = (max_norm(&self.moved), lambda - from);
-        let [before, after] = [0, 1].map(|end| max_norm(&self.velocity[end]));
-        let unexplained = |speed: f64| moved > jump.min_displacement + jump.speed_margin * h * speed;
-        match ahead {
-            Lookahead::Neutral { pulled: true } => None,
-            Lookahead::Critical(point) if point.distance <= 2.0 * h && !point.bifurcation => {
-                unexplained(self.ordinary_speed()).then_some(EventKind::Snap)
-            }
-            Lookahead::Critical(point) if point.distance <= 2.0 * h => {
-                let switched = moved > jump.speed_margin * h * before + 1e-2 * jump.min_displacement;
-                if !switched {
-                    None
-                } else if !self.is_constant(at, from, lambda) {
-                    Some(EventKind::Bifurcation)
-                } else {
-                    self.releases_energy(released, h).then_some(EventKind::Snap)
-                }
-            }
-            _ => {
-                let jumps = unexplained(before.max(after)) && self.releases_energy(released, h);
-                jumps.then_some(EventKind::Snap)
-            }
-        }
-    }
-
-    /// Whether the energy released is more than the load's work on a branch over `h`, which is all that
-    /// there is as long as the energy is convex; to drift along a motion that nothing holds takes none.
-    /// Without a potential, whether there is no such motion.
-    fn releases_energy(&mut self, released: f64, h: f64) -> bool {
-        if !self.system.is_conservative() {
-            return self.critical.eigenvalue() > self.options.critical.drift;
-        }
-        self.system.load_gradient(&self.rate, &mut self.work);
-        let work_rate = dot(&self.work, &self.velocity[1]).abs().max(self.critical.work_rate());
-        released > self.options.jump.energy_margin * 0.5 * h * h * work_rate
-    }
-
-    /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at
-    /// `lambda`: a jump, not a motion along a new branch.
-    fn is_constant(&mut self, at: f64, from: f64, lambda: f64) -> bool {
-        let jump = self.options.jump;
-        let begin = if at < lambda { at } else { from };
-        let found = self.system.state().to_vec();
-        let moved = max_norm(&self.moved);
-        let earlier = begin + jump.earlier * (lambda - begin);
-        self.system.set_load_between(&self.start_load, &self.rate, earlier);
-        self.system.set_state(&self.start);
-        let status = self.find_stable(jump.initial_radius, 0.0);
-        self.system.displacement(&self.start, &mut self.work);
-        let constant = status.is_equilibrium() && max_norm(&self.work) >= jump.constant_share * moved;
-        self.return_to(&found, lambda);
-        constant
-    }
-
-    /// Largest speed that a branch without a fold has between the velocities at both ends.
-    fn ordinary_speed(&self) -> f64 {
-        let [before, after] = [0, 1].map(|end| max_norm(&self.velocity[end]));
-        // Towards a fold the speed grows without bound; behind it, it does not.
-        let most = self.options.jump.max_speed_ratio * after;
-        if before <= most { before.max(after) } else { most }
-    }
-
     /// A stable equilibrium near the current state at the current load.
     pub(super) fn find_stable(&mut self, radius: f64, tangent_reuse: f64) -> Status {
-        let (tolerance, max_iterations) = (self.options.tolerance, self.options.max_iterations);
+        let tolerance = self.options.tolerance;
         if self.system.is_conservative() {
-            let target = Target { tolerance, tangent_reuse, max_iterations };
+            let target = Target { tolerance, tangent_reuse };
             self.trust_region.minimize_energy(&mut self.system, radius, target)
         } else {
-            self.damped_newton.solve(&mut self.system, tolerance, max_iterations)
+            self.damped_newton.solve(&mut self.system, tolerance)
         }
     }
 }

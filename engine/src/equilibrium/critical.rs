@@ -27,8 +27,6 @@ pub(super) struct CriticalSearch {
     options: CriticalOptions,
     /// Whether some motion was held by nothing where it began last.
     neutral: bool,
-    /// The lowest eigenvalue there.
-    eigenvalue: f64,
     /// Second derivative of the load's work along the branch there.
     work_rate: f64,
     mode: Vec<f64>,
@@ -44,7 +42,6 @@ impl CriticalSearch {
         Self {
             options,
             neutral: false,
-            eigenvalue: 0.0,
             work_rate: 0.0,
             mode: zeros(),
             left: zeros(),
@@ -67,9 +64,11 @@ impl CriticalSearch {
         system.evaluate_tangent();
         // Between the listed loads the state is approximate.
         if system.factorise(0.0) && !system.is_singular() {
-            system.newton_step(&mut self.step);
-            system.advance(&self.step);
-            system.evaluate();
+            for _ in 0..self.options.refinements {
+                system.newton_step(&mut self.step);
+                system.advance(&self.step);
+                system.evaluate();
+            }
             system.evaluate_tangent();
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
@@ -80,52 +79,51 @@ impl CriticalSearch {
         if !definite || self.neutral {
             return None;
         }
-        let eigenvalue = self.find_mode(system)?;
-        self.eigenvalue = eigenvalue;
-        self.neutral = eigenvalue.abs() <= 10.0 * NULL;
+        let lowest = self.find_mode(system)?;
+        self.neutral = lowest.abs() <= 10.0 * NULL;
+        if self.neutral {
+            return None;
+        }
+        let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);
+        let tangent_after = |step: &[f64], change: f64, load_change: f64, system: &mut System<G, D, P>| {
+            system.set_load_between(&load, rate, load_change);
+            system.advance_from(&start, step, change);
+            system.evaluate();
+            system.evaluate_tangent();
+            system.scaled_tangent()
+        };
+        // On both sides, for a stiff constraint is missed by the square of a straight step.
+        let rate_of_tangent = |step: &[f64], change: f64, load_change: f64, system: &mut System<G, D, P>| {
+            let [mut ahead, behind] =
+                [1.0, -1.0].map(|sign| tangent_after(step, sign * change, sign * load_change, system));
+            ahead.iter_mut().zip(behind).for_each(|(a, b)| *a = (*a - b) / (2.0 * change));
+            ahead
+        };
+        let tangent = system.scaled_tangent();
+        let change = rate_of_tangent(velocity, small, small, system);
+        self.find_first_to_vanish(system, &change);
+        let scale = dot(&self.left, &self.mode);
+        let eigenvalue = form(&self.left, &tangent, &self.mode) / scale;
+        let total = form(&self.left, &change, &self.mode) / scale;
+        // An eigenvalue that stays at zero is that of a motion along which nothing changes.
+        self.neutral = lowest.abs() + total.abs() * h <= self.options.neutral;
         if self.neutral {
             return None;
         }
         let along = dot(&self.left, &self.load) / dot(&self.left, &self.mode);
         let share = dot(&self.left, &self.load).abs() / (norm(&self.left) * norm(&self.load));
-        // The motion over an infinitesimal change of load, and its part along the mode.
-        let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);
+        // The motion over an infinitesimal change of load has this part along the mode.
         let part = -along / eigenvalue;
-        let mut form = |step: &[f64], change: f64, load_change: f64, scratch: &mut Self| {
-            system.set_load_between(&load, rate, load_change);
-            system.advance_from(&start, step, change);
-            system.evaluate();
-            system.evaluate_tangent();
-            system.complete_tangent();
-            system.form(&scratch.left, &scratch.mode, &mut scratch.work)
-        };
-        // On both sides, for a stiff constraint is missed by the square of a straight step.
-        let mut slope = |step: &[f64], change: f64, load_change: f64, scratch: &mut Self| {
-            let [ahead, behind] =
-                [1.0, -1.0].map(|sign| form(step, sign * change, sign * load_change, scratch));
-            (ahead - behind) / (2.0 * change)
-        };
-        let total = slope(velocity, small, small, self);
-        let mode = std::mem::take(&mut self.mode);
-        self.step.iter_mut().zip(&mode).for_each(|(s, m)| *s = part * m);
-        self.mode = mode;
-        let step = std::mem::take(&mut self.step);
+        self.step.iter_mut().zip(&self.mode).for_each(|(s, m)| *s = part * m);
         let by_mode = if share > 1e-12 {
-            slope(&step, self.options.difference / norm(&step).max(f64::MIN_POSITIVE), 0.0, self)
+            let small = self.options.difference / norm(&self.step).max(f64::MIN_POSITIVE);
+            form(&self.left, &rate_of_tangent(&self.step, small, 0.0, system), &self.mode) / scale
         } else {
             0.0
         };
-        self.step = step;
-        let scale = dot(&self.left, &self.mode);
-        let (total, by_mode) = (total / scale, by_mode / scale);
         let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
         // A load that does no work at all has no share.
         Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
-    }
-
-    /// The lowest eigenvalue where the search began last.
-    pub fn eigenvalue(&self) -> f64 {
-        self.eigenvalue
     }
 
     /// Second derivative of the load's work along the branch where the search began last.
@@ -136,6 +134,42 @@ impl CriticalSearch {
     /// Whether some motion was held by nothing where the search began last.
     pub fn is_neutral(&self) -> bool {
         self.neutral
+    }
+
+    /// From the mode of the lowest eigenvalue to that of the eigenvalue which vanishes first, by power iteration
+    /// with −H⁻¹ dH/dλ, with the factor at hand; where no eigenvalue falls the mode stays.
+    fn find_first_to_vanish<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &System<G, D, P>,
+        change: &[f64],
+    ) {
+        let n = self.mode.len();
+        let (mode, left) = (self.mode.clone(), self.left.clone());
+        let mut inverse_distance = 0.0;
+        for _ in 0..self.options.power_iterations {
+            for i in 0..n {
+                self.work[i] = -dot(&change[i * n..(i + 1) * n], &self.mode);
+            }
+            system.solve(&mut self.work);
+            inverse_distance = dot(&self.mode, &self.work);
+            let length = norm(&self.work);
+            self.mode.iter_mut().zip(&self.work).for_each(|(m, w)| *m = w / length);
+            if !system.is_conservative() {
+                self.work.fill(0.0);
+                for (row, l) in change.chunks(n).zip(&self.left) {
+                    self.work.iter_mut().zip(row).for_each(|(w, c)| *w -= c * l);
+                }
+                system.solve_transposed_dimensionless(&mut self.work);
+                let length = norm(&self.work);
+                self.left.iter_mut().zip(&self.work).for_each(|(m, w)| *m = w / length);
+            }
+        }
+        if !(inverse_distance > 0.0 && inverse_distance.is_finite()) {
+            self.mode = mode;
+            self.left = left;
+        } else if system.is_conservative() {
+            self.left.copy_from_slice(&self.mode);
+        }
     }
 
     /// The lowest eigenvalue and its right and left eigenvectors, by inverse iteration with the factor at
@@ -168,6 +202,11 @@ impl CriticalSearch {
         }
         eigenvalue.is_finite().then_some(eigenvalue)
     }
+}
+
+/// aᵀ M b.
+fn form(a: &[f64], matrix: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(matrix.chunks(b.len())).map(|(a, row)| a * dot(row, b)).sum()
 }
 
 /// When μ vanishes, which changes at the rate a/μ + b; `None` where it does not.

@@ -27,13 +27,12 @@ impl DampedNewton {
         &mut self,
         system: &mut System<G, D, P>,
         tolerance: f64,
-        max_iterations: usize,
     ) -> Status {
         let start = system.state().to_vec();
-        let found = self.solve_residual(system, tolerance, max_iterations);
+        let found = self.solve_residual(system, tolerance);
         let lost = match found {
             Status::Converged => system.stability() == Stability::Unstable,
-            Status::Unrestrained | Status::IterationLimit => return found,
+            Status::Unrestrained => return found,
             _ => true,
         };
         if !lost {
@@ -43,7 +42,7 @@ impl DampedNewton {
         if found != Status::Converged {
             system.set_state(&start);
         }
-        let relaxed = self.relax(system, tolerance, max_iterations);
+        let relaxed = self.relax(system, tolerance);
         if relaxed == Status::Converged && system.stability() != Stability::Unstable {
             return relaxed;
         }
@@ -62,9 +61,7 @@ impl DampedNewton {
         &mut self,
         system: &mut System<G, D, P>,
         tolerance: f64,
-        max_iterations: usize,
     ) -> Status {
-        let first = system.iterations();
         let mut size = system.evaluate();
         loop {
             if !size.is_finite() {
@@ -75,8 +72,8 @@ impl DampedNewton {
             if system.has_converged(size, tolerance) {
                 return Status::Converged;
             }
-            if system.iterations() - first > max_iterations {
-                return Status::IterationLimit;
+            if let Some(status) = system.budget.exhausted() {
+                return status;
             }
             system.newton_step(&mut self.step);
             if !norm(&self.step).is_finite() {
@@ -119,17 +116,15 @@ impl DampedNewton {
         &mut self,
         system: &mut System<G, D, P>,
         tolerance: f64,
-        max_iterations: usize,
     ) -> Status {
-        let first = system.iterations();
         let mut size = system.evaluate();
         let mut shift = f64::INFINITY;
         for iteration in 0..self.options.max_relaxation {
             if !size.is_finite() {
                 return Status::Diverged;
             }
-            if system.iterations() - first > max_iterations {
-                return Status::IterationLimit;
+            if let Some(status) = system.budget.exhausted() {
+                return status;
             }
             system.evaluate_tangent();
             let Some((low, direction)) = lowest(system.data().tangent(), &system.data().design.units.scale)

@@ -27,7 +27,7 @@ pub(super) struct Factor<const D: usize> {
 impl<const D: usize> Factor<D> {
     pub fn new<G: LieGroup<D, P>, const P: usize>(model: &Model<G, D, P>) -> Self {
         let n = model.dof();
-        let general = (!model.is_conservative()).then(|| GeneralFactor::new(n));
+        let general = (n > 0 && !model.is_conservative()).then(|| GeneralFactor::new(n));
         let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
         Self { cholesky: Cholesky::new(n), chain, chained: false, general, pinned: None, free: false }
     }

@@ -80,27 +80,63 @@ impl GeneralFactor {
     ///
     /// A positive definite symmetric part suffices, and is cheap; else the eigenvalues decide. Static
     /// stability is lost where the matrix becomes singular, so that a real eigenvalue, or several
-    /// together, turns negative. Of equal ones rounding makes complex pairs.
+    /// together, turns negative. Of equal ones rounding makes complex pairs. Pairs of eigenvalues may
+    /// have either sign in other units of the coordinates, as they may with other masses: only what
+    /// holds in these units and with the matrix equilibrated is said of them.
     pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
         let n = scale.len();
         let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
         if self.symmetric.factorise(&half, scale, -slack) {
             return Stability::Stable;
         }
-        let matrix = scaled(a, scale);
-        let Some(eigenvalues) = eigenvalues(&matrix) else { return Stability::Unknown };
-        let real = real_to(&matrix);
-        if eigenvalues.iter().any(|e| e.re < -slack && e.im.abs() <= real) {
-            Stability::Unstable
-        } else if eigenvalues.iter().any(|e| e.re < -slack) {
-            Stability::FlutterUndecided
-        } else if eigenvalues.iter().any(|e| e.re <= slack) {
-            Stability::Neutral
-        } else {
-            Stability::Stable
+        let mut matrix = scaled(a, scale);
+        let here = in_units(&matrix, slack);
+        if here == Stability::Unstable && matrix.determinant() < 0.0 {
+            return here;
+        }
+        equilibrate(&mut matrix, slack);
+        let grows = |s: Stability| matches!(s, Stability::Unstable | Stability::FlutterUndecided);
+        let equilibrated = in_units(&matrix, slack);
+        match here {
+            Stability::Stable | Stability::Neutral if grows(equilibrated) => Stability::FlutterUndecided,
+            Stability::Unstable if equilibrated != here => Stability::FlutterUndecided,
+            _ => here,
         }
     }
 }
+
+/// The stability of a matrix by its eigenvalues.
+fn in_units(matrix: &DMatrix<f64>, slack: f64) -> Stability {
+    let Some(eigenvalues) = eigenvalues(matrix) else { return Stability::Unknown };
+    let real = real_to(matrix);
+    if eigenvalues.iter().any(|e| e.re < -slack && e.im.abs() <= real) {
+        Stability::Unstable
+    } else if eigenvalues.iter().any(|e| e.re < -slack) {
+        Stability::FlutterUndecided
+    } else if eigenvalues.iter().any(|e| e.re <= slack) {
+        Stability::Neutral
+    } else {
+        Stability::Stable
+    }
+}
+
+/// Scales coordinates until the largest entry of each row and its column is one, but for those that
+/// are zero to `slack` (Ruiz).
+fn equilibrate(matrix: &mut DMatrix<f64>, slack: f64) {
+    let n = matrix.nrows();
+    for _ in 0..EQUILIBRATIONS {
+        for i in 0..n {
+            let largest = matrix.row(i).amax().max(matrix.column(i).amax());
+            if largest > slack {
+                let factor = 1.0 / largest.sqrt();
+                matrix.row_mut(i).scale_mut(factor);
+                matrix.column_mut(i).scale_mut(factor);
+            }
+        }
+    }
+}
+
+const EQUILIBRATIONS: usize = 10;
 
 /// Imaginary parts below this share of the matrix's size count as zero.
 const REAL: f64 = 1e-6;

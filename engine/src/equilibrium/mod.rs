@@ -17,6 +17,7 @@ mod arc_length;
 mod bordered;
 #[cfg(test)]
 mod bordered_tests;
+mod budget;
 mod contact_changes;
 mod continuation;
 mod corrector;
@@ -24,6 +25,7 @@ mod critical;
 mod damped_newton;
 mod factor;
 mod general;
+mod jump;
 mod newton;
 mod option_info;
 mod options;
@@ -42,6 +44,7 @@ mod trust_region;
 mod vector;
 
 pub use bordered::{Border, Bordered, BorderedTarget, Constraint, Hyperplane, Multiplier, Prescribed};
+pub use budget::Cancel;
 pub use continuation::Continuation;
 pub use option_info::{Interval, OptionError, OptionInfo};
 pub use options::*;

@@ -78,6 +78,8 @@ options! {
         tolerance: f64 = 1e-9, Interval::above(0.0).to(1.0);
         /// Iterations (tangents) allowed for one load step, all its sub-steps together.
         max_iterations: usize = 20_000, Interval::from(1.0).to(1e9);
+        /// Seconds allowed for one load step; what is reached by then depends on the machine.
+        max_seconds: f64 = f64::INFINITY, Interval::above(0.0).to(f64::INFINITY);
         /// Smallest sub-step along the load, as a fraction of the range of each input over the path.
         min_step: f64 = 1e-3, Interval::above(0.0).to(1.0);
         /// Longest predicted displacement of one sub-step (dimensionless norm over all coordinates).
@@ -217,6 +219,13 @@ options! {
         /// the velocity before counts at most as this multiple of that after, as it grows without bound
         /// towards a fold.
         max_speed_ratio: f64 = 4.0, Interval::from(1.0).to(1e3);
+        /// A displacement is a snap without a look at the end of the branch if at least this share of the load
+        /// acts along it
+        evident_share: f64 = 0.1, Interval::from(0.0).to(1.0);
+        /// and the mean curvature of the energy released (dimensionless) is at least this
+        evident_softening: f64 = 0.05, Interval::from(0.0).to(1e6);
+        /// and this multiple of the smallest sub-step.
+        evident_steps: f64 = 75.0, Interval::from(0.0).to(1e6);
         /// Where no limit point is near, it is a snap if the energy released is this multiple of what the
         /// velocity explains.
         energy_margin: f64 = 30.0, Interval::from(1.0).to(1e6);
@@ -231,14 +240,19 @@ options! {
 options! {
     /// Where branches lose their stability.
     pub struct CriticalOptions {
-        /// Inverse iterations for the eigenvector.
+        /// Chord steps to the equilibrium where the search begins.
+        refinements: usize = 3, Interval::from(0.0).to(100.0);
+        /// Inverse iterations for the eigenvector of the lowest eigenvalue,
         inverse_iterations: usize = 8, Interval::from(1.0).to(1000.0);
+        /// and iterations for that of the eigenvalue which vanishes first.
+        power_iterations: usize = 20, Interval::from(0.0).to(1000.0);
         /// Displacement over which the change of the tangent is taken (dimensionless).
         difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
         /// and largest share of the sub-step over which it is taken.
         step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
-        /// Without a potential, a motion of which the eigenvalue is below this may be a drift.
-        drift: f64 = 1e-3, Interval::from(0.0).to(1.0);
+        /// A motion is held by nothing where its eigenvalue and the change of that over a sub-step are below
+        /// this.
+        neutral: f64 = 1e-6, Interval::from(0.0).to(1.0);
         /// It is a bifurcation if at most this share of the load acts along the eigenvector.
         bifurcation_share: f64 = 0.02, Interval::from(0.0).to(1.0);
     }
@@ -267,6 +281,16 @@ options! {
         poor_ratio: f64 = 0.25, Interval::from(0.0).to(1.0);
         /// this share of the step's length.
         shrinkage: f64 = 0.4, Interval::above(0.0).to(1.0);
+        /// After a rejected step shorter than this, rejected steps are mended before they are shortened:
+        stiff_radius: f64 = 0.05, Interval::from(0.0).to(10.0);
+        /// by so many corrections of second order, which follow the curved valley of a stiff energy,
+        max_corrections: usize = 3, Interval::from(0.0).to(100.0);
+        /// each of which is at most this share of the step,
+        max_correction: f64 = 0.5, Interval::from(0.0).to(1.0);
+        /// and by a line search of so many evaluations, as a contact closes on the way,
+        max_line_search: usize = 40, Interval::from(0.0).to(1e3);
+        /// to where the slope is this share of the decrease predicted.
+        line_search_slope: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Factorisations allowed for one step.
         max_factorizations: usize = 30, Interval::from(1.0).to(1000.0);
         /// A step's length may differ from the radius by this share of it.

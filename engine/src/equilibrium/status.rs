@@ -20,11 +20,15 @@ pub enum Status {
     NotReached = 6,
     /// A force acts on a motion that nothing holds.
     Unrestrained = 7,
+    /// The allowed time was used up.
+    TimeLimit = 8,
+    /// The solve was asked to stop.
+    Cancelled = 9,
 }
 
 impl Status {
     /// All statuses, by code.
-    pub const ALL: [Status; 8] = [
+    pub const ALL: [Status; 10] = [
         Status::Converged,
         Status::Unstable,
         Status::IterationLimit,
@@ -33,6 +37,8 @@ impl Status {
         Status::InvalidDesign,
         Status::NotReached,
         Status::Unrestrained,
+        Status::TimeLimit,
+        Status::Cancelled,
     ];
 
     /// The name used in results and records.
@@ -46,6 +52,8 @@ impl Status {
             Status::InvalidDesign => "invalid-design",
             Status::NotReached => "not-reached",
             Status::Unrestrained => "unrestrained",
+            Status::TimeLimit => "time-limit",
+            Status::Cancelled => "cancelled",
         }
     }
 

@@ -16,6 +16,9 @@ pub(super) struct TrustStep {
     pub newton: bool,
     /// Whether a force acts on a motion that nothing holds.
     pub free: bool,
+    /// The step is this part of −(H + `shift`)⁻¹ g, where the factor of H + `shift` is at hand.
+    pub part: f64,
+    pub shift: f64,
 }
 
 /// Solves the subproblem.
@@ -47,7 +50,7 @@ impl Subproblem {
             if norm(&self.step) <= radius {
                 // Here H p = −g.
                 let decrease = -0.5 * dot(system.residual(), &self.step);
-                return Some(TrustStep { decrease, definite, newton: true, free });
+                return Some(TrustStep { decrease, definite, newton: true, free, part: 1.0, shift: 0.0 });
             }
         }
         // The multiplier λ lies between these bounds, with H + λ positive definite and ‖p(λ)‖ = Δ.
@@ -84,7 +87,7 @@ impl Subproblem {
                     self.add_negative_curvature(system, radius);
                     system.complete_tangent();
                     let decrease = self.model_decrease(system);
-                    return Some(TrustStep { decrease, definite, newton: false, free });
+                    return Some(TrustStep { decrease, definite, newton: false, free, part: 0.0, shift });
                 }
                 high = shift;
                 best = Some(shift);
@@ -101,7 +104,7 @@ impl Subproblem {
         let quadratic = -linear - shift * length * length;
         self.step.iter_mut().for_each(|s| *s *= part);
         let decrease = -part * (linear + 0.5 * part * quadratic);
-        Some(TrustStep { decrease, definite, newton: false, free })
+        Some(TrustStep { decrease, definite, newton: false, free, part, shift })
     }
 
     /// Newton's step for 1/‖p(λ)‖ = 1/Δ.

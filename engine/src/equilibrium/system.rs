@@ -1,6 +1,7 @@
 //! The equations of equilibrium at one state of one design: residual, tangent and factor, in
 //! dimensionless coordinates.
 
+use super::budget::Budget;
 use super::factor::Factor;
 use super::stability::{NULL, Stability};
 use super::vector::dot;
@@ -31,7 +32,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Coordinates that nothing holds by themselves, at the tangent at hand.
     loose: Vec<usize>,
-    iterations: usize,
+    /// What the load step at hand may still cost.
+    pub(super) budget: Budget<'m>,
 }
 
 /// How well forces balance.
@@ -49,7 +51,7 @@ const ROUNDINGS: f64 = 8.0;
 const MEANINGLESS: f64 = 1e-3;
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
-    pub(super) fn new(model: &'m Model<G, D, P>) -> Self {
+    pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>) -> Self {
         let n = model.dof();
         let mut system = Self {
             model,
@@ -63,7 +65,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             loose: vec![],
-            iterations: 0,
+            budget,
         };
         system.set_units();
         system
@@ -124,11 +126,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// The current state.
     pub fn state(&self) -> &[f64] {
         &self.q
-    }
-
-    /// Tangents evaluated so far.
-    pub(super) fn iterations(&self) -> usize {
-        self.iterations
     }
 
     /// Dimensionless residual at the state evaluated last.
@@ -217,7 +214,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Evaluates the tangent at the current state, after its residual: an iteration.
     pub(super) fn evaluate_tangent(&mut self) {
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
-        self.iterations += 1;
+        self.budget.count();
         if !self.data.design.units.all_elastic() {
             self.find_loose_coordinates();
         }
@@ -404,12 +401,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve_transposed(b);
     }
 
-    /// aᵀHb of the dimensionless tangent; `work` is scratch.
-    pub(super) fn form(&self, a: &[f64], b: &[f64], work: &mut [f64]) -> f64 {
-        let n = a.len();
+    /// The dimensionless tangent at hand, row by row.
+    pub(super) fn scaled_tangent(&mut self) -> Vec<f64> {
+        self.complete_tangent();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
-        work.iter_mut().zip(b.iter().zip(scale)).for_each(|(w, (b, s))| *w = b * s);
-        (0..n).map(|i| dot(&tangent[i * n..(i + 1) * n], work) * a[i] * scale[i]).sum()
+        let rows = tangent.chunks(scale.len()).zip(scale);
+        rows.flat_map(|(row, s)| row.iter().zip(scale).map(move |(h, t)| h * s * t)).collect()
     }
 
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.

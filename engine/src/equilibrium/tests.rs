@@ -25,7 +25,7 @@ fn predict(path: &mut Planar, h: f64) {
 #[test]
 fn the_velocity_behind_a_change_of_contact_is_predicted() {
     let model = Model::<SE2, 3, 2>::new(&finger()).unwrap();
-    let mut path = Planar::new(&model, ContinuationOptions::default());
+    let mut path = Planar::new(&model, ContinuationOptions::default(), None);
     let (mut closed, mut opened) = (0, 0);
     let mut touching = go_to(&mut path, 0.0);
     for k in 1..=800 {
@@ -71,7 +71,7 @@ fn the_velocity_behind_a_change_of_contact_is_predicted() {
 #[test]
 fn a_curvature_is_learnt_and_goes_on() {
     let model = Model::<SE2, 3, 2>::new(&finger()).unwrap();
-    let mut path = Planar::new(&model, ContinuationOptions::default());
+    let mut path = Planar::new(&model, ContinuationOptions::default(), None);
     let h = 0.02;
     let (mut curved, mut straight, mut seen) = (0.0, 0.0, 0);
     let mut touching = go_to(&mut path, 0.0);

@@ -5,10 +5,10 @@ use super::options::{NewtonOptions, TrustRegionOptions};
 use super::status::Status;
 use super::subproblem::{Subproblem, TrustStep};
 use super::system::System;
-use super::vector::{max_norm, norm};
+use super::vector::{dot, max_norm, norm};
 use crate::lie::LieGroup;
 
-/// What a minimisation has to reach, and in how many iterations.
+/// What a minimisation has to reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     /// Dimensionless residual that suffices.
@@ -16,7 +16,6 @@ pub(super) struct Target {
     /// The tangent may be that of the last state but one where the last step left less than this share of
     /// the residual.
     pub tangent_reuse: f64,
-    pub max_iterations: usize,
 }
 
 /// Newton's method in a trust region.
@@ -28,12 +27,20 @@ pub(super) struct TrustRegion {
     /// The state and residual that a rejected step goes back to.
     state: Vec<f64>,
     residual: Vec<f64>,
+    moved: Vec<f64>,
 }
 
 impl TrustRegion {
     pub fn new(options: TrustRegionOptions, newton: NewtonOptions, dof: usize) -> Self {
         let subproblem = Subproblem::new(options, dof);
-        Self { options, newton, subproblem, state: vec![0.0; dof], residual: vec![0.0; dof] }
+        Self {
+            options,
+            newton,
+            subproblem,
+            state: vec![0.0; dof],
+            residual: vec![0.0; dof],
+            moved: vec![0.0; dof],
+        }
     }
 
     /// Minimises Π from the system's state; the energy never rises along accepted steps.
@@ -43,18 +50,17 @@ impl TrustRegion {
         mut radius: f64,
         target: Target,
     ) -> Status {
-        let first = system.iterations();
-        let Target { tolerance, tangent_reuse, max_iterations } = target;
+        let Target { tolerance, tangent_reuse } = target;
         let mut size = system.evaluate();
         if !size.is_finite() {
             return Status::Diverged;
         }
         system.evaluate_tangent();
         let mut energy = system.data().energy();
-        let (mut rejected, mut unrestrained) = (false, 0);
+        let (mut rejected, mut unrestrained, mut stiff) = (false, 0, false);
         let status = loop {
-            if system.iterations() - first > max_iterations {
-                break Status::IterationLimit;
+            if let Some(status) = system.budget.exhausted() {
+                break status;
             }
             if size <= tolerance && system.factorise(0.0) && system.has_converged(size, tolerance) {
                 break Status::Converged;
@@ -72,19 +78,31 @@ impl TrustRegion {
             self.state.copy_from_slice(system.state());
             self.residual.copy_from_slice(system.residual());
             system.advance(&self.subproblem.step);
-            let trial_size = system.evaluate();
+            let mut trial_size = system.evaluate();
             let negligible = step.newton && longest <= self.newton.negligible_step;
             if negligible && !(trial_size < self.newton.progress * size) {
                 // What is left is rounding, but more than its terms account for.
                 system.restore(&self.state, &self.residual);
                 break Status::Stalled;
             }
-            let actual = (energy - system.data().energy()) / system.unit_energy();
             let rounding = self.options.rounding * (1.0 + energy.abs() / system.unit_energy());
-            rejected = !(self.accepts(step, actual, rounding, trial_size < size) && trial_size.is_finite());
+            let lost = step.decrease <= rounding;
+            let mut actual = self.gain(system, energy, stiff && lost);
+            let poor = !(actual > self.options.poor_ratio * step.decrease);
+            let mut mended = false;
+            if stiff && poor {
+                (trial_size, mended) = self.mend(system, step, &mut actual, energy, lost);
+            }
+            let accepted = if stiff && step.definite && (mended || lost) {
+                actual > 0.0
+            } else {
+                self.accepts(step, actual, rounding, trial_size < size)
+            };
+            rejected = !(accepted && trial_size.is_finite());
             if rejected {
                 // The tangent at hand is still that of the state gone back to.
                 system.restore(&self.state, &self.residual);
+                stiff |= length < self.options.stiff_radius;
                 radius = self.options.shrinkage * length.min(radius);
                 unrestrained = 0;
                 continue;
@@ -94,7 +112,9 @@ impl TrustRegion {
                 break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
-            radius = self.next_radius(radius, length, ratio);
+            if !mended {
+                radius = self.next_radius(radius, length, ratio);
+            }
             let before = std::mem::replace(&mut size, trial_size);
             if step.newton {
                 let step = &mut self.subproblem.step;
@@ -113,6 +133,96 @@ impl TrustRegion {
             system.evaluate();
         }
         status
+    }
+
+    /// What the energy has fallen by since the step began; where that is lost in rounding, the work of the
+    /// mean of both residuals.
+    fn gain<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &System<G, D, P>,
+        energy: f64,
+        lost: bool,
+    ) -> f64 {
+        if !lost {
+            return (energy - system.data().energy()) / system.unit_energy();
+        }
+        system.displacement(&self.state, &mut self.moved);
+        let forces = self.residual.iter().zip(system.residual());
+        -0.5 * forces.zip(&self.moved).map(|((a, b), x)| (a + b) * x).sum::<f64>()
+    }
+
+    /// Mends a step that lowers the energy too little, by corrections of second order or by a line search.
+    /// Leaves the best state found and in `actual` what it gained; returns its residual and whether it is
+    /// that of the line search.
+    fn mend<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        step: TrustStep,
+        actual: &mut f64,
+        energy: f64,
+        lost: bool,
+    ) -> (f64, bool) {
+        let better = |found: f64, best: f64| found > best || !best.is_finite();
+        let mut best = system.state().to_vec();
+        let longest = self.options.max_correction * max_norm(&self.subproblem.step);
+        let mut correction = vec![0.0; best.len()];
+        for _ in 0..if step.part > 0.0 { self.options.max_corrections } else { 0 } {
+            // What the quadratic model leaves of the residual: H p = −part · g − shift · p.
+            let linear = self.residual.iter().zip(&self.subproblem.step);
+            let expected = linear.map(|(g, p)| (1.0 - step.part) * g - step.shift * p);
+            for ((c, r), e) in correction.iter_mut().zip(system.residual()).zip(expected) {
+                *c = e - r;
+            }
+            system.solve(&mut correction);
+            if !(max_norm(&correction) <= longest) {
+                break;
+            }
+            system.advance(&correction);
+            system.evaluate();
+            let found = self.gain(system, energy, lost);
+            if !better(found, *actual) {
+                break;
+            }
+            *actual = found;
+            best.copy_from_slice(system.state());
+        }
+        let search = step.definite && !(*actual > self.options.poor_ratio * step.decrease);
+        if search {
+            let mut at = 0.5;
+            let mut low = (0.0, dot(&self.residual, &self.subproblem.step));
+            let mut high: Option<(f64, f64)> = None;
+            for _ in 0..self.options.max_line_search {
+                system.advance_from(&self.state, &self.subproblem.step, at);
+                let finite = system.evaluate().is_finite();
+                let found = self.gain(system, energy, lost);
+                if finite && better(found, *actual) {
+                    *actual = found;
+                    best.copy_from_slice(system.state());
+                }
+                // The energy falls at first; it is lowest where its slope changes sign.
+                let slope = dot(system.residual(), &self.subproblem.step);
+                if finite && slope.abs() < self.options.line_search_slope * step.decrease {
+                    break;
+                }
+                if finite && slope < 0.0 {
+                    low = (at, slope);
+                } else {
+                    high = Some((at, if finite { slope } else { f64::INFINITY }));
+                }
+                at = match high {
+                    None => 0.5 * (at + 1.0),
+                    Some((end, _)) if low.0 == 0.0 => 0.1 * end,
+                    Some((end, rise)) => {
+                        let secant = (rise * low.0 - low.1 * end) / (rise - low.1);
+                        let margin = 0.1 * (end - low.0);
+                        let middle = 0.5 * (low.0 + end);
+                        if secant.is_finite() { secant.clamp(low.0 + margin, end - margin) } else { middle }
+                    }
+                };
+            }
+        }
+        system.set_state(&best);
+        (system.evaluate(), search)
     }
 
     /// Whether a step is accepted that lowered the energy by `actual`.

@@ -68,7 +68,7 @@ impl<const P: usize> HalfSpaces<P> {
             let normal = G::point_from_spatial(&half_space.normal)
                 .ok_or_else(|| ModelError::new(field("normal"), "leaves the x–z plane of a planar system"))?;
             if (normal.norm() - 1.0).abs() > 1e-9 {
-                let problem = format!("found {:?}, a unit vector is needed", half_space.normal);
+                let problem = format!("found {:?}, must be a unit vector", half_space.normal);
                 return Err(ModelError::new(field("normal"), problem));
             }
             let mut spheres = vec![];

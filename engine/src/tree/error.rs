@@ -23,7 +23,7 @@ pub(crate) fn positive(field: impl Into<String>, value: f64) -> Result<f64, Mode
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(ModelError::new(field, format!("found {value}, a finite number greater than zero is needed")))
+        Err(ModelError::new(field, format!("found {value}, must be a finite number greater than zero")))
     }
 }
 
@@ -32,7 +32,7 @@ pub(crate) fn not_negative(field: impl Into<String>, value: f64) -> Result<f64, 
     if value.is_finite() && value >= 0.0 {
         Ok(value)
     } else {
-        Err(ModelError::new(field, format!("found {value}, a finite number not below zero is needed")))
+        Err(ModelError::new(field, format!("found {value}, must be a finite number not below zero")))
     }
 }
 
@@ -40,6 +40,6 @@ pub(crate) fn not_negative(field: impl Into<String>, value: f64) -> Result<f64, 
 pub(crate) fn finite(field: impl Into<String>, values: &[f64]) -> Result<(), ModelError> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(v) => Err(ModelError::new(field, format!("found {v}, finite numbers are needed"))),
+        Some(v) => Err(ModelError::new(field, format!("found {v}, must be finite"))),
     }
 }

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.quantity import Unit, infer_quantity
 from flexor.calibration.schema import Constant as Table
 from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
 
-Array = NDArray[np.float64]
 _NAMED = tuple(ModelFile.named_tables())
 
 
@@ -91,13 +90,7 @@ class Constant:
 def check_fields(
     constants: Sequence[Constant], files: Mapping[str, ModelFile], source: str
 ) -> None:
-    """Demand that every field is a field of at least one of the models, once.
-
-    Raises
-    ------
-    InputError
-        Naming the first that is not, with the nearest that would be.
-    """
+    """Demand that every field is a field of at least one of the models, once."""
     owner: dict[str, str] = {}
     for constant in constants:
         for field in constant.fields:

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.path_run import PathRun
 from flexor.calibration.problem import Problem
 from flexor.calibration.record import Key, Record
 
-Array = NDArray[np.float64]
 # Difference steps as parts of a range: for paths wider than the roughness of sphere contacts and
 # narrower than their effect, for optima wider than the tolerance of a search.
 _PATH_STEP, _OPTIMUM_STEP = 1e-3, 1e-2

@@ -13,13 +13,12 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.constants import Constant
 from flexor.calibration.evaluator import Evaluator
 from flexor.calibration.local_fit import Minimum, fit_locally
 
-Array = NDArray[np.float64]
 Verdict = Literal["identifiable", "only in combination", "not identifiable"]
 _PRIOR_VARIANCE = 1.0 / 12.0  # of a uniform distribution over the range
 _IDENTIFIABLE = 0.05  # standard deviation as a part of the range

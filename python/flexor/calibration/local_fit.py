@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 
-Array = NDArray[np.float64]
 _FAILED = 1e4  # residual of a failed path, so that the step is rejected
 _EVALUATIONS = 40  # of the residuals, besides those for derivatives
 _EVALUATIONS_WITH_OPTIMA = 20

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.schema import Target
 from flexor.errors import InputError, unknown_name
 from flexor.model import Model
 from flexor.model.schema import Rod
 from flexor.model.units import ANGLE, FORCE, LENGTH, Dimension
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +36,7 @@ class Observable:
 
 
 def observable(target: Target, model: Model, place: str) -> Observable:
-    """Return the observable of a target (any but an optimum); messages begin with `place`.
-
-    Raises
-    ------
-    InputError
-        If the model has nothing of this kind.
-    """
+    """Return the observable of a target (any but an optimum); messages begin with `place`."""
     if target.observable in ("bending", "angle"):
         return Observable(ANGLE, _angles(target, model, place))
     if target.observable in ("tip-force", "contacts"):

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.system import System
 from flexor.design import ParameterSet
 from flexor.objectives import Objective
 from flexor.optimizers import PatternSearch, Search
 from flexor.study import Threads, optimize
 
-Array = NDArray[np.float64]
 BENDING = "bending"
 _SEARCH = 1000.0  # load steps that a search costs, about, for each of its parameters
 _LOCAL = PatternSearch(initial_mesh=0.02, tolerance=2e-3)

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import STATUS
+from flexor.arrays import Array
 from flexor.calibration.observable import Observable, ObservedPaths
 from flexor.calibration.system import System
 from flexor.design import ParameterSet
 from flexor.errors import InputError
 from flexor.model import Model
 
-Array = NDArray[np.float64]
 # Newton iterations for one load step while screening. Good models need about ten; the others would
 # take most of the time only to be dropped.
 _SCREENING_ITERATIONS = 200
@@ -42,12 +42,9 @@ class PathRun:
         return float(len(self.loads))
 
     def evaluate(self, x: Array, screening: bool = False, threads: int = 1) -> Array:
-        """Observe n sets of constants x (n, c), SI; give up early while screening.
+        """Return observed values (n, size), SI, for constants x (n, c); NaN where a path failed.
 
-        Returns
-        -------
-        (n, size) array
-            SI values; NaN where the path failed.
+        Screening gives up early.
         """
         rates = self.system.rates
         if rates is not None:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.constants import Constant, check_fields
 from flexor.calibration.optimum_run import OptimumRun
 from flexor.calibration.path_run import PathRun
@@ -19,7 +19,6 @@ from flexor.calibration.targets import BoundTarget, bind, run_key
 from flexor.errors import InputError, unknown_name
 from flexor.model import Model, load
 
-Array = NDArray[np.float64]
 Run = PathRun | OptimumRun
 
 
@@ -66,11 +65,6 @@ def bind_problem(file: TargetsFile, main: Model, source: str) -> Problem:
     """Bind a targets file to the model that is calibrated.
 
     Relative models in the file are looked for beside it; `source` is its name.
-
-    Raises
-    ------
-    InputError
-        If something that the file names does not exist.
     """
     constants = tuple(Constant.of(table, source) for table in file.constant)
     if main.name in file.models:

@@ -41,21 +41,13 @@ class Unit:
 
 
 def parse_quantity(value: object, kind: Dimension | None, place: str) -> tuple[float, Unit]:
-    """Read a value of a known kind, such as ``"10 cm"``; plain numbers where `kind` is None.
+    """Return the SI value and the unit of a quantity of a known kind, such as ``"10 cm"``.
 
-    Returns
-    -------
-    float, Unit
-        SI value, and the unit it was written in.
-
-    Raises
-    ------
-    InputError
-        If its unit is missing or of another kind; the message begins with `place`.
+    Plain numbers where `kind` is None; messages begin with `place`.
     """
     if kind is None:
         if not isinstance(value, (int, float)) or isinstance(value, bool):
-            raise InputError(f"{place} is {describe(value)}: a plain number is needed.")
+            raise InputError(f"{place} is {describe(value)}: expected a plain number.")
         if not math.isfinite(value):
             raise InputError(f"{place} is {float(value)!r}: it must be a finite number.")
         return float(value), Unit()

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.store import Database, Header, Kind
 
-Array = NDArray[np.float64]
 Key = tuple[int, bool, bytes]  # run, screening, constants
 
 TARGETS = "targets.toml"
@@ -49,11 +48,6 @@ class Record:
     A calibration that is simply run again finds its way to where it was interrupted without
     evaluating anything twice: `evaluated` counts evaluations made now, `replayed` those answered
     from what an earlier process had recorded.
-
-    Raises
-    ------
-    InputError
-        If the database is damaged.
     """
 
     def __init__(self, database: Database | None = None) -> None:
@@ -86,13 +80,7 @@ class Record:
         return next((item for item in self._known.items() if not item[0][1]), None)
 
     def add(self, keys: Sequence[Key], observed: Array) -> None:
-        """Record a batch, observed (n, m) for n keys, in one transaction.
-
-        Raises
-        ------
-        InputError
-            If the file can no longer be written.
-        """
+        """Record a batch, observed (n, m) for n keys, in one transaction."""
         rows = [
             (*key, np.ascontiguousarray(values, dtype="<f8").tobytes())
             for key, values in zip(keys, observed, strict=True)

@@ -61,13 +61,7 @@ def rows(fit: Fit) -> list[Row]:
 
 
 def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
-    """Write constants (a set called `name`), table and report into a folder; return the files.
-
-    Raises
-    ------
-    InputError
-        If one cannot be written.
-    """
+    """Write constants (a set called `name`), table and report into a folder; return the files."""
     texts = {
         CONSTANTS: constants_toml(calibration, name),
         TARGETS: targets_csv(calibration.best),
@@ -123,14 +117,9 @@ def targets_csv(fit: Fit) -> str:
 
 
 def to_dict(calibration: Calibration) -> dict[str, Any]:
-    """Return a calibration as plain values for JSON; SI units.
+    """Return a calibration as plain values for JSON, SI units.
 
-    Returns
-    -------
-    dict
-        ``fits`` (each with ``constants``, ``misfit``, ``met``, the number of ``starts`` that ended
-        there and ``targets``), ``constants`` (identifiability of each), ``combinations`` (the best
-        identified first), seed and number of evaluations.
+    ``combinations`` has the best identified first; ``starts`` is how many of them ended in a fit.
     """
     found = calibration.identifiability
     names = [constant.name for constant in found.constants]

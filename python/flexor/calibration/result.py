@@ -7,14 +7,12 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.identifiability import Identifiability
 from flexor.calibration.local_fit import Minimum
 from flexor.calibration.problem import Problem
 from flexor.model import Model
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 from flexor.errors import InputError
 
-Array = NDArray[np.float64]
 _CHUNK = 256
 _APART = 0.05  # of a range, by which starts must differ in at least one constant
 _SPARE = 4  # times the number of starts are evaluated fully, so that different ones are among them
@@ -32,11 +31,6 @@ def screen(
 
     A Sobol sequence of so many samples, scrambled by `seed`, is tried; `report` is called with the
     number of points tried and the lowest misfit.
-
-    Raises
-    ------
-    InputError
-        If no point gives equilibria for all targets.
 
     Notes
     -----

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 from flexor.calibration.identifiability import (
     Identifiability,
@@ -23,8 +23,8 @@ from flexor.calibration.record import Record
 from flexor.calibration.result import Fit
 from flexor.calibration.screening import screen
 from flexor.errors import InputError
+from flexor.model.interruption import end_all
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _FITS = 8  # that are reported
@@ -147,13 +147,16 @@ class Stages:
         self._report(stage, 0, len(items))
         results: list[Result] = []
         with ThreadPoolExecutor(self._evaluator.threads or os.cpu_count()) as pool:
+            futures = [pool.submit(function, item) for item in items]
             try:
-                for future in [pool.submit(function, item) for item in items]:
+                for future in futures:
                     results.append(future.result())
                     misfit = getattr(results[-1], "misfit", np.inf)
                     self._report(stage, len(results), len(items), misfit)
-            except BaseException:
+            except BaseException as error:
                 self._evaluator.stopped.set()
+                if isinstance(error, KeyboardInterrupt):
+                    end_all(futures)
                 pool.shutdown(cancel_futures=True)
                 raise
         return results

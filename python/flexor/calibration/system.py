@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.constants import Constant, full
 from flexor.errors import InputError
 from flexor.model import Model, ModelFile, load
 
-Array = NDArray[np.float64]
 _EXACT = 1e-9
 
 
@@ -27,13 +26,7 @@ class System:
     source: str  # the targets file, for messages
 
     def model(self, x: Sequence[float] | Array) -> Model:
-        """Build the model with constants x (c,), SI.
-
-        Raises
-        ------
-        InputError
-            If a field cannot have such a value.
-        """
+        """Build the model with constants x (c,), SI."""
         changes: dict[str, object] = {}
         for constant, value in zip(self.constants, x, strict=True):
             for field in self._fields(constant):
@@ -44,13 +37,7 @@ class System:
             raise InputError(f"{self.source}: {str(error).rstrip('.')}.") from None
 
     def check_ranges(self) -> None:
-        """Demand that the model can be built at both ends of the ranges.
-
-        Raises
-        ------
-        InputError
-            If a field cannot have such a value.
-        """
+        """Demand that the model can be built at both ends of the ranges."""
         for end in ("low", "high"):
             self.model([getattr(constant, end) for constant in self.constants])
 

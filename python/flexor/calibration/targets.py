@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.calibration.observable import observable
 from flexor.calibration.optimum_run import BENDING, OptimumRun
 from flexor.calibration.path_run import PathRun, check_design
@@ -23,7 +23,6 @@ from flexor.model.units import ANGLE, LENGTH, Dimension
 from flexor.objectives import objective
 from flexor.optimizers import method
 
-Array = NDArray[np.float64]
 _KINDS = {"m": LENGTH, "cm": LENGTH, "mm": LENGTH, "rad": ANGLE, "deg": ANGLE, "1": None}
 # The tolerance of a hard target is a limit: it counts as three standard deviations.
 _HARD = 3.0
@@ -59,18 +58,7 @@ class BoundTarget:
 def bind(
     target: Target, system: System, place: str
 ) -> tuple[BoundTarget, PathRun | OptimumRun, slice]:
-    """Bind a target to the system of its model; messages begin with `place`.
-
-    Returns
-    -------
-    BoundTarget, PathRun or OptimumRun, slice
-        The target, the run that observes it, and where in the run's values it is.
-
-    Raises
-    ------
-    InputError
-        If the model has nothing that matches it, or a value cannot be read.
-    """
+    """Bind a target to the system of its model; messages begin with `place`."""
     if target.observable == "optimum":
         return _optimum(target, system, place)
     model = system.reference
@@ -149,12 +137,16 @@ def _design(target: Target, system: System, place: str) -> tuple[Array | None, P
     for label in chosen.labels:
         if label not in target.design:
             raise InputError(f"{place}.design.{label} is missing: {chosen.name} has it.")
-    kinds = dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True))
     values = [
-        parse_quantity(target.design[label], kinds[label], f"{place}.design.{label}")[0]
-        for label in chosen.labels
+        parse_quantity(target.design[label], kind, f"{place}.design.{label}")[0]
+        for label, kind in _kinds(chosen).items()
     ]
     return np.array(values), chosen
+
+
+def _kinds(chosen: ParameterSet) -> dict[str, Dimension | None]:
+    units = zip(chosen.labels, chosen.units, strict=True)
+    return {label: _KINDS[unit] for label, unit in units}
 
 
 def _set(name: str, system: System, place: str) -> ParameterSet:
@@ -168,10 +160,7 @@ def _set(name: str, system: System, place: str) -> ParameterSet:
 
 def _optimum(target: Target, system: System, place: str) -> tuple[BoundTarget, OptimumRun, slice]:
     chosen = _set(str(target.parameters), system, place)
-    kinds: Mapping[str, Dimension | None] = {
-        **dict(zip(chosen.labels, (_KINDS[unit] for unit in chosen.units), strict=True)),
-        BENDING: ANGLE,
-    }
+    kinds = {**_kinds(chosen), BENDING: ANGLE}
     part = str(target.of)
     if part not in kinds:
         what = unknown_name(f"part of an optimum of {chosen.name}", part, kinds)

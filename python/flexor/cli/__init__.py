@@ -1,1 +1,1 @@
-"""The `flexor` command: one file per sub-command, registered in `app.py`."""
+"""The `flexor` command: a file per sub-command, and one for those that list names."""

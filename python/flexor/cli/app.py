@@ -2,29 +2,50 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
-from typing import Annotated
+import warnings
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
-from flexor.cli import (
-    calibrate,
-    compare,
-    landscape,
-    materials,
-    methods,
-    optimize,
-    presets,
-    reproduce,
-    rerun,
-    sets,
-    simulate,
-)
-from flexor.cli.command import Command
-from flexor.cli.console import print_error, spell_what_streams_lack
-from flexor.cli.studies import LOST
+from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
+from flexor.cli.console import print_error, print_warnings, spell_what_streams_lack
+from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
+
+
+class Command(TyperCommand):
+    """A command that refuses options given twice, of which the last would win silently."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; report an interruption that the command itself does not."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            print_error("interrupted.")
+            return INTERRUPTED
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Check for repeated options before parsing."""
+        names = {
+            name: parameter
+            for parameter in self.params
+            if parameter.param_type_name == "option" and not parameter.multiple
+            for name in parameter.opts
+        }
+        given: set[str] = set()
+        for word in itertools.takewhile(lambda word: word != "--", args):
+            parameter = names.get(word.partition("=")[0])
+            if parameter is None or parameter.name is None:
+                continue
+            if parameter.name in given:
+                raise InputError(f"{max(parameter.opts, key=len)} is given twice: give it once.")
+            given.add(parameter.name)
+        return super().parse_args(ctx, args)
+
 
 app = typer.Typer(
     name="flexor",
@@ -41,11 +62,22 @@ app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
-app.command("reproduce", hidden=True, context_settings=reproduce.ANYTHING)(reproduce.reproduce)
 app.command("materials", cls=Command)(materials.materials)
-app.command("presets")(presets.presets)
-app.command("sets")(sets.sets)
-app.command("methods")(methods.methods)
+app.command("presets")(listings.presets)
+app.command("sets")(listings.sets)
+app.command("methods")(listings.methods)
+
+
+@app.command(
+    "reproduce",
+    hidden=True,
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)
+def reproduce(_: typer.Context) -> int:
+    """Refer to the place of the published study."""
+    raise InputError(
+        "flexor reproduce is now `./dev reproduce`, in a clone of the repository of Flexor."
+    )
 
 
 def _version(requested: bool) -> None:
@@ -70,21 +102,16 @@ def root(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit.
+    """Run the command line, with the arguments of the process by default, and exit.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        Arguments after `flexor`; by default those of the process.
-
-    Notes
-    -----
     Exit codes: 0 success; 1 completed with failures (such as a load step without equilibrium);
     2 invalid input; 3 cluster lost; 130 interrupted.
     """
     spell_what_streams_lack()
     try:
-        code = app(args=arguments, prog_name="flexor", standalone_mode=False)
+        with warnings.catch_warnings():
+            print_warnings()
+            code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         print_error(str(error))
         code = 2
@@ -108,5 +135,5 @@ def main(arguments: list[str] | None = None) -> None:
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         print_error("interrupted.")
-        code = 130
+        code = INTERRUPTED
     sys.exit(code if isinstance(code, int) else 0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import shlex
@@ -12,17 +11,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexor.cli.changes import load_changed
-from flexor.cli.console import err, out
+from flexor.cli import options
+from flexor.cli.console import note, print_json, say
+from flexor.cli.folders import INTERRUPTED, new_folder, save_figure
 from flexor.cli.materials import Law, Strains, calibrate_material
-from flexor.cli.options import Constants, Seed, Set, Threads
-from flexor.cli.progress import LiveLine, duration
-from flexor.cli.studies import save_figure
+from flexor.cli.progress import CalibrationBar, duration
 from flexor.cli.table import number, show
+from flexor.cli.values import load_changed
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
-    from flexor.calibration import Calibration, Fit, Progress
+    from flexor.calibration import Calibration
     from flexor.calibration.report import Row
 
 CALIBRATIONS = FilePath("calibrations")
@@ -47,20 +46,18 @@ def calibrate(
     resume: Annotated[
         bool, typer.Option("--resume", help="Resume the calibration in that folder.")
     ] = False,
-    seed: Seed = 0,
+    seed: options.Seed = 0,
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
     name: Annotated[
         str, typer.Option(help="What to call the set of constants, or the material.")
     ] = "calibrated",
-    threads: Threads = 0,
-    constants: Constants = None,
-    changes: Set = None,
+    threads: options.Threads = 0,
+    constants: options.Constants = None,
+    changes: options.Set = None,
     law: Law = None,
     strains: Strains = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the tables.")
-    ] = False,
+    as_json: options.Json = False,
 ) -> int:
     """Fit constants of a model to measured values, or of a material to tensile tests.
 
@@ -94,13 +91,13 @@ def calibrate(
 
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
-    loaded = load_changed(model, constants, changes or [])
+    loaded = load_changed(model, constants, changes)
     if resume and folder is None:
         raise InputError("--resume needs --out, the folder to go on with.")
-    place = folder or _free(loaded.name, targets)
+    place = folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)
     began = time.monotonic()
     try:
-        with _Live() as progress:
+        with CalibrationBar() as progress:
             found = calibration.calibrate(
                 loaded,
                 targets,
@@ -114,26 +111,18 @@ def calibrate(
             )
     except KeyboardInterrupt:
         again = f"flexor calibrate {shlex.quote(model)} {shlex.quote(targets)}"
-        err.print(
+        note(
             "interrupted; everything evaluated so far is kept. To go on, with the same options:\n"
-            f"  {again} --out {shlex.quote(str(place))} --resume",
-            markup=False,
-            soft_wrap=True,
+            f"  {again} --out {shlex.quote(str(place))} --resume"
         )
-        return 130
+        return INTERRUPTED
     files = report.write(found, place, name)
     files += save_figure(figure.draw(found), place, "calibration")
     if as_json:
-        print(json.dumps(report.to_dict(found), allow_nan=False))
+        print_json(report.to_dict(found))
     else:
         _show(found, time.monotonic() - began, files)
     return 0 if found.best.met else 1
-
-
-def _free(model: str, targets: str) -> FilePath:
-    plain = re.sub(r"[^\w.+-]", "-", f"{model}-{FilePath(targets).stem}")
-    names = [plain, *(f"{plain}-{count}" for count in range(2, 10_000))]
-    return CALIBRATIONS / next(n for n in names if not (CALIBRATIONS / n).exists())
 
 
 def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:
@@ -164,13 +153,13 @@ def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:
         )
     headings = ("target", "force / N", "unit", "wanted", "found", "off", "tolerance", "")
     show(headings, lines)
-    out.print("Combinations of constants, the best identified first:", soft_wrap=True)
+    say("Combinations of constants, the best identified first:")
     for direction in identifiability.directions:
-        out.print(f"  {identifiability.describe(direction)}", markup=False, soft_wrap=True)
+        say(f"  {identifiability.describe(direction)}")
     _show_others(found)
-    out.print(_sentence(found, seconds), markup=False, soft_wrap=True)
+    say(_sentence(found, seconds))
     for file in files:
-        out.print(str(file), markup=False, soft_wrap=True)
+        say(str(file))
 
 
 def _off(row: Row) -> str:
@@ -190,12 +179,9 @@ def _show_others(found: Calibration) -> None:
             f"{constant.name} {constant.shown(fit.constants[constant.name], 4)}"
             for constant in fit.problem.constants
         )
-        cells.append(("another minimum", values, _met(fit), number(fit.misfit)))
+        met = "meets the hard targets" if fit.met else "misses a hard target"
+        cells.append(("another minimum", values, met, number(fit.misfit)))
     show(("other fits", "constants", "", "misfit"), cells, left=3)
-
-
-def _met(fit: Fit) -> str:
-    return "meets the hard targets" if fit.met else "misses a hard target"
 
 
 def _sentence(found: Calibration, seconds: float) -> str:
@@ -203,23 +189,9 @@ def _sentence(found: Calibration, seconds: float) -> str:
     hard = sum(target.hard for target in best.problem.targets)
     said = f"All {hard} hard targets are met" if best.met else "Not every hard target is met"
     said = said if hard else "Fitted"
-    noise = ""
     if found.degrees_of_freedom > 0:
         ratio = math.sqrt(best.misfit / found.degrees_of_freedom)
         noise = f"; the residuals are {number(ratio, 2)} times their tolerances"
     else:
         noise = "; there are as many constants as values, so the fit alone proves nothing"
     return f"{said}{noise}. {found.evaluations:,} evaluations in {duration(seconds)}."
-
-
-class _Live(LiveLine):
-    """The live line of a running calibration."""
-
-    def __init__(self) -> None:
-        super().__init__("reading")
-
-    def __call__(self, at: Progress) -> None:
-        parts = [at.stage, f"{at.evaluated + at.replayed:,} evaluations"]
-        if math.isfinite(at.misfit):
-            parts.append(f"misfit {number(at.misfit, 3)}")
-        self.show(parts, at.done, at.total, "")

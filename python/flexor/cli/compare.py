@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
+from dataclasses import asdict
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexor.cli.changes import load_changed
-from flexor.cli.comparison_progress import ComparisonBar
-from flexor.cli.console import err, out
-from flexor.cli.evaluation import executor_if
-from flexor.cli.options import Cluster, Constants, EvaluationForce, OptionalModel, Set
-from flexor.cli.progress import duration
-from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
+from flexor.cli import options
+from flexor.cli.console import err, print_json, say
+from flexor.cli.folders import check_resumable, cluster_at, interrupted, new_folder, save_figure
+from flexor.cli.progress import ComparisonBar, duration
 from flexor.cli.table import number, show
-from flexor.errors import ClusterError, InputError
+from flexor.cli.values import load_changed, numbers
+from flexor.errors import ClusterError
 
 if TYPE_CHECKING:
-    from flexor.study.comparison import MethodComparison, Summary
+    from flexor.study.comparison import MethodComparison
 
 
 def compare(
     context: typer.Context,
-    model: OptionalModel = None,
+    model: options.OptionalModel = None,
     parameters: Annotated[
         str | None,
         typer.Option(
@@ -35,9 +33,7 @@ def compare(
             help="Parameter sets, such as `L,R01,L+R01`; the paper's seven by default.",
         ),
     ] = None,
-    objective: Annotated[
-        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
-    ] = "bending",
+    objective: options.Objective = "bending",
     methods: Annotated[
         str | None,
         typer.Option(
@@ -51,29 +47,21 @@ def compare(
         int, typer.Option(help="Number of searches per method and set, each with its own seed.")
     ] = 10,
     budget: Annotated[int, typer.Option(help="Maximum number of designs per search.")] = 500,
-    force: EvaluationForce = None,
-    folder: Annotated[
-        FilePath | None,
-        typer.Option("--out", help="Output folder; by default a new one in `studies/`."),
-    ] = None,
-    resume: Annotated[
-        FilePath | None, typer.Option(help="Resume the comparison in this folder.")
-    ] = None,
+    force: options.EvaluationForce = None,
+    folder: options.Folder = None,
+    resume: options.Resume = None,
     workers: Annotated[
         int,
         typer.Option(
             min=0, help="Concurrent searches; 0 for one per core, or per thread of the cluster."
         ),
     ] = 0,
-    cluster: Cluster = None,
-    constants: Constants = None,
-    changes: Set = None,
-    plot: Annotated[
-        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON object instead of the table.")
-    ] = False,
+    cluster: options.Cluster = None,
+    constants: options.Constants = None,
+    changes: options.Set = None,
+    solver: options.Solver = None,
+    plot: options.Plot = None,
+    as_json: options.Json = False,
 ) -> int:
     """Compare search methods with the same starts, seeds and budget on each parameter set.
 
@@ -94,28 +82,18 @@ def compare(
     """
     from flexor.study import comparison
 
-    if plot is not None:
-        from flexor.plot import writable
-
-        writable(plot)
-    if model is None and resume is None:
-        raise InputError("give a MODEL, or --resume FOLDER to resume a comparison.")
-    if resume is not None and (folder is not None or model is not None):
-        raise InputError("--resume takes only the folder: omit MODEL and --out.")
-    if resume is not None:
-        reject_fixed_options(context, resume, "workers", "cluster", "plot", "as_json")
+    free = ("workers", "cluster", "plot", "as_json")
+    check_resumable(context, "comparison", model, folder, resume, *free)
     began, place = time.monotonic(), resume
     try:
-        with executor_if(cluster) as executor, ComparisonBar() as progress:
+        with cluster_at(cluster) as executor, ComparisonBar() as progress:
             if resume is not None:
                 result = comparison.resume_comparison(
                     resume, progress=progress, executor=executor, workers=workers
                 )
             else:
                 assert model is not None
-                from flexor.model import forces
-
-                loaded = load_changed(model, constants, changes or [])
+                loaded = load_changed(model, constants, changes)
                 place = folder or new_folder(loaded.name, objective, "comparison")
                 result = comparison.compare(
                     loaded,
@@ -124,11 +102,12 @@ def compare(
                     methods=methods,
                     seeds=seeds,
                     budget=budget,
-                    force=None if force is None else forces(force),
+                    force=force,
                     folder=place,
                     progress=progress,
                     executor=executor,
                     workers=workers,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor compare --resume", error)
@@ -136,14 +115,14 @@ def compare(
     files = _keep(result, place, plot)
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(result, seconds, place, files), allow_nan=False))
+        print_json(_as_json(result, seconds, place, files))
     else:
         _print_summary(result, seconds, files)
     return 0
 
 
 def _print_summary(result: MethodComparison, seconds: float, files: list[FilePath]) -> None:
-    headings = ("", "best", "median", "success", "to 1 %", "expected", "time")
+    headings = ("best", "median", "success", "to 1 %", "expected", "time")
     for name in result.sets:
         summaries = [result.summary(name, method) for method in result.methods]
         rows = [
@@ -156,30 +135,21 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
                 _count(each.expected_evaluations),
                 "" if math.isnan(each.seconds) else f"{number(each.seconds, 2)} s",
             )
-            for each in sorted(summaries, key=_rank)
+            for each in sorted(summaries, key=lambda each: (each.expected_evaluations, each.median))
         ]
         first, best = result.reference[name], result.best_known(name)
-        out.print(
+        say(
             f"{name}: objective {result.objective.name} {number(first, 5)} for the model's own "
-            f"exosuit, {number(best, 5)} for the best known design",
-            markup=False,
-            soft_wrap=True,
+            f"exosuit, {number(best, 5)} for the best known design"
         )
-        show((name, *headings[1:]), rows)
+        show((name, *headings), rows)
     searches = len(result.runs)
-    out.print(
-        f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per "
-        "method and "
-        f"set, in {duration(seconds)}.",
-        markup=False,
-        soft_wrap=True,
+    say(
+        f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per method "
+        f"and set, in {duration(seconds)}."
     )
     for file in files:
-        out.print(f"file: {file}", markup=False, soft_wrap=True)
-
-
-def _rank(each: Summary) -> tuple[float, float]:
-    return (each.expected_evaluations, each.median)
+        say(f"file: {file}")
 
 
 def _count(evaluations: float) -> str:
@@ -187,25 +157,22 @@ def _count(evaluations: float) -> str:
 
 
 def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> list[FilePath]:
-    from dataclasses import asdict
-
     from flexor import plot
     from flexor.store import csv_text, write_text
 
     summaries = [asdict(each) for each in result.summaries()]
     searches = result.table()
-    rows = [
-        dict(zip(searches, row, strict=True))
-        for row in zip(*(column.tolist() for column in searches.values()), strict=True)
-    ]
-    files = [place / "comparison.csv", place / "searches.csv"]
-    for file, lines in zip(files, (summaries, rows), strict=True):
-        write_text(file, csv_text([list(lines[0]), *(line.values() for line in lines)]))
+    columns = [column.tolist() for column in searches.values()]
+    tables = {
+        place / "comparison.csv": [summaries[0], *(each.values() for each in summaries)],
+        place / "searches.csv": [searches, *zip(*columns, strict=True)],
+    }
+    for file, rows in tables.items():
+        write_text(file, csv_text(rows))
+    files = list(tables)
     with err.status("drawing the profiles"):
         figure = plot.profiles(result)
-        files += save_figure(figure, place, "profiles")
-        if also is not None:
-            files.append(plot.save(figure, also))
+        files += save_figure(figure, place, "profiles", also)
     return files
 
 
@@ -213,30 +180,22 @@ def _as_json(
     result: MethodComparison, seconds: float, place: FilePath, files: list[FilePath]
 ) -> dict[str, Any]:
     """Return every summary, and for each set the best design (SI) and the target."""
-    from dataclasses import asdict
-
-    def plain(value: Any) -> Any:
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
     return {
         "objective": result.objective.name,
         "budget": result.budget,
         "seeds": list(result.seeds),
         "sets": {
             name: {
-                "reference": plain(result.reference[name]),
-                "best": plain(result.best_known(name)),
+                "reference": result.reference[name],
+                "best": result.best_known(name),
                 "design": result.best(name).result.design.tolist(),
                 "method": result.best(name).method,
-                "target": plain(result.target(name)),
+                "target": result.target(name),
             }
             for name in result.sets
         },
-        "summaries": [
-            {key: plain(value) for key, value in asdict(each).items()}
-            for each in result.summaries()
-        ],
+        "summaries": result.summaries(),
         "seconds": seconds,
-        "folder": str(place),
-        "files": [str(file) for file in files],
+        "folder": place,
+        "files": files,
     }

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import codecs
+import json
+import math
 import sys
+import warnings
+from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.text import Text
 
-from flexor.errors import one_line
+from flexor.errors import ModelWarning, one_line
 
 _SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
 
@@ -47,17 +53,47 @@ def _spelt(error: UnicodeError) -> tuple[str, int]:
     return "".join(_SPELT.get(each, "?") for each in missing), error.end
 
 
-def say(sentence: str) -> None:
-    """Print a line of results to stdout, without markup or wrapping."""
-    out.print(sentence, markup=False, soft_wrap=True)
+def say(text: str) -> None:
+    """Print a line of results to stdout, without wrapping."""
+    out.print(text, soft_wrap=True)
+
+
+def note(text: str) -> None:
+    """Print a line to stderr, without wrapping."""
+    err.print(text, soft_wrap=True)
 
 
 def print_error(sentence: str) -> None:
-    """Print an error message to stderr, without markup or wrapping.
+    """Print an error message to stderr; its line breaks become spaces."""
+    note(f"error: {' '.join(sentence.split())}")
 
-    Parameters
-    ----------
-    sentence : str
-        The message; line breaks become spaces.
-    """
-    err.print(f"error: {' '.join(sentence.split())}", markup=False, soft_wrap=True)
+
+def print_warnings() -> None:
+    """Print warnings about models as a line to stderr each, others as Python does."""
+    others = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+        if issubclass(category, ModelWarning):
+            note(f"warning: {message}")
+        else:
+            others(message, category, *rest)
+
+    warnings.simplefilter("always", ModelWarning)
+    warnings.showwarning = show  # type: ignore[assignment]  # with fewer names
+
+
+def print_json(values: Mapping[str, Any]) -> None:
+    """Print a JSON object to stdout: dataclasses as objects, null for numbers not finite."""
+    print(json.dumps(_plain_value(values), allow_nan=False))
+
+
+def _plain_value(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, Mapping):
+        return {key: _plain_value(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain_value(each) for each in value]
+    if isinstance(value, Path):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

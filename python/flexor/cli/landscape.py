@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import time
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexor.cli.changes import load_changed
-from flexor.cli.console import err, out
-from flexor.cli.evaluation import executor_for
-from flexor.cli.options import (
-    Cluster,
-    Constants,
-    EvaluationForce,
-    OptionalModel,
-    Parameters,
-    Set,
-    StudyFolder,
-    Threads,
-)
-from flexor.cli.progress import duration
-from flexor.cli.studies import interrupted, new_folder, reject_fixed_options, save_figure
-from flexor.cli.table import number
+from flexor.cli import options
+from flexor.cli.console import err, print_json, say
+from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder, save_figure
+from flexor.cli.progress import SearchProgress, duration
+from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -35,11 +23,9 @@ if TYPE_CHECKING:
 
 def landscape(
     context: typer.Context,
-    model: OptionalModel = None,
-    parameters: Parameters = "R01",
-    objective: Annotated[
-        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
-    ] = "bending",
+    model: options.OptionalModel = None,
+    parameters: options.Parameters = "R01",
+    objective: options.Objective = "bending",
     grid: Annotated[int, typer.Option(help="Number of points per axis.")] = 81,
     axes: Annotated[
         str | None,
@@ -54,7 +40,7 @@ def landscape(
             help="Values of the fixed parameters, such as `L=8 cm`; the model's own by default."
         ),
     ] = None,
-    force: EvaluationForce = None,
+    force: options.EvaluationForce = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
@@ -63,20 +49,15 @@ def landscape(
             "repeated.",
         ),
     ] = None,
-    folder: StudyFolder = None,
-    resume: Annotated[
-        FilePath | None, typer.Option(help="Resume the landscape in this folder.")
-    ] = None,
-    threads: Threads = 0,
-    cluster: Cluster = None,
-    constants: Constants = None,
-    changes: Set = None,
-    plot: Annotated[
-        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON object instead of text.")
-    ] = False,
+    folder: options.Folder = None,
+    resume: options.Resume = None,
+    threads: options.Threads = 0,
+    cluster: options.Cluster = None,
+    constants: options.Constants = None,
+    changes: options.Set = None,
+    solver: options.Solver = None,
+    plot: options.Plot = None,
+    as_json: options.Json = False,
 ) -> int:
     """Evaluate and plot an objective on a grid over one or two parameters.
 
@@ -94,19 +75,12 @@ def landscape(
     * `flexor landscape finger -p R01 --study studies/finger-R01-bending`
     """
     from flexor import study as studies
-    from flexor.cli.progress import SearchProgress
+    from flexor.design import parameter_set
+    from flexor.study import landscape as landscapes
     from flexor.study.landscape import Landscape, SearchPath
 
-    if plot is not None:
-        from flexor.plot import writable
-
-        writable(plot)
-    if model is None and resume is None:
-        raise InputError("give a MODEL, or --resume FOLDER to resume a landscape.")
-    if resume is not None and (folder is not None or model is not None):
-        raise InputError("--resume takes only the folder: omit MODEL and --out.")
-    if resume is not None:
-        reject_fixed_options(context, resume, "searches", "threads", "cluster", "plot", "as_json")
+    free = ("searches", "threads", "cluster", "plot", "as_json")
+    check_resumable(context, "landscape", model, folder, resume, *free)
     overlays = [(each, studies.Study.open(each)) for each in searches or []]
     began, place = time.monotonic(), resume
     try:
@@ -117,56 +91,48 @@ def landscape(
                 if study.finished is None:
                     study.close()
                     study = studies.resume(resume, progress=progress, executor=executor)
+                result = Landscape.of(study)
             else:
                 assert model is not None
-                loaded = load_changed(model, constants, changes or [])
-                settings = _settings(loaded, parameters, axes, grid, start, force)
-                chosen = settings["parameters"]
+                loaded = load_changed(model, constants, changes)
+                chosen = parameter_set(parameters, loaded.design)
                 for each, search in overlays:
                     _check_same_set(each, search, chosen)
                 place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
-                study = studies.optimize(
+                result = landscapes.landscape(
                     loaded,
-                    objective=objective,
+                    chosen,
+                    objective,
+                    grid=grid,
+                    axes=None if axes is None else [label.strip() for label in axes.split(",")],
+                    start=_fixed(start, chosen),
+                    force=force,
                     folder=place,
                     progress=progress,
                     executor=executor,
-                    **settings,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor landscape --resume", error)
-    result = Landscape.of(study)
     seconds = time.monotonic() - began
     for each, search in overlays:
-        _check_same_set(each, search, study.problem.parameters)
-    files = _keep(
-        result, [SearchPath.from_study(search, each.name) for each, search in overlays], plot
-    )
+        _check_same_set(each, search, result.problem.parameters)
+    paths = [SearchPath.from_study(search, each.name) for each, search in overlays]
+    files = _keep(result, paths, plot)
     if as_json:
-        print(json.dumps(_as_json(result, seconds, files), allow_nan=False))
+        print_json(_as_json(result, seconds, files))
     else:
         _print_summary(result, seconds, files)
     return 0
 
 
-def _settings(
-    model: Any, parameters: str, axes: str | None, grid: int, start: str | None, force: str | None
-) -> dict[str, Any]:
-    from flexor import design
+def _fixed(start: str | None, chosen: ParameterSet) -> list[list[float]] | None:
     from flexor.design.start import starts
-    from flexor.model import forces
-    from flexor.study.landscape import grid_over
 
-    chosen = design.parameter_set(parameters, model.design)
-    labels = None if axes is None else [label.strip() for label in axes.split(",")]
-    if start is not None and start.strip().lower() == "random":
+    found = starts([] if start is None else [start], chosen)
+    if isinstance(found, str):
         raise InputError('--start is "random": a landscape needs values, such as "L=8 cm".')
-    return {
-        "parameters": chosen,
-        "method": grid_over(chosen, grid, labels),
-        "start": starts([] if start is None else [start], chosen),
-        "force": None if force is None else forces(force),
-    }
+    return found
 
 
 def _check_same_set(folder: FilePath, search: Study, chosen: ParameterSet) -> None:
@@ -186,30 +152,16 @@ def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> 
     files = result.save(place)
     with err.status("drawing the landscape"):
         figure = plot.landscape(result, paths)
-        files += save_figure(figure, place, "landscape")
-        if also is not None:
-            files.append(plot.save(figure, also))
+        files += save_figure(figure, place, "landscape", also)
     return files
 
 
 def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
-    objective, failed = result.problem.objective, int(result.failed.sum())
     size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
-    if failed < result.value.size:
+    if not result.failed.all():
         best = result.minimum
-        at = ", ".join(
-            f"{label} = {number(value / scale)}{'' if unit == '1' else ' ' + unit}"
-            for label, value, scale, unit in zip(
-                result.problem.parameters.labels,
-                best.vector.tolist(),
-                result.problem.parameters.scale.tolist(),
-                result.problem.parameters.units,
-                strict=True,
-            )
-        )
-        value = f"{objective.quantity} {number(best.shown)} {objective.unit}".rstrip()
-        sentences.append(f"Minimum of the grid at {at}: {value}.")
+        sentences.append(f"Minimum of the grid at {best.text}: {best.result}.")
         minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
             f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
@@ -217,10 +169,8 @@ def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> 
         )
     else:
         sentences.append(f"All designs failed: {result.reason.flat[0]}.")
-    for sentence in sentences:
-        out.print(sentence, markup=False, soft_wrap=True)
-    for file in files:
-        out.print(f"file: {file}", markup=False, soft_wrap=True)
+    for line in (*sentences, *(f"file: {file}" for file in files)):
+        say(line)
 
 
 def _share(part: float) -> str:
@@ -245,6 +195,6 @@ def _as_json(result: Landscape, seconds: float, files: list[FilePath]) -> dict[s
         "snapping": int((result.events > 0).sum()),
         "failed": int(result.failed.sum()),
         "seconds": seconds,
-        "folder": str(result.study.folder),
-        "files": [str(file) for file in files],
+        "folder": result.study.folder,
+        "files": files,
     }

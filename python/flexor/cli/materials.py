@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
@@ -10,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexor.cli.console import say
-from flexor.cli.studies import save_figure
+from flexor.cli import options
+from flexor.cli.console import print_json, say
+from flexor.cli.folders import save_figure
 from flexor.cli.table import number, show
 from flexor.errors import InputError
 
@@ -39,13 +39,8 @@ def materials(
     name: Annotated[
         str | None, typer.Argument(metavar="[NAME]", help="A material; omit to list all.")
     ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            "--plot", metavar="FILE", help="Draw stress against strain (PNG, SVG or PDF)."
-        ),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    plot: options.Plot = None,
+    as_json: options.Json = False,
 ) -> None:
     """List the library of materials, or show one as a table of a model file.
 
@@ -66,8 +61,8 @@ def materials(
 
         save(draw_materials(chosen), plot)
     if as_json:
-        tables = {material.name: to_dict(material) for material in chosen}
-        print(json.dumps(tables if name is None else tables[name], allow_nan=False))
+        tables = {material.name: _to_dict(material) for material in chosen}
+        print_json(tables if name is None else tables[name])
     elif name is None:
         rows = [
             (
@@ -88,15 +83,15 @@ def materials(
         say(str(plot))
 
 
-def to_dict(material: Material) -> dict[str, object]:
+def _to_dict(material: Material) -> dict[str, object]:
     """Return a material for JSON, in SI units."""
-    limits = {"strain_limit": material.strain_limit, "stress_limit": material.stress_limit}
     return {
         "kind": material.kind,
         **material.constants,
         "winding": material.winding,
         "density": material.density,
-        **{key: value for key, value in limits.items() if math.isfinite(value)},
+        "strain_limit": material.strain_limit,
+        "stress_limit": material.stress_limit,
         "stretch_range": material.stretch_range,
         "young_modulus_at_rest": material.young_modulus,
         "title": material.title,
@@ -154,7 +149,7 @@ def calibrate_material(
         write_text(written[0], model_table(best.material))
         written += save_figure(draw_fits(curve, tests, fits), folder, "material")
     if as_json:
-        print(json.dumps(_report(fits, curve.slack), allow_nan=False))
+        print_json(_report(fits, curve.slack))
         return 0
     rows = [
         (
@@ -183,7 +178,7 @@ def calibrate_material(
 
 def _report(fits: list[Fit], slack: float) -> dict[str, object]:
     return {
-        "material": to_dict(fits[0].material),
+        "material": _to_dict(fits[0].material),
         "slack": slack,
         "fits": [
             {
@@ -191,7 +186,7 @@ def _report(fits: list[Fit], slack: float) -> dict[str, object]:
                 "constants": dict(fit.material.constants),
                 "rms": fit.rms,
                 "largest": fit.largest,
-                "predicted": fit.error if math.isfinite(fit.error) else None,
+                "predicted": fit.error,
                 "stable": fit.stable,
             }
             for fit in fits

@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import time
-from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexor.cli.changes import load_changed
-from flexor.cli.evaluation import executor_for
-from flexor.cli.options import (
-    Cluster,
-    Constants,
-    EvaluationForce,
-    OptionalModel,
-    Parameters,
-    Seed,
-    Set,
-    StudyFolder,
-    Threads,
-)
-from flexor.cli.studies import interrupted, new_folder, reject_fixed_options
+from flexor.cli import options
+from flexor.cli.console import print_json
+from flexor.cli.folders import executor_for, interrupted, new_folder, reject_fixed_options
+from flexor.cli.values import load_changed, numbers
 from flexor.errors import ClusterError, InputError
 
 if TYPE_CHECKING:
@@ -31,15 +19,13 @@ if TYPE_CHECKING:
 
 def optimize(
     context: typer.Context,
-    model: OptionalModel = None,
-    parameters: Parameters = "L+R01",
-    objective: Annotated[
-        str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")
-    ] = "bending",
+    model: options.OptionalModel = None,
+    parameters: options.Parameters = "L+R01",
+    objective: options.Objective = "bending",
     method: Annotated[
         str, typer.Option(help="Search method (see `flexor methods`).")
     ] = "pattern-search",
-    options: Annotated[
+    method_options: Annotated[
         list[str] | None,
         typer.Option(
             "--option",
@@ -54,28 +40,23 @@ def optimize(
             "0.7 cm, 0.8 cm`, or `R_0=0.7 cm`; may be repeated. By default the model's exosuit."
         ),
     ] = None,
-    force: EvaluationForce = None,
-    seed: Seed = 0,
+    force: options.EvaluationForce = None,
+    seed: options.Seed = 0,
     budget: Annotated[
         int | None, typer.Option(help="Maximum number of designs to evaluate.")
     ] = None,
-    folder: StudyFolder = None,
-    resume: Annotated[
-        FilePath | None, typer.Option(help="Resume the study in this folder.")
-    ] = None,
-    threads: Threads = 0,
-    cluster: Cluster = None,
-    constants: Constants = None,
-    changes: Set = None,
-    plot: Annotated[
-        FilePath | None, typer.Option(help="Also save the figure to this PNG, SVG or PDF file.")
-    ] = None,
+    folder: options.Folder = None,
+    resume: options.Resume = None,
+    threads: options.Threads = 0,
+    cluster: options.Cluster = None,
+    constants: options.Constants = None,
+    changes: options.Set = None,
+    solver: options.Solver = None,
+    plot: options.Plot = None,
     show: Annotated[
         bool, typer.Option("--open", help="Open the figure when done, if there is a display.")
     ] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON object instead of the table and figure.")
-    ] = False,
+    as_json: options.Json = False,
 ) -> int:
     """Optimise a design for an objective.
 
@@ -89,16 +70,15 @@ def optimize(
     * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
     * `flexor optimize --resume studies/press`
 
-    The JSON object uses SI units, with angles in rad.
+    The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
+    the file of `--plot`.
     """
     from flexor import study as studies
     from flexor.cli import outcome
     from flexor.cli.progress import SearchProgress
+    from flexor.design import parameter_set
+    from flexor.design.start import starts
 
-    if plot is not None:
-        from flexor.plot import writable
-
-        writable(plot)
     if model is None and resume is None:
         raise InputError("give a MODEL to optimise, or --resume FOLDER to resume a study.")
     if resume is not None and folder is not None:
@@ -107,37 +87,37 @@ def optimize(
         reject_fixed_options(
             context, resume, "budget", "threads", "cluster", "plot", "show", "as_json"
         )
-    began = time.monotonic()
-    place = resume
+    began, place = time.monotonic(), resume
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             if model is None:
                 assert resume is not None
                 study = studies.resume(resume, budget=budget, progress=progress, executor=executor)
             else:
-                loaded = load_changed(model, constants, changes or [])
-                settings = _settings(loaded, parameters, method, options or [], start or [], force)
-                place = (
-                    resume
-                    or folder
-                    or new_folder(loaded.name, settings["parameters"].name, objective)
-                )
+                loaded = load_changed(model, constants, changes)
+                chosen = parameter_set(parameters, loaded.design)
+                place = resume or folder or new_folder(loaded.name, chosen.name, objective)
                 study = studies.optimize(
                     loaded,
-                    objective=objective,
+                    chosen,
+                    objective,
+                    method,
+                    method_options=numbers("--option", method_options or []),
+                    start=starts(start or [], chosen),
+                    force=force,
                     seed=seed,
                     budget=budget,
                     folder=place,
                     resume=resume is not None,
                     progress=progress,
                     executor=executor,
-                    **settings,
+                    engine_options=numbers("--solver", solver or []),
                 )
     except (KeyboardInterrupt, ClusterError) as error:
         return interrupted(place, "flexor optimize --resume", error)
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(outcome.as_json(study, seconds), allow_nan=False))
+        print_json(outcome.as_json(study, seconds))
     else:
         outcome.print_summary(study, seconds, resumed=resume is not None)
     if plot is not None or not as_json:
@@ -145,28 +125,6 @@ def optimize(
     if show:
         _open(study)
     return 0
-
-
-def _settings(
-    model: Any,
-    parameters: str,
-    method: str,
-    options: list[str],
-    start: list[str],
-    force: str | None,
-) -> dict[str, Any]:
-    from flexor import design, optimizers
-    from flexor.cli.values import numbers
-    from flexor.design.start import starts
-    from flexor.model import forces
-
-    chosen = design.parameter_set(parameters, model.design)
-    return {
-        "parameters": chosen,
-        "method": optimizers.method(method, **numbers("--option", options)),
-        "start": starts(start, chosen),
-        "force": None if force is None else forces(force),
-    }
 
 
 def _open(study: Study) -> None:

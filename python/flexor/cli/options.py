@@ -7,6 +7,16 @@ from typing import Annotated
 
 import typer
 
+
+def _writable(figure: Path | None) -> Path | None:
+    """Reject a figure that cannot be written before anything is computed."""
+    if figure is not None:
+        from flexor.plot import writable
+
+        writable(figure)
+    return figure
+
+
 Model = Annotated[
     str,
     typer.Argument(metavar="MODEL", help="Model file, or name of a preset (see `flexor presets`)."),
@@ -18,14 +28,16 @@ OptionalModel = Annotated[
 Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
+Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
 EvaluationForce = Annotated[
     str | None,
     typer.Option(help="Forces in N, as for `simulate`; the objective is evaluated at the last."),
 ]
-StudyFolder = Annotated[
+Folder = Annotated[
     Path | None,
-    typer.Option("--out", help="Study folder; by default a new one in `studies/`."),
+    typer.Option("--out", help="Output folder; by default a new one in `studies/`."),
 ]
+Resume = Annotated[Path | None, typer.Option(help="Resume the work in this folder.")]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Threads = Annotated[
     int, typer.Option(min=0, help="Number of threads; 0 for one per core. Does not affect results.")
@@ -47,3 +59,17 @@ Set = Annotated[
         "--set", metavar="KEY=VALUE", help="Override a field of the file; may be repeated."
     ),
 ]
+Solver = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--solver",
+        metavar="KEY=VALUE",
+        help="Option of the equilibrium solver, such as `max_seconds=10` for each load step; may "
+        "be repeated.",
+    ),
+]
+Plot = Annotated[
+    Path | None,
+    typer.Option(help="Save the figure to this PNG, SVG or PDF file.", callback=_writable),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print a JSON object instead of text.")]

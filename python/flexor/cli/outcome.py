@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import err, say
+from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
-from flexor.cli.studies import save_figure
 from flexor.cli.table import number, show
 
 if TYPE_CHECKING:
@@ -24,17 +24,7 @@ _CAVEATS = {
 
 
 def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
-    """Print start and optimum side by side, the improvement, and the cost.
-
-    Parameters
-    ----------
-    study : Study
-        A completed study.
-    seconds : float
-        Elapsed time [s].
-    resumed : bool
-        Whether the time was measured since the study was resumed.
-    """
+    """Print start and optimum side by side, the improvement, and the cost."""
     rows = []
     for line in study.comparison():
         unit = f" / {line.unit}" if line.unit and line.unit != "1" else ""
@@ -50,37 +40,18 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
     say(_improvement(study))
     if math.isfinite(study.best.value) and study.problem.model.joints:
         _print_sensitivity(study.best.sensitivity)
-    reason = study.finished or (study.result.reason if study.result else "")
-    say(
-        f"{study.evaluations:,} designs {'in total, resumed for' if resumed else 'in'} "
-        f"{duration(seconds)}: {reason}."
-    )
+    cost = f"{'in total, resumed for' if resumed else 'in'} {duration(seconds)}"
+    say(f"{study.evaluations:,} designs {cost}: {study.finished}.")
 
 
 def start_title(study: Study) -> str:
-    """Return the title of the starting design.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    """
+    """Return the title of the starting design."""
     own = study.problem.parameters.start
     return "default" if list(study.start.vector) == list(own) else "start"
 
 
 def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
-    """Save a figure of both designs to the study folder, and print its path.
-
-    Parameters
-    ----------
-    study : Study
-        A completed study.
-    also : pathlib.Path or None
-        Additional file for the figure.
-    quiet : bool
-        Do not print the paths.
-    """
+    """Save a figure of both designs to the study folder and another file; print the paths."""
     from flexor import plot
 
     with err.status("drawing the designs"):
@@ -97,21 +68,10 @@ def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
 
 
 def as_json(study: Study, seconds: float) -> dict[str, Any]:
-    """Return the result as a JSON object.
+    """Return the result as a JSON object, SI.
 
-    Parameters
-    ----------
-    study : Study
-        A completed study.
-    seconds : float
-        Elapsed time [s].
-
-    Returns
-    -------
-    dict
-        `start` and `best` (each `parameters` in SI, `value`, `bending` [rad], `joint_angles` at
-        the last load [rad], `tip_force` [N]), `sensitivity` (see `_sensitivity`), `evaluations`,
-        `seconds`, `reason` and `folder`.
+    `bending` and `joint_angles`, at the last load, are in rad, `tip_force` in N; for `sensitivity`
+    see `_sensitivity`.
     """
     return {
         "objective": study.problem.objective.name,
@@ -119,18 +79,18 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
         **{
             name: {
                 "parameters": design.parameters,
-                "value": _finite(design.value),
-                "bending": _finite(design.bending),
-                "joint_angles": [_finite(angle) for angle in design.joint_angles[-1].tolist()],
-                "tip_force": _finite(float(design.tip_force[-1])),
+                "value": design.value,
+                "bending": design.bending,
+                "joint_angles": design.joint_angles[-1].tolist(),
+                "tip_force": float(design.tip_force[-1]),
             }
             for name, design in (("start", study.start), ("best", study.best))
         },
         "sensitivity": _sensitivity(study.best.sensitivity),
         "evaluations": study.evaluations,
         "seconds": seconds,
-        "reason": study.finished or (study.result.reason if study.result else ""),
-        "folder": None if study.folder is None else str(study.folder),
+        "reason": study.finished,
+        "folder": study.folder,
     }
 
 
@@ -161,11 +121,11 @@ def _sensitivity(found: Sensitivity) -> dict[str, Any]:
         "regularity": found.regularity,
         "parameters": {
             label: {
-                "joint_angles": [_finite(x) for x in found.joint_angles[:, k].tolist()],
-                "tip_force": _finite(float(found.tip_force[k])),
-                "value": None if found.value is None else _finite(float(found.value[k])),
+                "joint_angles": found.joint_angles[:, k].tolist(),
+                "tip_force": float(found.tip_force[k]),
+                "value": None if found.value is None else float(found.value[k]),
                 "step": float(found.step[k]),
-                "loss": _finite(float(found.tolerance[k])),
+                "loss": float(found.tolerance[k]),
             }
             for k, label in enumerate(found.labels)
         },
@@ -207,7 +167,3 @@ def _change(start: float, best: float) -> str:
     if not math.isfinite(change):
         return ""
     return number(change, 3) if change <= 0.0 else f"+{number(change, 3)}"
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

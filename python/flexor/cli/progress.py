@@ -1,40 +1,31 @@
-"""Live progress of a running search."""
+"""Live progress of running work."""
 
 from __future__ import annotations
 
-import sys
+import math
 import time
 from collections.abc import Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
-from flexor.cli.console import err
+from flexor.cli.console import err, note
 from flexor.cli.table import number
 from flexor.errors import one_line
 
 if TYPE_CHECKING:
-    if sys.version_info >= (3, 11):
-        from typing import Self
-    else:
-        from typing_extensions import Self
+    from typing_extensions import Self
 
+    from flexor.calibration import Progress as FitProgress
     from flexor.study import StudyProgress
-
+    from flexor.study.comparison import ComparisonProgress
 
 # Seconds between lines where output is no terminal.
 LINE_EVERY = 30.0
 
 
 class LiveLine:
-    """A transient progress line in terminals; elsewhere a line every half minute.
-
-    Parameters
-    ----------
-    first : str
-        Initial text.
-    """
+    """A transient progress line in terminals; elsewhere a line every half minute."""
 
     def __init__(self, first: str) -> None:
         self._bar = Progress(
@@ -47,52 +38,28 @@ class LiveLine:
         )
         self._shown = False
         self._next = time.monotonic() + LINE_EVERY
-        self._task: TaskID = self._bar.add_task(first, total=None, left="")
+        self._task = self._bar.add_task(first, total=None, left="")
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._shown:
             self._bar.stop()
 
     def show(self, parts: Sequence[str], done: int, total: int | None, left: str) -> None:
-        """Update the line; it appears on the first call.
-
-        Parameters
-        ----------
-        parts : sequence of str
-            Parts of the text.
-        done, total : int
-            Progress; a total of None is unknown.
-        left : str
-            Remaining time.
-        """
+        """Update the text, how much is done (of an unknown total if None) and the time left."""
         if not err.is_interactive:
-            self._log(parts, left)
+            now = time.monotonic()
+            if now >= self._next:
+                self._next = now + LINE_EVERY
+                note(" · ".join([*parts, left] if left else parts))
             return
         if not self._shown:
             self._bar.start()
             self._shown = True
-        self._bar.update(
-            self._task,
-            description=one_line(" · ".join(parts)),
-            completed=done,
-            total=total,
-            left=left,
-        )
-
-    def _log(self, parts: Sequence[str], left: str) -> None:
-        """Print a line now and then where there is no terminal."""
-        now = time.monotonic()
-        if now >= self._next:
-            self._next = now + LINE_EVERY
-            err.print(" · ".join([*parts, left] if left else parts), soft_wrap=True)
+        text = one_line(" · ".join(parts))
+        self._bar.update(self._task, description=text, completed=done, total=total, left=left)
 
 
 class SearchProgress(LiveLine):
@@ -103,12 +70,8 @@ class SearchProgress(LiveLine):
 
     def __call__(self, at: StudyProgress) -> None:
         """Update the line with the state of the search."""
-        parts = ["all designs failed so far"]
-        if at.best is not None:
-            objective = at.best.problem.objective
-            shown = f"{number(at.best.shown)} {objective.unit}".rstrip()
-            parts = [f"best {objective.quantity} {shown}"]
-        parts.append(f"{at.evaluations:,} designs")
+        best = "all designs failed so far" if at.best is None else f"best {at.best.result}"
+        parts = [best, f"{at.evaluations:,} designs"]
         if at.rate:
             parts.append(f"{at.rate:,.0f}/s")
         total = None if at.remaining is None else at.evaluations + at.remaining
@@ -116,14 +79,43 @@ class SearchProgress(LiveLine):
         self.show(parts, at.evaluations, total, left)
 
 
-def duration(seconds: float) -> str:
-    """Format a duration.
+class ComparisonBar(LiveLine):
+    """Shows completed searches, designs per second and the remaining time."""
 
-    Parameters
-    ----------
-    seconds : float
-        Duration [s].
-    """
+    def __init__(self) -> None:
+        super().__init__("first searches")
+        self._before: int | None = None
+
+    def __call__(self, at: ComparisonProgress) -> None:
+        """Update the line with the state of the comparison."""
+        if self._before is None:
+            self._before = at.done  # from an earlier run; excluded from the time estimate
+        parts = [f"{at.done} of {at.total} searches"]
+        if at.rate:
+            parts.append(f"{at.rate:,.0f} designs/s")
+        if at.last:
+            parts.append(at.last)
+        now = at.done - self._before
+        left = f"{duration(at.seconds / now * (at.total - at.done))} left" if now else ""
+        self.show(parts, at.done, at.total, left)
+
+
+class CalibrationBar(LiveLine):
+    """Shows the stage of a calibration, its evaluations and its misfit."""
+
+    def __init__(self) -> None:
+        super().__init__("reading")
+
+    def __call__(self, at: FitProgress) -> None:
+        """Update the line with the state of the calibration."""
+        parts = [at.stage, f"{at.evaluated + at.replayed:,} evaluations"]
+        if math.isfinite(at.misfit):
+            parts.append(f"misfit {number(at.misfit, 3)}")
+        self.show(parts, at.done, at.total, "")
+
+
+def duration(seconds: float) -> str:
+    """Format a duration."""
     if seconds < 10.0:
         return f"{seconds:.1f} s"
     if seconds < 120.0:

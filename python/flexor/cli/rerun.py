@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from pathlib import Path as FilePath
@@ -10,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexor.cli.console import err, out
-from flexor.cli.evaluation import executor_for
-from flexor.cli.options import Cluster, Threads
+from flexor.cli import options
+from flexor.cli.console import note, print_json, say
+from flexor.cli.folders import INTERRUPTED, executor_for
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.table import show
 
@@ -26,11 +25,9 @@ def rerun(
         FilePath | None,
         typer.Option("--out", help="Save the new study to this folder; by default discarded."),
     ] = None,
-    threads: Threads = 0,
-    cluster: Cluster = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON object instead of text.")
-    ] = False,
+    threads: options.Threads = 0,
+    cluster: options.Cluster = None,
+    as_json: options.Json = False,
 ) -> int:
     """Repeat a study from its folder and check that the results are bit-identical.
 
@@ -59,11 +56,11 @@ def rerun(
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             result = studies.rerun(study, into=folder, progress=progress, executor=executor)
     except KeyboardInterrupt:
-        err.print(f"interrupted; {study} is unchanged.", markup=False, soft_wrap=True)
-        return 130
+        note(f"interrupted; {study} is unchanged.")
+        return INTERRUPTED
     seconds = time.monotonic() - began
     if as_json:
-        print(json.dumps(_as_json(result, seconds), allow_nan=False))
+        print_json(_as_json(result, seconds))
     else:
         _print_summary(result, seconds)
     return 0 if result.same else 1
@@ -72,15 +69,15 @@ def rerun(
 def _print_summary(result: Rerun, seconds: float) -> None:
     count = f"{result.evaluations:,} designs"
     if result.difference is None:
-        _print(f"Bit-identical: {count} re-evaluated in {duration(seconds)}.")
+        say(f"Bit-identical: {count} re-evaluated in {duration(seconds)}.")
     else:
-        _print(_first_difference(result.difference))
-        _print(f"{_deviation(result)} ({count} recorded, repeated in {duration(seconds)}).")
+        say(_first_difference(result.difference))
+        say(f"{_deviation(result)} ({count} recorded, repeated in {duration(seconds)}).")
     if result.changed:
         rows = [(each.what, each.then or "not recorded", each.now) for each in result.changed]
         show(("changed", "then", "now"), rows, left=3)
     elif not result.same:
-        _print("Versions and system are unchanged: the processor or the study's files differ.")
+        say("Versions and system are unchanged: the processor or the study's files differ.")
 
 
 def _first_difference(difference: Difference) -> str:
@@ -106,21 +103,15 @@ def _truncated(text: str) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-def _print(sentence: str) -> None:
-    out.print(sentence, markup=False, soft_wrap=True)
-
-
 def _as_json(result: Rerun, seconds: float) -> dict[str, Any]:
     """Return the result, the first difference, and the changed versions."""
-    from dataclasses import asdict
-
     return {
         "same": result.same,
         "evaluations": result.evaluations,
-        "difference": None if result.difference is None else asdict(result.difference),
+        "difference": result.difference,
         "common": result.common,
-        "deviation": result.deviation if math.isfinite(result.deviation) else None,
-        "changed": [asdict(each) for each in result.changed],
+        "deviation": result.deviation,
+        "changed": result.changed,
         "seconds": seconds,
-        "folder": None if result.study.folder is None else str(result.study.folder),
+        "folder": result.study.folder,
     }

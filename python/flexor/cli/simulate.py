@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from math import degrees
-from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexor.cli.changes import load_changed
-from flexor.cli.console import err, say
-from flexor.cli.options import Constants, Model, Set
+from flexor.cli import options
+from flexor.cli.console import note, print_json, say
 from flexor.cli.table import fixed, number, show
-from flexor.cli.values import loads, start_state
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
 
 
 def simulate(
-    model: Model,
+    model: options.Model,
     force: Annotated[
         list[str] | None,
         typer.Option(
@@ -45,15 +42,11 @@ def simulate(
             "points.",
         ),
     ] = "load",
-    constants: Constants = None,
-    changes: Set = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON object instead of the table.")
-    ] = False,
-    plot: Annotated[
-        FilePath | None,
-        typer.Option(help="Save a figure of every load step to this PNG, SVG or PDF file."),
-    ] = None,
+    constants: options.Constants = None,
+    changes: options.Set = None,
+    solver: options.Solver = None,
+    as_json: options.Json = False,
+    plot: options.Plot = None,
 ) -> int:
     """Compute the equilibria of a model along a load path.
 
@@ -64,6 +57,8 @@ def simulate(
 
     * `iteration-limit`: too many iterations, usually because of many successive snaps
     * `unstable`: an unstable equilibrium under loads without a potential
+    * `time-limit`: more time than `max_seconds` allows
+    * `cancelled`: the solve was interrupted
     * `unrestrained`: a force acts on a motion that nothing holds
     * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
     * `diverged`: the energy is not finite, or no acceptable step was found
@@ -84,36 +79,28 @@ def simulate(
 
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
-    if plot is not None:
-        from flexor.plot import writable
-
-        writable(plot)
-    loaded = load_changed(model, constants, changes or [])
-    path = loaded.equilibrium(
-        loads(force or []),
-        start=start_state(start or []),
+    path = load_changed(model, constants, changes).equilibrium(
+        one_or_assignments("--force", force, "chamber=0:5:1"),
+        start=one_or_assignments("--start", start, "ph_1=20 deg"),
         follow=follow,  # type: ignore[arg-type]  # checked there
+        **numbers("--solver", solver or []),  # type: ignore[arg-type]
     )
     if as_json:
-        print(json.dumps(path.to_dict(), allow_nan=False))
+        print_json(path.to_dict())
     else:
         report(path)
+        if force is None and len(path.model.inputs) > 1:
+            say(f"no load is given: --force {path.model.inputs[0]}=0:5:1 applies one")
     if plot is not None:
         from flexor import plot as figures
 
         figures.save(figures.path(path), plot)
-        err.print(f"figure: {plot}", markup=False, soft_wrap=True)
+        note(f"figure: {plot}")
     return 0 if bool(path.converged.all()) else 1
 
 
 def report(path: Path) -> None:
-    """Print a path as a table, and its events.
-
-    Parameters
-    ----------
-    path : Path
-        The path.
-    """
+    """Print a path as a table, and its events."""
     import numpy as np
 
     from flexor.model import explained
@@ -126,6 +113,9 @@ def report(path: Path) -> None:
     headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
     if len(angular) > 1:
         headings.append("sum / °")
+    slides = [name for name in path.model.joints if name not in angular]
+    travel = 1e3 * path.joint_angles[:, [path.model.joints.index(name) for name in slides]]
+    headings += [f"{name} / mm" for name in slides]
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
     has_contacts = bool(path.model.file.contacts)
@@ -137,12 +127,14 @@ def report(path: Path) -> None:
         cells += [fixed(angle) for angle in angles[step]]
         if len(angular) > 1:
             cells.append(fixed(angles[step].sum()))
+        cells += [fixed(length) for length in travel[step]]
         for rod in tips:
             tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
             cells.append(", ".join(fixed(x) for x in tip))
         if has_contacts:
             cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
-        cells += [_state(path, step), _count([e for e in path.events if e.step == step])]
+        events = [event.kind.replace("_", " ") for event in path.events if event.step == step]
+        cells += [_state(path, step), ", ".join(events)]
         rows.append(cells)
     show(headings, rows, left=0)
     failed = path.status[~path.converged]
@@ -159,10 +151,6 @@ def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
         return str(path.status[step]).replace("_", " ")
     return str(path.stability[step])
-
-
-def _count(events: list[Event]) -> str:
-    return ", ".join(event.kind.replace("_", " ") for event in events)
 
 
 def _describe_event(event: Event, path: Path) -> str:

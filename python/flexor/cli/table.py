@@ -11,22 +11,10 @@ from flexor.cli.console import out, plain
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> Table:
-    """Create a table.
+    """Create a table whose first columns are left-aligned.
 
-    Parameters
-    ----------
-    headings : sequence of str
-        Column headings; a unit after " / " goes onto its own line.
-    rows : iterable of sequences of str
-        The cells.
-    left : int
-        Number of left-aligned text columns. In a narrow terminal columns of text are wrapped,
-        columns of numbers are not.
-
-    Returns
-    -------
-    rich.table.Table
-        Ready to print.
+    A unit after " / " in a heading goes onto its own line. In a narrow terminal columns of text
+    are wrapped, columns of numbers are not.
     """
     result = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
     rows = [tuple(row) for row in rows]
@@ -35,6 +23,7 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int =
             plain(heading.replace(" / ", "\n")),
             justify="left" if column < left else "right",
             overflow="fold",
+            min_width=_longest_word([heading, *(row[column] for row in rows)]),
             no_wrap=column >= left and not any(_is_word(row[column]) for row in rows),
         )
     for row in rows:
@@ -54,6 +43,10 @@ def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 
     out.print(result, crop=False)
 
 
+def _longest_word(texts: Sequence[str]) -> int:
+    return min(20, max((len(word) for text in texts for word in text.split()), default=0))
+
+
 def _is_word(cell: str) -> bool:
     try:
         float(cell.replace(",", ""))
@@ -63,28 +56,12 @@ def _is_word(cell: str) -> bool:
 
 
 def fixed(value: float, decimals: int = 2) -> str:
-    """Format a number with fixed decimals, without -0.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    decimals : int
-        Number of decimals.
-    """
+    """Format a number with fixed decimals, without -0."""
     text = f"{value:.{decimals}f}"
     return text.removeprefix("-") if float(text) == 0.0 else text
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Format a number to a number of significant digits, without trailing zeros or -0.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        Significant digits.
-    """
+    """Format a number to significant digits, without trailing zeros or -0."""
     text = f"{value:.{digits}g}"
     return "0" if float(text) == 0.0 else text

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from flexor.errors import InputError
+
+if TYPE_CHECKING:
+    from flexor.model import Model
 
 
 def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
-    """Parse `key=value` pairs.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    pairs : list of str
-        The pairs, such as `["exosuit.length=8 cm"]`.
-    example : str
-        A valid pair, for messages.
-
-    Returns
-    -------
-    dict
-        Values as text by key.
-
-    Raises
-    ------
-    InputError
-        If a pair has no key or no value, or a key is repeated.
-    """
+    """Parse `key=value` pairs; the option and a valid pair are for messages."""
     result: dict[str, str] = {}
     for pair in pairs:
         key, equals, value = (part.strip() for part in pair.partition("="))
@@ -38,76 +23,19 @@ def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
     return result
 
 
-def loads(texts: list[str]) -> str | dict[str, str] | None:
-    """Parse the values of `--force`.
-
-    Parameters
-    ----------
-    texts : list of str
-        Empty, one list of forces such as `["0:5:1"]`, or `["left=0:5:1", "right=2"]`.
-
-    Returns
-    -------
-    str, dict or None
-        Argument of `Model.equilibrium`.
-
-    Raises
-    ------
-    InputError
-        If there are several values and one does not name its input, or an input is repeated.
-    """
+def one_or_assignments(
+    option: str, texts: list[str] | None, example: str
+) -> str | dict[str, str] | None:
+    """Parse an option that is one text, such as `0:5:1`, or several `key=value` pairs."""
     if not texts:
         return None
     if len(texts) == 1 and "=" not in texts[0]:
         return texts[0]
-    return dict(assignments("--force", texts, "chamber=0:5:1"))
-
-
-def start_state(texts: list[str]) -> str | dict[str, str] | None:
-    """Read what was given to `--start` of a simulation.
-
-    Parameters
-    ----------
-    texts : list of str
-        Nothing, the name of one file, or coordinates such as `["ph_1=20 deg"]`.
-
-    Returns
-    -------
-    str, dict or None
-        As `Model.equilibrium` takes it.
-
-    Raises
-    ------
-    InputError
-        If there are several and one is no coordinate, or a coordinate comes twice.
-    """
-    if not texts:
-        return None
-    if len(texts) == 1 and "=" not in texts[0]:
-        return texts[0]
-    return dict(assignments("--start", texts, "ph_1=20 deg"))
+    return dict(assignments(option, texts, example))
 
 
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
-    """Parse `key=number` pairs.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    pairs : list of str
-        The pairs, such as `["starts=8"]`.
-
-    Returns
-    -------
-    dict
-        Integers and floats by key.
-
-    Raises
-    ------
-    InputError
-        If a value is not a number, or a key is repeated.
-    """
+    """Parse `key=number` pairs into integers and floats."""
     result: dict[str, int | float] = {}
     for key, text in assignments(option, pairs, "starts=8").items():
         try:
@@ -115,3 +43,10 @@ def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
         except ValueError:
             raise InputError(f'{option} has {key} = "{text}": expected a number.') from None
     return result
+
+
+def load_changed(model: str, constants: str | None, changes: list[str] | None) -> Model:
+    """Load a model with a set of constants and overrides such as `exosuit.length=8 cm`."""
+    from flexor.model import load
+
+    return load(model, constants, assignments("--set", changes or [], "exosuit.length=8 cm"))

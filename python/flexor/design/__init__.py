@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from flexor.design.catalogue import names, parameter_set, register
 from flexor.design.custom import custom
-from flexor.design.geometry import Geometry, GeometryJacobian
-from flexor.design.legendre import Legendre
-from flexor.design.linear import Linear
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped, Profile
-from flexor.design.sine_cosine import SineCosine
-from flexor.design.space import DesignSpace, Space
+from flexor.design.published import Legendre, Linear, SineCosine
 from flexor.design.union import union
+from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 
 __all__ = [
     "Clamped",
@@ -23,7 +20,6 @@ __all__ = [
     "ParameterSet",
     "Profile",
     "SineCosine",
-    "Space",
     "custom",
     "names",
     "parameter_set",

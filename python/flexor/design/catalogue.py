@@ -6,19 +6,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flexor.design.legendre import CENTIMETRE, Legendre
-from flexor.design.linear import Linear
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped
-from flexor.design.sine_cosine import SineCosine
-from flexor.design.space import PAPER, Space
+from flexor.design.published import CENTIMETRE, Legendre, Linear, SineCosine
 from flexor.design.union import union
 from flexor.errors import InputError, unknown_name
+from flexor.model.geometry import PAPER, DesignSpace
 
-Factory = Callable[[Space], ParameterSet]
+Factory = Callable[[DesignSpace], ParameterSet]
 
 
-def length_set(space: Space = PAPER) -> ParameterSet:
+def length_set(space: DesignSpace = PAPER) -> ParameterSet:
     """Return set L: the length [m], starting at the rod's own."""
     low, high = space.length_bounds
     return ParameterSet(
@@ -33,7 +31,7 @@ def length_set(space: Space = PAPER) -> ParameterSet:
     )
 
 
-def linear_set(space: Space = PAPER) -> ParameterSet:
+def linear_set(space: DesignSpace = PAPER) -> ParameterSet:
     """Return set R01: base and tip radius [m] (10), starting at the rod's own."""
     low, high = space.radius_bounds
     return ParameterSet(
@@ -48,7 +46,7 @@ def linear_set(space: Space = PAPER) -> ParameterSet:
     )
 
 
-def sine_cosine_set(space: Space = PAPER) -> ParameterSet:
+def sine_cosine_set(space: DesignSpace = PAPER) -> ParameterSet:
     """Return set Rsc: frequencies A, B and phases phi_A, phi_B [rad] (11).
 
     The paper states neither bounds nor a start. Here the frequencies range from -4 to 4 (two full
@@ -68,7 +66,7 @@ def sine_cosine_set(space: Space = PAPER) -> ParameterSet:
     )
 
 
-def legendre_set(space: Space = PAPER) -> ParameterSet:
+def legendre_set(space: DesignSpace = PAPER) -> ParameterSet:
     """Return set RLP: ten Legendre coefficients a_0 ... a_9 (12).
 
     The paper states no bounds; five coefficients of its optimum are exactly 1. Here a_0 ranges
@@ -129,7 +127,7 @@ def register(name: str, factory: Factory) -> None:
 
 
 def parameter_set(
-    text: str | ParameterSet | Sequence[str | ParameterSet], space: Space = PAPER
+    text: str | ParameterSet | Sequence[str | ParameterSet], space: DesignSpace = PAPER
 ) -> ParameterSet:
     """Look up a parameter set by name; a `ParameterSet` is returned unchanged.
 
@@ -138,7 +136,7 @@ def parameter_set(
     text : str, ParameterSet or sequence of these
         One name or several joined with ``+``, for example ``"L+R01"``; a list is joined. Case,
         underscores and commas are ignored (``"R_LP"``, ``"R0,1"``).
-    space : Space
+    space : DesignSpace
         The exosuit and the bounds of the search, usually ``model.design``.
 
     Returns
@@ -158,7 +156,7 @@ def parameter_set(
         sets = [parameter_set(each, space) for each in text]
         return sets[0] if len(sets) == 1 else union(*sets)
     if not isinstance(text, str):
-        raise InputError(f'parameter set is {text!r}: a name such as "L+R01" or a set is needed.')
+        raise InputError(f'parameter set is {text!r}: expected a name such as "L+R01" or a set.')
     factories = {_normalized(name): factory for name, factory in _FACTORIES.items()}
     parts = []
     for word in text.split("+"):

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.design.geometry import FloatArray
+from flexor.arrays import Array
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped, Profile
-from flexor.design.space import PAPER, Space
 from flexor.errors import InputError
+from flexor.model.geometry import PAPER, DesignSpace
 
 # Step of the fourth-order central differences as a fraction of a variable's range. For a smooth
 # surface the truncation and the rounding error are then both about 1e-12.
@@ -20,8 +20,8 @@ STEP = 1e-3
 _OFFSETS = np.array([-2.0, -1.0, 1.0, 2.0])
 _WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 
-ProfileResult = FloatArray | tuple[FloatArray, FloatArray]
-ProfileFunction = Callable[[FloatArray, FloatArray], ProfileResult]
+ProfileResult = Array | tuple[Array, Array]
+ProfileFunction = Callable[[Array, Array], ProfileResult]
 
 
 @dataclass(frozen=True)
@@ -30,26 +30,17 @@ class FunctionProfile:
 
     Derivatives that are not given are computed by fourth-order central differences with step
     ``STEP`` (of X, and of each parameter's range). X stays within [0, 1].
-
-    Attributes
-    ----------
-    function : callable
-        ``function(p (k,), X (m,))`` -> S (m,) [m], or the pair S, dS/dX.
-    derivative : callable or None
-        ``derivative(p, X)`` -> dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp.
-    span : (k,) array
-        Range of each parameter, which scales its differences.
     """
 
-    function: ProfileFunction
-    derivative: ProfileFunction | None
-    span: FloatArray
+    function: ProfileFunction  # p (k,), X (m,) -> S (m,) [m], or the pair S, dS/dX
+    derivative: ProfileFunction | None  # p, X -> dS/dp (m, k), or the pair dS/dp, d(dS/dX)/dp
+    span: Array  # (k,): range of each parameter, which scales its differences
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         return self._batch(lambda design: self._with_slope(self.function, design, X, (X.size,)), p)
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, k)."""
         derivative = self.derivative
         if derivative is not None:
@@ -58,14 +49,14 @@ class FunctionProfile:
         return self._batch(lambda design: self._differences(design, X), p)
 
     def _batch(
-        self, evaluate: Callable[[FloatArray], tuple[FloatArray, FloatArray]], p: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+        self, evaluate: Callable[[Array], tuple[Array, Array]], p: Array
+    ) -> tuple[Array, Array]:
         pairs = [evaluate(design) for design in p]
         return np.stack([pair[0] for pair in pairs]), np.stack([pair[1] for pair in pairs])
 
     def _with_slope(
-        self, function: ProfileFunction, design: FloatArray, X: FloatArray, shape: tuple[int, ...]
-    ) -> tuple[FloatArray, FloatArray]:
+        self, function: ProfileFunction, design: Array, X: Array, shape: tuple[int, ...]
+    ) -> tuple[Array, Array]:
         """Evaluate a function; if it returns no slope, compute it by differences in X."""
         result = function(design, X)
         if isinstance(result, tuple):
@@ -86,7 +77,7 @@ class FunctionProfile:
             slope += weight * values[:, node]
         return radius, slope
 
-    def _differences(self, design: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _differences(self, design: Array, X: Array) -> tuple[Array, Array]:
         radius = np.zeros((X.size, design.size))
         slope = np.zeros_like(radius)
         for i, span in enumerate(self.span):
@@ -99,7 +90,7 @@ class FunctionProfile:
         return radius, slope
 
 
-def _slope_weights(t: FloatArray) -> FloatArray:
+def _slope_weights(t: Array) -> Array:
     """Return the weights (m, 5) for the derivative at t of the quartic on the nodes -2 ... 2."""
     nodes = np.arange(-2.0, 3.0)
     weights = np.zeros((t.size, nodes.size))
@@ -110,7 +101,7 @@ def _slope_weights(t: FloatArray) -> FloatArray:
     return weights
 
 
-def _checked(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+def _checked(values: Array, shape: tuple[int, ...]) -> Array:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != shape:
         raise InputError(
@@ -131,7 +122,7 @@ def custom(
     *,
     units: Sequence[str] | None = None,
     minimum_radius: float | None = None,
-    rod: Space = PAPER,
+    rod: DesignSpace = PAPER,
 ) -> ParameterSet:
     """Create a parameter set from a function that describes the surface of the exosuit.
 
@@ -153,7 +144,7 @@ def custom(
         Display units: "1", "m", "cm", "mm", "rad" or "deg". Default "1".
     minimum_radius : float, optional
         Lower limit of the surface radius [m]; the rod's minimum radius by default.
-    rod : Space
+    rod : DesignSpace
         The exosuit whose length is used; `flexor.optimize` substitutes that of its model.
 
     Returns

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.design.geometry import FloatArray, Geometry, GeometryJacobian
+from flexor.arrays import Array
 from flexor.design.profile import Fixed, Profile
-from flexor.design.space import PAPER, Space
 from flexor.errors import InputError, unknown
+from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian
 
 # Display units of design parameters, in SI.
 UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi / 180.0}
@@ -37,29 +37,22 @@ class ParameterSet:
         Index of the length L; None if the set does not change the length.
     profile : Profile or None
         Surface S(X; p); None if the set does not change the surface.
-    rod : Space
+    rod : DesignSpace
         The exosuit that supplies the length or the surface if the set does not change it.
     """
 
     name: str
     labels: tuple[str, ...]
     units: tuple[str, ...]
-    lower: FloatArray
-    upper: FloatArray
-    start: FloatArray
+    lower: Array
+    upper: Array
+    start: Array
     length_column: int | None = None
     profile: Profile | None = None
-    rod: Space = PAPER
+    rod: DesignSpace = PAPER
 
     def __post_init__(self) -> None:
-        """Check consistency.
-
-        Raises
-        ------
-        InputError
-            If labels, units, bounds and start differ in number, labels repeat, or bounds are not
-            in order.
-        """
+        """Raise InputError if numbers differ, labels repeat, or bounds are not in order."""
         count = len(self.labels)
         for field in ("lower", "upper", "start"):
             values = np.array(getattr(self, field), dtype=np.float64)
@@ -94,7 +87,7 @@ class ParameterSet:
         return len(self.labels)
 
     @property
-    def scale(self) -> FloatArray:
+    def scale(self) -> Array:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
 
@@ -146,7 +139,7 @@ class ParameterSet:
         radius, slope = self._surface.jacobian(p, X)
         return GeometryJacobian(length, radius, slope)
 
-    def on(self, rod: Space) -> ParameterSet:
+    def on(self, rod: DesignSpace) -> ParameterSet:
         """Return the same set for another exosuit."""
         return replace(self, rod=rod)
 
@@ -200,8 +193,8 @@ class ParameterSet:
     def _surface(self) -> Profile:
         return self.profile or Fixed(self.rod.radius_base, self.rod.radius_tip)
 
-    def _designs(self, p: ArrayLike) -> FloatArray:
-        designs: FloatArray = np.atleast_2d(np.asarray(p, dtype=np.float64))
+    def _designs(self, p: ArrayLike) -> Array:
+        designs: Array = np.atleast_2d(np.asarray(p, dtype=np.float64))
         if designs.ndim != 2 or designs.shape[1] != self.size:
             raise InputError(
                 f"parameter set {self.name} has {self.size} parameters "

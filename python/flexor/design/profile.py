@@ -7,17 +7,17 @@ from typing import Protocol
 
 import numpy as np
 
-from flexor.design.geometry import FloatArray
+from flexor.arrays import Array
 
 
 class Profile(Protocol):
     """A surface S(X; p) with X in [0, 1] (equations 10-12 of the paper are three of them)."""
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m), of n designs ``p`` (n, k) at points ``X`` (m,)."""
         ...
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, k)."""
         ...
 
@@ -33,13 +33,13 @@ class Clamped:
     profile: Profile
     minimum: float
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         radius, slope = self.profile.value(p, X)
         clamped = radius <= self.minimum
         return np.where(clamped, self.minimum, radius), np.where(clamped, 0.0, slope)
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, k); zero where the radius is clamped."""
         clamped = (self.profile.value(p, X)[0] <= self.minimum)[:, :, None]
         radius, slope = self.profile.jacobian(p, X)
@@ -53,7 +53,7 @@ class Fixed:
     radius_base: float
     radius_tip: float
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         taper = self.radius_tip - self.radius_base
         shape = (p.shape[0], X.size)
@@ -62,7 +62,7 @@ class Fixed:
             np.full(shape, taper),
         )
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return zeros, each (n, m, k)."""
         zero = np.zeros((p.shape[0], X.size, p.shape[1]))
         return zero, zero.copy()
@@ -76,11 +76,11 @@ class Columns:
     first: int
     last: int
 
-    def value(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return S and dS/dX [m], each (n, m)."""
         return self.profile.value(p[:, self.first : self.last], X)
 
-    def jacobian(self, p: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def jacobian(self, p: Array, X: Array) -> tuple[Array, Array]:
         """Return dS/dp and d(dS/dX)/dp, each (n, m, k); zero in all other columns."""
         narrow = self.profile.jacobian(p[:, self.first : self.last], X)
         wide = []

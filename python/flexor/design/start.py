@@ -21,28 +21,11 @@ _COMPATIBLE = ({"m", "cm", "mm"}, {"rad", "deg"}, {"1"})
 def starts(
     texts: Sequence[str], chosen: ParameterSet, option: str = "--start"
 ) -> list[list[float]] | str | None:
-    """Parse starting designs.
+    """Parse starting designs: designs in SI units, `"random"`, or None if no start is given.
 
-    Parameters
-    ----------
-    texts : list of str
-        Each is `random`, values in the order of the parameters such as `10 cm, 0.7 cm`, or
-        `label=value` pairs such as `R_0=0.7 cm`, with the other parameters at the set's default.
-        Numbers without a unit are in the set's display units.
-    chosen : ParameterSet
-        The parameter set.
-    option : str
-        How the argument is called, for messages.
-
-    Returns
-    -------
-    list of lists of float, str or None
-        Designs in SI units; `"random"`; or None if no start is given.
-
-    Raises
-    ------
-    InputError
-        If a design is invalid.
+    Each text is `random`, values in the order of the parameters such as `10 cm, 0.7 cm`, or
+    `label=value` pairs such as `R_0=0.7 cm`, with the other parameters at the set's default.
+    Numbers without a unit are in the set's display units. Messages begin with ``option``.
     """
     if not texts:
         return None
@@ -54,13 +37,7 @@ def starts(
 def bounds_in_si(
     bounds: Mapping[str, Sequence[object]], chosen: ParameterSet
 ) -> dict[str, tuple[float, float]]:
-    """Convert bounds by label, numbers in SI units or texts such as ``"6 cm"``.
-
-    Raises
-    ------
-    InputError
-        If a label is unknown, or bounds are not two finite numbers or texts.
-    """
+    """Convert bounds by label, numbers in SI units or texts such as ``"6 cm"``."""
     converted = {}
     for label, pair in bounds.items():
         if label not in chosen.labels:

@@ -7,15 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.materials import laws
 from flexor.materials.material import Constant, Material
 from flexor.materials.tensile import TensileTest
-
-Array = NDArray[np.float64]
 
 POINTS = 60  # of the mean curve
 BLOCKS = 5  # of the cross-validation

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError, shortened
-
-Array = NDArray[np.float64]
 
 _MAX_BYTES = 10_000_000
 _STRESS_UNITS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "n/mm^2": 1e6, "n/mm2": 1e6}

@@ -6,17 +6,15 @@ those of many designs as `Paths`. What a file may say is in `flexor.model.schema
 
 from __future__ import annotations
 
-from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor.model.contact_forces import ContactForces
 from flexor.model.events import Event
-from flexor.model.geometry import DesignSpace
+from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loading import load
 from flexor.model.loads import forces
 from flexor.model.model import Model
-from flexor.model.presets import presets
-from flexor.model.reading import parse, read
+from flexor.model.reading import parse, presets, read
 from flexor.model.results import Path, Paths, State
 from flexor.model.schema import ModelFile
-from flexor.model.state import ContactForces
 from flexor.model.status import MEANINGS, explained
 
 __all__ = [

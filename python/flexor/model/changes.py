@@ -21,25 +21,10 @@ _NAMED = tuple(ModelFile.named_tables())
 
 
 def changed(document: Document, path: str, value: object, source: str) -> dict[str, Any]:
-    """Return a document with one field changed.
+    """Return a document with one field changed, in all sets of constants that define it.
 
-    Parameters
-    ----------
-    document
-        A parsed model file.
-    path
-        Dotted path such as ``"bodies.exosuit.length"``, or relative to a named entry, such as
-        ``"exosuit.length"``.
-    value
-        The value, or its text in a model file (``"8 cm"``, ``"0.3"``). If sets of constants define
-        the field, it is changed in all of them.
-    source
-        The file's name, for messages.
-
-    Raises
-    ------
-    InputError
-        If the path does not refer to the file's contents.
+    The path is dotted, such as ``"bodies.exosuit.length"``, or begins with a named entry, such as
+    ``"exosuit.length"``; a value may be its text in a model file (``"8 cm"``, ``"0.3"``).
     """
     keys = path.split(".")
     if len(keys) > MAX_DEPTH:

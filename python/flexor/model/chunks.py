@@ -10,12 +10,6 @@ SIZE = 256
 
 
 def chunks(count: int) -> Iterator[slice]:
-    """Split ``count`` designs into slices of at most `SIZE`; none give one empty slice.
-
-    Parameters
-    ----------
-    count
-        Number of designs.
-    """
+    """Split ``count`` designs into slices of at most `SIZE`; none give one empty slice."""
     for first in range(0, max(count, 1), SIZE):
         yield slice(first, min(first + SIZE, count))

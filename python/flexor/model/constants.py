@@ -17,20 +17,7 @@ MAX_SETS = 50  # each is checked with the whole model
 
 
 def names(document: Document, source: str) -> tuple[str, ...]:
-    """Validate the sets of a document and return their names.
-
-    Parameters
-    ----------
-    document
-        The parsed TOML file.
-    source
-        The file's name, for messages.
-
-    Raises
-    ------
-    InputError
-        If a set refers to a table that does not exist, or the sets define different fields.
-    """
+    """Validate the sets of a document and return their names."""
     sets = document.get("constants", {})
     if not isinstance(sets, Mapping):
         raise InputError(f"{source}: constants is {describe(sets)}: expected a table of sets.")
@@ -54,22 +41,7 @@ def names(document: Document, source: str) -> tuple[str, ...]:
 
 
 def choose(document: Document, requested: str | None, source: str) -> str | None:
-    """Return the name of the active set: the requested one, or else that selected by the file.
-
-    Parameters
-    ----------
-    document
-        The parsed TOML file.
-    requested
-        A set that overrides the file's choice.
-    source
-        The file's name, for messages.
-
-    Raises
-    ------
-    InputError
-        If the set does not exist, or the file has sets and none is selected.
-    """
+    """Return the name of the active set: the requested one, or else that selected by the file."""
     allowed = names(document, source)
     chosen = requested if requested is not None else document.get("use")
     if chosen is None:
@@ -83,15 +55,7 @@ def choose(document: Document, requested: str | None, source: str) -> str | None
 
 
 def applied(document: Document, chosen: str | None) -> dict[str, Any]:
-    """Return the document with the values of a set applied.
-
-    Parameters
-    ----------
-    document
-        The parsed TOML file.
-    chosen
-        Name of a set, or None if the file has none.
-    """
+    """Return the document with the values of a set applied."""
     if chosen is None:
         return dict(document)
     values: Document = document["constants"][chosen]
@@ -99,15 +63,7 @@ def applied(document: Document, chosen: str | None) -> dict[str, Any]:
 
 
 def leaves(values: Document, prefix: str = "") -> Iterator[str]:
-    """Yield the dotted paths of the fields that a set defines.
-
-    Parameters
-    ----------
-    values
-        The set, or a table within it.
-    prefix
-        Dotted path of that table, with a trailing dot.
-    """
+    """Yield the dotted paths of the fields that a set defines."""
     for key, value in values.items():
         if isinstance(value, Mapping) and value:
             yield from leaves(value, f"{prefix}{key}.")

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import EVENTS
+from flexor.arrays import Array
 
 if TYPE_CHECKING:
     from flexor._engine import Events
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,43 +43,31 @@ class Event:
 def event_table(
     found: Events, count: int, lead: int, joints: NDArray[np.intp]
 ) -> NDArray[np.object_]:
-    """Split the engine's events by design, and keep of their states the joints.
+    """Split the engine's events by design: (count,) structured arrays with the fields of `Event`.
 
-    Parameters
-    ----------
-    found
-        Events of all designs.
-    count
-        Number of designs.
-    lead
-        Number of steps before the first of the path.
-    joints : (joints,) array
-        Which coordinates belong to joints.
-
-    Returns
-    -------
-    (count,) array of structured arrays
-        With the fields of `Event`, kinds as codes of `flexor._engine.EVENTS`.
+    Kinds are codes of `EVENTS`, states those of the ``joints``; ``lead`` steps precede the path.
     """
-    width = (len(joints),)
-    table = np.empty(
-        len(found["design"]),
-        dtype=[
-            ("kind", np.uint8),
-            ("step", np.int64),
-            ("force", np.float64),
-            ("before", np.float64, width),
-            ("after", np.float64, width),
-        ],
-    )
+    table = np.empty(len(found["design"]), dtype=_fields(len(joints)))
     table["kind"] = found["kind"]
     table["step"] = np.maximum(found["step"].astype(np.int64), lead) - lead
     table["force"] = found["load"][:, 0] if found["load"].shape[1] else 0.0
     table["before"], table["after"] = found["before"][:, joints], found["after"][:, joints]
-    by_design = np.fromiter(repeat(table[:0], count), dtype=object, count=count)
+    by_design = no_events(count, len(joints))
     for design in np.unique(found["design"]).tolist():
         by_design[design] = table[found["design"] == design]
     return by_design
+
+
+def no_events(count: int, joints: int) -> NDArray[np.object_]:
+    """Return an empty table for each of ``count`` designs."""
+    empty = np.empty(0, dtype=_fields(joints))
+    return np.fromiter(repeat(empty, count), dtype=object, count=count)
+
+
+def _fields(joints: int) -> np.dtype[Any]:
+    fields: list[Any] = [("kind", np.uint8), ("step", np.int64), ("force", np.float64)]
+    states: list[Any] = [("before", np.float64, (joints,)), ("after", np.float64, (joints,))]
+    return np.dtype(fields + states)
 
 
 def events(table: NDArray[Any]) -> tuple[Event, ...]:
@@ -92,15 +79,7 @@ def events(table: NDArray[Any]) -> tuple[Event, ...]:
 
 
 def take_steps(table: NDArray[Any], places: NDArray[np.intp]) -> NDArray[Any]:
-    """Keep the events of some steps.
-
-    Parameters
-    ----------
-    table
-        Events of one design, or an array of these.
-    places : (steps,) array
-        Where each step goes; -1 for nowhere.
-    """
+    """Keep the events of some steps; ``places`` has the new index of each step, -1 for none."""
     if table.dtype == object:
         return each_design(lambda each: take_steps(each, places), table)
     kept: NDArray[Any] = table[places[table["step"]] >= 0]

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, get_args
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexor._engine import REGULARITY, STABILITY, STATUS
-from flexor.design.geometry import Geometry
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
-from flexor.model.events import event_table
+from flexor.model.events import event_table, no_events
+from flexor.model.geometry import Geometry
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
 from flexor.model.structure import Structure
 
-if TYPE_CHECKING:
-    from flexor._engine import Events
-
-Array = NDArray[np.float64]
 _EngineArray = Literal[
     "q", "stable", "iterations", "residual", "tolerance", "energy", "pairs", "touching", "tip_force"
 ]
@@ -41,52 +40,24 @@ def follow(
     gradient: bool = False,
     start: Start | None = None,
 ) -> Paths:
-    """Follow designs from one state through the same loads.
+    """Follow n designs, or the model as it is, from one state through loads (steps, inputs) [N].
 
-    Parameters
-    ----------
-    model
-        The model.
-    geometry
-        Geometry of n designs; None for the model as it is, one path.
-    loads : (steps, inputs) array
-        Loads [N]. A path begins under the start's load, without load unless it has one, even if
-        its first load is another.
-    threads
-        How many; 0 for one per core. Results do not depend on it.
-    options
-        Settings of the engine's solver.
-    gradient
-        Whether to differentiate the last step with respect to the geometry.
-    start
-        Where the paths begin; the reference state unless given.
-
-    Raises
-    ------
-    InputError
-        If an option is not known or cannot be used.
+    A path begins under the start's load, zero unless it has one, even if its first load is another.
+    With ``gradient`` the last step is differentiated with respect to the geometry.
     """
-    settings: dict[str, Any] = {**solver_options(options)}
-    threads = useful_threads(threads)
-    steps = _from_start(loads, start)
-    lead = len(steps) - len(loads)
-    if start is not None:
-        settings["start"] = start.q
+    settings, steps = _from_start(loads, start, options)
+    threads, lead = useful_threads(threads), len(steps) - len(loads)
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
     whole: dict[str, Any] = {}
-    # Ask for what the results need before the engine does, which would abort the process.
-    for size in (count, min(count, SIZE)):
-        np.empty((size, len(steps), model.engine.dof + 8))
+    _ask_for_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = model.geometry_slots(geometry[chunk])
         if gradient:
             settings["gradient"] = indices.astype(np.int64)
-        try:
+        with _input_errors():
             found = model.engine.path(indices, values, steps, threads, **settings)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{str(error).rstrip('.')}.") from None
         arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _ARRAYS}
         codes, events = found["status"][:, lead:], found["events"]
         arrays["status"], arrays["converged"] = _STATUS[codes], codes == _CONVERGED
@@ -101,22 +72,29 @@ def follow(
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    if geometry is not None:
-        whole |= {name: getattr(geometry, name) for name in ("length", "radius", "slope")}
     angles = whole["q"][:, :, model.joint_columns]
-    return Paths(model=model, loads=loads, joint_angles=angles, **whole)
+    return Paths(model=model, loads=loads, joint_angles=angles, **whole, **_arrays(geometry))
+
+
+def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
+    """Raise MemoryError if the results do not fit, where the engine would abort the process."""
+    workers = min(count, threads or os.cpu_count() or 1)
+    chunk = min(count, SIZE)
+    # The results of all, those of a chunk from the engine and in Python, and the tangents.
+    shapes = [(each, steps, dof + 8) for each in (count, chunk, chunk)] + [(3, workers, dof * dof)]
+    _ = [np.empty(shape) for shape in shapes]
 
 
 def _free(
     found: NDArray[np.uint64], shape: tuple[int, ...], lead: int, model: Structure
 ) -> NDArray[np.object_]:
     """Name, for each design and step, the coordinates of motions that nothing holds."""
-    names = np.full(shape, None, dtype=object)
+    names = np.empty(shape, dtype=object)
     names.fill(())
-    names_of = model.engine.coordinates
+    coordinates = model.engine.coordinates
     for design, step, coordinate in found.tolist():
         if step >= lead:
-            names[design, step - lead] += (names_of[coordinate],)
+            names[design, step - lead] += (coordinates[coordinate],)
     return names
 
 
@@ -129,42 +107,18 @@ def follow_branch(
 ) -> Paths:
     """Follow the branch of one design by arc length, through its limit points.
 
-    Parameters
-    ----------
-    model, geometry, loads, options, start
-        As for `follow`, of one design.
-
-    Returns
-    -------
-    Paths
-        One path, whose steps are the points of the branch with the loads found there.
+    The steps of the path are the points of the branch, with the loads found there.
     """
-    settings: dict[str, Any] = {**solver_options(options)}
+    settings, steps = _from_start(loads, start, options)
     parameters = model.parameters.copy()
-    shape = {}
     if geometry is not None:
         indices, values = model.geometry_slots(geometry)
         parameters[indices] = values[0]
-        shape = {name: getattr(geometry, name) for name in ("length", "radius", "slope")}
-    if start is not None:
-        settings["start"] = start.q
-    steps = _from_start(loads, start)
-    try:
+    with _input_errors():
         found: dict[str, Any] = dict(model.engine.branch(parameters, steps, **settings))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{str(error).rstrip('.')}.") from None
     codes, found_loads = found.pop("status"), found.pop("loads")
     stability = _STABILITY[found.pop("stability")]
     arrays = {name: array[None] for name, array in found.items()}
-    none = np.zeros(0, dtype=np.uint32)
-    events: Events = {
-        "design": none,
-        "step": none,
-        "kind": none.astype(np.uint8),
-        "load": np.zeros((0, loads.shape[1])),
-        "before": np.zeros((0, len(model.engine.coordinates))),
-        "after": np.zeros((0, len(model.engine.coordinates))),
-    }
     return Paths(
         model=model,
         loads=found_loads,
@@ -173,15 +127,35 @@ def follow_branch(
         stable=(stability == "stable")[None],
         stability=stability[None],
         joint_angles=arrays["q"][:, :, model.joint_columns],
-        event_table=event_table(events, 1, 0, model.joint_columns),
+        event_table=no_events(1, len(model.joints)),
         event_count=np.zeros(1, dtype=np.int64),
         total_iterations=arrays["iterations"].sum(axis=1, dtype=np.int64),
         **arrays,
-        **shape,
+        **_arrays(geometry),
     )
 
 
-def _from_start(loads: Array, start: Start | None) -> Array:
-    """Put the start's load, zero unless it has one, before other loads."""
+def _from_start(
+    loads: Array, start: Start | None, options: Mapping[str, float]
+) -> tuple[dict[str, Any], Array]:
+    """Return the engine's settings, and the loads from that of the start on."""
+    settings: dict[str, Any] = {**solver_options(options)}
+    if start is not None:
+        settings["start"] = start.q
     first = np.zeros(loads.shape[1]) if start is None or start.load is None else start.load
-    return loads if np.array_equal(first, loads[0]) else np.concatenate([first[None], loads])
+    if not np.array_equal(first, loads[0]):
+        loads = np.concatenate([first[None], loads])
+    return settings, loads
+
+
+def _arrays(geometry: Geometry | None) -> dict[str, Any]:
+    return {} if geometry is None else dict(vars(geometry))
+
+
+@contextmanager
+def _input_errors() -> Iterator[None]:
+    """Raise what the engine refuses as an `InputError`."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{str(error).rstrip('.')}.") from None

@@ -1,31 +1,73 @@
-"""The rod that may be designed, and how a designed geometry enters the engine's parameters."""
+"""Geometry of the designed rod, and the space in which it is designed."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor.arrays import Array
 from flexor.errors import InputError
-from flexor.model.schema import ModelFile, Rod
+from flexor.model.schema import ModelFile
 from flexor.model.schema.profile import surface
 from flexor.model.validation import describe
 
-Array = NDArray[np.float64]
-Slots = Mapping[str, tuple[int, int]]
+
+@dataclass(frozen=True)
+class Geometry:
+    """Length and surface S(X) of the exosuit for n designs at m points X in [0, 1].
+
+    Attributes
+    ----------
+    length : (n,) array
+        Length L [m].
+    radius : (n, m) array
+        Surface S(X) [m], the distance from the rod's axis.
+    slope : (n, m) array
+        dS/dX [m]; X is the fraction of the length, so the slope per metre is this over L.
+    """
+
+    length: Array
+    radius: Array
+    slope: Array
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    def __getitem__(self, which: slice) -> Geometry:
+        return Geometry(self.length[which], self.radius[which], self.slope[which])
+
+
+@dataclass(frozen=True)
+class GeometryJacobian:
+    """Exact derivative of a `Geometry` with respect to the k parameters of its set.
+
+    Attributes
+    ----------
+    length : (n, k) array
+        dL/dp.
+    radius : (n, m, k) array
+        dS/dp.
+    slope : (n, m, k) array
+        d(dS/dX)/dp.
+    """
+
+    length: Array
+    radius: Array
+    slope: Array
 
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """The rod of a model that is designed, as the file has it, and the bounds of the search.
+    """The rod that is designed, as the model has it, and the bounds of the search.
+
+    The defaults are the paper's: length and radii from Table I, the minimum radius of 0.5 cm from
+    section II-B and the radius bounds from Fig. 4. The paper states no bounds of the length; 6-14
+    cm includes the default (10), all published optima (7.97-10.8) and the length of the finger
+    (9.5).
 
     Attributes
     ----------
-    rod : str
-        Its name.
     length : float
         Length L [m].
     radius_base, radius_tip : float
@@ -33,28 +75,25 @@ class DesignSpace:
     length_bounds, radius_bounds : tuple of float
         Lower and upper bound of the search [m].
     minimum_radius : float
-        Below this no part of S may be [m].
+        Lower limit of S(X) [m].
+    rod : str
+        Name of the rod.
     points : (P,) array
-        Sample points X in [0, 1], at which geometries are to be given.
+        Sample points X in [0, 1] at which geometries are given.
     """
 
-    rod: str
-    length: float
-    radius_base: float
-    radius_tip: float
-    length_bounds: tuple[float, float]
-    radius_bounds: tuple[float, float]
-    minimum_radius: float
-    points: Array
+    length: float = 0.10
+    radius_base: float = 0.0116
+    radius_tip: float = 0.008
+    length_bounds: tuple[float, float] = (0.06, 0.14)
+    radius_bounds: tuple[float, float] = (0.004, 0.012)
+    minimum_radius: float = 0.005
+    rod: str = ""
+    points: Array = field(default_factory=lambda: np.zeros(0), compare=False)
 
     @classmethod
     def of(cls, file: ModelFile) -> DesignSpace:
         """Read the design space of a model file.
-
-        Parameters
-        ----------
-        file
-            A checked model file.
 
         Raises
         ------
@@ -65,122 +104,43 @@ class DesignSpace:
             raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
         rod = file.rod(file.design.rod)
         ends, _ = surface(rod.radius, np.array([0.0, 1.0]))
+        shortest, longest = file.design.length_bounds
+        thinnest, thickest = file.design.radius_bounds
         return cls(
-            rod=file.design.rod,
             length=float(rod.length),
             radius_base=float(ends[0]),
             radius_tip=float(ends[1]),
-            length_bounds=_pair(file.design.length_bounds),
-            radius_bounds=_pair(file.design.radius_bounds),
+            length_bounds=(float(shortest), float(longest)),
+            radius_bounds=(float(thinnest), float(thickest)),
             minimum_radius=float(file.design.minimum_radius),
+            rod=file.design.rod,
             points=rod.sample_points,
         )
 
+    def checked(self, geometry: Geometry) -> Geometry:
+        """Return a geometry, any object with its three arrays, as arrays of numbers.
 
-def _pair(bounds: tuple[float, float]) -> tuple[float, float]:
-    return (float(bounds[0]), float(bounds[1]))
-
-
-def checked_geometry(file: ModelFile, name: str, geometry: Geometry) -> Geometry:
-    """Return a geometry as arrays of numbers, with the number of designs in front.
-
-    Parameters
-    ----------
-    file
-        The model file.
-    name
-        The rod.
-    geometry
-        Geometry of n designs; anything with arrays ``length``, ``radius`` and ``slope``.
-
-    Raises
-    ------
-    InputError
-        If it is not given at the rod's sample points.
-    """
-    if not all(hasattr(geometry, field) for field in ("length", "radius", "slope")):
-        raise InputError(
-            f"the geometry is {describe(geometry)}: expected one with length, radius and "
-            "slope, as ParameterSet.geometry returns."
-        )
-    length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
-    radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
-    slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
-    expected = (len(length), file.rod(name).sample_count)
-    if radius.shape != expected or slope.shape != expected:
-        raise InputError(
-            f'the geometry of "{name}" has radius {radius.shape} and slope {slope.shape}: with '
-            f"{len(length)} lengths and {expected[1]} sample points both must be {expected}."
-        )
-    return Geometry(length, radius, slope)
+        Raises
+        ------
+        InputError
+            If it is not given at the rod's sample points.
+        """
+        if not all(hasattr(geometry, name) for name in ("length", "radius", "slope")):
+            raise InputError(
+                f"the geometry is {describe(geometry)}: expected one with length, radius and "
+                "slope, as ParameterSet.geometry returns."
+            )
+        length = np.atleast_1d(np.asarray(geometry.length, dtype=float))
+        radius = np.atleast_2d(np.asarray(geometry.radius, dtype=float))
+        slope = np.atleast_2d(np.asarray(geometry.slope, dtype=float))
+        expected = (len(length), len(self.points))
+        if radius.shape != expected or slope.shape != expected:
+            raise InputError(
+                f'the geometry of "{self.rod}" has radius {radius.shape} and slope {slope.shape}: '
+                f"with {expected[0]} lengths and {expected[1]} sample points both must be "
+                f"{expected}."
+            )
+        return Geometry(length, radius, slope)
 
 
-def slot_values(
-    file: ModelFile, name: str, slots: Slots, geometry: Geometry
-) -> tuple[NDArray[np.intp], Array]:
-    """Place the geometry of a rod among the engine's parameters.
-
-    The base of a rod that is placed by its underside follows S(0): see `schema.Placement`.
-
-    Parameters
-    ----------
-    file
-        The model file.
-    name
-        The rod.
-    slots
-        Where the engine has its parameters.
-    geometry
-        Geometry of n designs.
-
-    Returns
-    -------
-    indices : (k,) array
-        Which parameters change.
-    values : (n, k) array
-        Their values.
-
-    Raises
-    ------
-    InputError
-        If the geometry is not given at the rod's sample points.
-    """
-    rod = file.rod(name)
-    batch = checked_geometry(file, name, geometry)
-    columns = [batch.length[:, None], batch.radius, batch.slope]
-    ranges = [slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
-    if follows_surface(rod):
-        place = np.array([rod.placement.x, rod.placement.y, rod.placement.z], dtype=float)
-        columns.append(place + batch.radius[:, :1] * rod.placement.dorsal)
-        ranges.append(slots[f"{name}.translation"])
-    indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
-    return indices, np.concatenate(columns, axis=1)
-
-
-def slot_jacobian(file: ModelFile, name: str, jacobian: GeometryJacobian) -> Array:
-    """Return the derivative of the values of `slot_values`, which are linear in the geometry.
-
-    Parameters
-    ----------
-    file
-        The model file.
-    name
-        The rod.
-    jacobian
-        Derivative of the geometry of n designs with respect to k parameters.
-
-    Returns
-    -------
-    (n, slots, k) array
-        Rows in the order of the indices of `slot_values`.
-    """
-    rod = file.rod(name)
-    rows = [jacobian.length[:, None, :], jacobian.radius, jacobian.slope]
-    if follows_surface(rod):
-        rows.append(jacobian.radius[:, :1, :] * rod.placement.dorsal[None, :, None])
-    return np.concatenate(rows, axis=1)
-
-
-def follows_surface(rod: Rod) -> bool:
-    """Whether the base of a rod is placed by its underside and so moves with S(0)."""
-    return rod.placement.reference == "underside"
+PAPER = DesignSpace()

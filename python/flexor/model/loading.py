@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 from flexor.errors import InputError
 from flexor.model.model import Model
-from flexor.model.presets import locate
-from flexor.model.reading import check, read
+from flexor.model.reading import check, locate, read
 from flexor.model.schema import ModelFile
+from flexor.model.tunnelling import warn_of_gaps
 from flexor.model.validation import describe
 
 
@@ -34,6 +34,11 @@ def load(
     InputError
         If the model does not exist or its file is invalid.
 
+    Warns
+    -----
+    ModelWarning
+        If its contact spheres stand so far apart that contacts may be missed.
+
     Examples
     --------
     >>> flexor.load("finger").dof
@@ -42,21 +47,19 @@ def load(
     25
     """
     if isinstance(model, ModelFile):
-        return Model(check(model.to_document(), use=constants, changes=changes, source=model.name))
-    if not isinstance(model, (str, os.PathLike)):
+        file = check(model.to_document(), use=constants, changes=changes, source=model.name)
+        loaded = Model(file)
+    elif isinstance(model, (str, os.PathLike)):
+        path = locate(model)
+        loaded = Model(read(path, use=constants, changes=changes), source=str(path))
+    else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
-    path = locate(model)
-    return Model(read(path, use=constants, changes=changes), source=str(path))
+    warn_of_gaps(loaded)
+    return loaded
 
 
 def require_model(model: Model) -> Model:
-    """Return the argument if it is a model or behaves like one.
-
-    Raises
-    ------
-    InputError
-        If it is not, such as the name of a file.
-    """
+    """Return the argument if it is a model or behaves like one."""
     if not hasattr(model, "design"):
         raise InputError(f"model is {model!r}: expected a Model, as returned by flexor.load.")
     return model

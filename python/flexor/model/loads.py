@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.units import FORCE
 from flexor.model.validation import describe
 
-Array = NDArray[np.float64]
 Forces = str | float | Sequence[float | str] | Array
 _MAX_STEPS = 1_000_000
 
@@ -63,25 +62,10 @@ def forces(force: Forces) -> Array:
 
 
 def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
-    """Parse the loads of all inputs.
+    """Parse the loads of all inputs, (steps, inputs) [N].
 
-    Parameters
-    ----------
-    force
-        Forces of the only input, or a mapping from input names to forces. Inputs that are left out
-        stay at zero, and a single force is held constant.
-    inputs
-        Names of the model's inputs.
-
-    Returns
-    -------
-    (steps, inputs) array
-        Loads [N].
-
-    Raises
-    ------
-    InputError
-        As for `forces`; also if an input is unknown or the numbers of steps differ.
+    A table has forces by the name of the input: an input that is left out stays at zero, a single
+    force is held constant.
     """
     if not isinstance(force, Mapping):
         column = forces(force)
@@ -114,13 +98,7 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
 
 
 def evaluation_forces(force: Forces | Mapping[str, Forces], inputs: Sequence[str]) -> Array:
-    """Parse the forces at which designs are evaluated: as `forces`, or by the name of the input.
-
-    Raises
-    ------
-    InputError
-        As for `loads`; also if an input other than the only one is loaded.
-    """
+    """Parse the forces at which designs are evaluated: as `forces`, or by the name of the input."""
     if not isinstance(force, Mapping):
         return forces(force)
     if len(inputs) > 1:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.model.schema import (
     Body,
     FixedJoint,
@@ -22,24 +22,11 @@ from flexor.model.schema.profile import surface
 from flexor.model.schema.strain import MODES
 from flexor.model.schema.vector import direction
 
-Array = NDArray[np.float64]
 Json = dict[str, Any]
 
 
 def lower(file: ModelFile) -> Json:
-    """Describe a model to the engine.
-
-    Parameters
-    ----------
-    file
-        A checked model file.
-
-    Returns
-    -------
-    dict
-        The description, ready for JSON: SI units, parents before their children, the radius of
-        each rod at its sample points.
-    """
+    """Describe a model to the engine."""
     described: Json = {
         "planar": file.planar,
         "gravity": list(file.gravity.components),
@@ -57,13 +44,7 @@ def lower(file: ModelFile) -> Json:
 
 
 def parents_first(bodies: dict[str, Body]) -> list[str]:
-    """Return the names of bodies in the file's order, except that parents come first.
-
-    Parameters
-    ----------
-    bodies
-        Bodies whose parents exist and form no loop.
-    """
+    """Return the names of bodies in the file's order, except that parents come first."""
     order: dict[str, None] = {}
     for name in bodies:
         line: list[str] = []

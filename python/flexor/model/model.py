@@ -9,27 +9,25 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexor import _engine
-from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
-from flexor.model.geometry import DesignSpace, checked_geometry, slot_jacobian, slot_values
+from flexor.model.geometry import Geometry
 from flexor.model.loads import Forces, loads
-from flexor.model.lowering import lower
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
-from flexor.model.schema import ModelFile, Rod
+from flexor.model.schema import ModelFile
+from flexor.model.solver import solver_options
 from flexor.model.start import Start, coordinates, read_start
+from flexor.model.structure import Structure
 from flexor.model.validation import describe
 
-Array = NDArray[np.float64]
 Force = Forces | Mapping[str, Forces]
 
 
-class Model:
+class Model(Structure):
     """A system of rods, links, contacts and actuators, built once and never changed.
 
     Parameters
@@ -46,14 +44,10 @@ class Model:
     """
 
     def __init__(self, file: ModelFile, source: str | None = None) -> None:
-        self.file = file
-        self._description = json.dumps(lower(file), sort_keys=True, separators=(",", ":"))
-        try:
-            self.engine = _engine.Model(self._description)
-        except ValueError as error:
-            raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
+        super().__init__(file, source)
         try:
             self._start = Start(coordinates(file.start, self)) if file.start else None
+            self._solver = solver_options(file.solver)
         except InputError as error:
             raise InputError(f"{source or file.name}: {error}") from None
 
@@ -64,152 +58,15 @@ class Model:
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.dof} degrees of freedom, {self.hash[:12]}>"
 
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.file.name
-
-    @property
-    def title(self) -> str:
-        """One line about it."""
-        return self.file.title
-
-    @property
-    def planar(self) -> bool:
-        """Whether it lies in the x-z plane."""
-        return self.file.planar
-
-    @property
-    def dof(self) -> int:
-        """Number of generalized coordinates."""
-        return self.engine.dof
-
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of its description for the engine, the same for the same mechanics and start."""
+        """SHA-256 of its description for the engine, its start and its solver options."""
         found = hashlib.sha256(self._description.encode())
         if self._start is not None:
             found.update(self._start.q.tobytes())
+        if self._solver:
+            found.update(json.dumps(self._solver, sort_keys=True).encode())
         return found.hexdigest()
-
-    @cached_property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of the load inputs."""
-        return tuple(self.engine.inputs)
-
-    @cached_property
-    def rods(self) -> tuple[str, ...]:
-        """Names of the rods."""
-        return tuple(name for name, body in self.file.bodies.items() if isinstance(body, Rod))
-
-    @cached_property
-    def joint_columns(self) -> NDArray[np.intp]:
-        """Which coordinates belong to joints, (joints,)."""
-        return np.array([joint["coordinate"] for joint in self.engine.joints], dtype=np.intp)
-
-    @cached_property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints' coordinates."""
-        return tuple(joint["name"] for joint in self.engine.joints)
-
-    @cached_property
-    def angular_joints(self) -> tuple[str, ...]:
-        """Names of the joints' coordinates that are angles."""
-        return tuple(joint["name"] for joint in self.engine.joints if joint["unit"] == "rad")
-
-    @cached_property
-    def body_frames(self) -> dict[str, tuple[int, int]]:
-        """Range of each body's frames: the sample points of a rod, both ends of a link."""
-        frames = self.engine.body_frames
-        return {name: frames[name] for name in self.file.bodies}
-
-    @cached_property
-    def sphere_groups(self) -> dict[str, int]:
-        """Number of spheres of each group."""
-        groups = self.engine.sphere_groups
-        return {name: stop - start for name, (start, stop) in groups.items()}
-
-    @cached_property
-    def first_spheres(self) -> int:
-        """Number of spheres of the contacts' first groups."""
-        groups = {contact.first for contact in self.file.contacts.values()}
-        return sum(self.sphere_groups[name] for name in groups)
-
-    @cached_property
-    def design(self) -> DesignSpace:
-        """The rod that is designed and the bounds of the search.
-
-        Raises
-        ------
-        InputError
-            If the file has no ``[design]``.
-        """
-        return DesignSpace.of(self.file)
-
-    @property
-    def X(self) -> Array:
-        """Sample points of the designed rod, X in [0, 1], (P,)."""
-        return self.design.points
-
-    @cached_property
-    def parameters(self) -> Array:
-        """The engine's parameters, (P,)."""
-        return self.engine.parameters
-
-    @cached_property
-    def evaluation_forces(self) -> Array:
-        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
-        last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
-        steps = max(1, round(last / step))
-        return np.linspace(0.0, last, steps + 1)
-
-    def slot(self, name: str, parameters: Array | None = None) -> Array:
-        """Return parameters of the engine by name.
-
-        Parameters
-        ----------
-        name
-            Such as ``"exosuit.radius"``.
-        parameters : (P,) array
-            Where to look; the model's own unless given.
-        """
-        start, stop = self.engine.slots[name]
-        return (self.parameters if parameters is None else parameters)[start:stop]
-
-    def geometry_slots(self, geometry: Geometry) -> tuple[NDArray[np.intp], Array]:
-        """Place the geometry of the designed rod among the engine's parameters.
-
-        Parameters
-        ----------
-        geometry
-            Geometry of n designs at the points `X`.
-
-        Returns
-        -------
-        indices, values : (k,) and (n, k) arrays
-            Which parameters change, and to what.
-
-        Raises
-        ------
-        InputError
-            If it is not given at the rod's sample points.
-        """
-        return slot_values(self.file, self.design.rod, self.engine.slots, geometry)
-
-    def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> Array:
-        """Differentiate the values of `geometry_slots`, with the same linear map.
-
-        Parameters
-        ----------
-        jacobian
-            Derivative of the geometry of n designs with respect to k parameters.
-
-        Returns
-        -------
-        (n, slots, k) array
-            Rows in the order of the indices of `geometry_slots`.
-        """
-        return slot_jacobian(self.file, self.design.rod, jacobian)
 
     def evaluate(
         self,
@@ -241,17 +98,16 @@ class Model:
         start
             As for `equilibrium`.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = checked_geometry(self.file, self.design.rod, geometry)
-        begin = self._begin(start)
-        loads = self._loads(force)
-        return follow_loads(self, batch, loads, threads, options, gradient, begin)
+        batch, begin, loads = self.design.checked(geometry), self._begin(start), self._loads(force)
+        return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
     def equilibrium(
         self,
@@ -268,8 +124,9 @@ class Model:
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input; the steps to the file's evaluation force unless given. They may rise,
-            fall and be negative. The path starts without load even if its first force is not zero.
+            of the input. They may rise, fall and be negative; the path starts without load even if
+            its first force is not zero. Unless given, the steps to the file's evaluation force; no
+            load if the model has several inputs.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
         start
@@ -284,49 +141,40 @@ class Model:
             reaches the last load: the steps of the path are the points it takes, limit points and
             all equilibria at the given loads among them, with the loads found there.
         **options
-            Settings of the engine's solver.
+            Settings of the engine's solver (`flexor._engine.SOLVER_OPTIONS`), such as
+            ``max_seconds`` for each load step, in place of those of the file's ``[solver]``.
 
         Raises
         ------
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = None if design is None else checked_geometry(self.file, self.design.rod, design)
+        batch = None if design is None else self.design.checked(design)
         if batch is not None and len(batch) != 1:
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
         begin, loads = self._begin(start), self._loads(force)
         if follow == "arc-length":
-            return follow_branch(self, batch, loads, options, begin)[0]
+            return follow_branch(self, batch, loads, self._options(options), begin)[0]
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
-        return follow_loads(self, batch, loads, 1, options, start=begin)[0]
+        return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
 
     def _begin(self, start: Any) -> Start | None:
         return self._start if start is None else read_start(start, self)
 
+    def _options(self, given: Mapping[str, float]) -> dict[str, float]:
+        return {**self._solver, **given}
+
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
             return loads(force, self.inputs)
-        if not self.inputs:
-            return np.zeros((1, 0))
+        if len(self.inputs) != 1:
+            return np.zeros((1, len(self.inputs)))
         return loads(self.evaluation_forces, self.inputs)
 
 
 def rebuilt(text: str, hash: str) -> Model:
-    """Build a model that was pickled, and see that it is the same.
-
-    Parameters
-    ----------
-    text
-        The model file.
-    hash
-        `Model.hash` of the model.
-
-    Raises
-    ------
-    InputError
-        If the text now describes other mechanics: this is another version of Flexor.
-    """
+    """Build a model that was pickled, and see that it is the same."""
     model = Model(parse(text))
     if model.hash != hash:
         raise InputError(

@@ -1,19 +1,44 @@
-"""Reading model files."""
+"""Reading model files and presets, the model files shipped with Flexor."""
 
 from __future__ import annotations
 
+import os
 import pathlib
 from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
-from flexor.errors import InputError, shortened
+from flexor.errors import InputError, shortened, unknown_name
 from flexor.model import constants
 from flexor.model.changes import changed
 from flexor.model.schema import ModelFile
 from flexor.model.toml import check_depth, read_text, tables
 from flexor.model.validation import first_error
+
+_FOLDER = pathlib.Path(__file__).resolve().parent.parent / "examples"
+
+
+def presets() -> tuple[str, ...]:
+    """Return the names of the shipped models."""
+    files = (file.stem for file in _FOLDER.glob("*.toml"))
+    return tuple(sorted(name for name in files if not name.endswith("-targets")))
+
+
+def locate(model: str | os.PathLike[str]) -> pathlib.Path:
+    """Locate the file of a model."""
+    path, text = pathlib.Path(model), os.fspath(model)
+    if path.is_file():
+        return path
+    shipped = presets()
+    if text in shipped:
+        return _FOLDER / f"{text}.toml"
+    if path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped:
+        return _FOLDER / path.name
+    if path.suffix == ".toml" or path.exists() or path.name != text:
+        why = "it is a folder" if path.is_dir() else "no such file"
+        raise InputError(f'cannot read the model file "{text}": {why}.')
+    raise InputError(f"{unknown_name('preset', text, shipped)}, or the path of a model file.")
 
 
 def read(
@@ -70,20 +95,7 @@ def check(
     changes: Mapping[str, object] | None = None,
     source: str = "model",
 ) -> ModelFile:
-    """Validate a parsed model file with each of its sets of constants.
-
-    Parameters
-    ----------
-    document
-        The file's tables.
-    use, changes, source
-        As for `parse`.
-
-    Raises
-    ------
-    InputError
-        If it is not a valid model.
-    """
+    """Validate a parsed model file with each of its sets of constants."""
     check_depth(document, source)
     for path, value in (changes or {}).items():
         document = changed(document, path, value, source)

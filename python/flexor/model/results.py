@@ -10,13 +10,13 @@ from typing import Any, ClassVar, cast, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor.arrays import Array
 from flexor.errors import InputError
-from flexor.model import state
+from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
+from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.structure import Structure
 
-Array = NDArray[np.float64]
 _Several = slice | list[int] | NDArray[Any]
 
 
@@ -204,7 +204,8 @@ class State(Results):
             By body: homogeneous matrices (1) in the world [m], of a rod at its sample points, of a
             link at its joint and its tip.
         """
-        return state.frames(self.model.engine, self.parameters, self.q, self.model.body_frames)
+        found = self.model.engine.frames(self.parameters, self.q)
+        return {body: found[start:stop] for body, (start, stop) in self.model.body_frames.items()}
 
     def spheres(self) -> dict[str, Array]:
         """Return the contact spheres.
@@ -214,11 +215,13 @@ class State(Results):
         dict of (m, 4) arrays
             By group: centre x, y, z and radius [m].
         """
-        return state.spheres(self.model.engine, self.parameters, self.q)
+        engine = self.model.engine
+        found = engine.spheres(self.parameters, self.q)
+        return {group: found[start:stop] for group, (start, stop) in engine.sphere_groups.items()}
 
-    def contact_forces(self) -> state.ContactForces:
+    def contact_forces(self) -> ContactForces:
         """Return the contact forces (8)."""
-        return state.contact_forces(self.model.engine, self.parameters, self.q)
+        return ContactForces(**self.model.engine.contacts(self.parameters, self.q))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -279,7 +282,7 @@ class Path(Results):
         """Return the contact spheres in one step; see `State.spheres`."""
         return self[step].spheres()
 
-    def contact_forces(self, step: int = -1) -> state.ContactForces:
+    def contact_forces(self, step: int = -1) -> ContactForces:
         """Return the contact forces (8) in one step."""
         return self[step].contact_forces()
 
@@ -335,16 +338,9 @@ class Paths(Results):
     def failed(
         cls, count: int, steps: int, joints: int, reason: str, parameters: int | None = None
     ) -> Paths:
-        """Paths of designs that could not be evaluated.
+        """Paths of ``count`` designs that could not be evaluated, for this reason.
 
-        Parameters
-        ----------
-        count, steps, joints
-            Their numbers.
-        reason
-            Why they failed.
-        parameters
-            Number of parameters of the set, for `derivatives`; without these if None.
+        With the number of ``parameters`` of their set they have `derivatives`, of NaN.
         """
         derived: dict[str, Any] = {}
         if parameters is not None:

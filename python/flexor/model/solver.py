@@ -16,24 +16,7 @@ _MOST_THREADS = 64
 
 
 def solver_options(options: Mapping[str, float]) -> dict[str, float]:
-    """Check options of the solver.
-
-    Parameters
-    ----------
-    options
-        By name, as in `flexor._engine.SOLVER_OPTIONS`, which has their defaults, ranges and
-        meaning; what is left out has its default.
-
-    Returns
-    -------
-    dict
-        The same, as the engine takes them.
-
-    Raises
-    ------
-    InputError
-        If one is not known or not in its range.
-    """
+    """Check options of the solver."""
     checked: dict[str, float] = {}
     for name, value in options.items():
         if name not in SOLVER_OPTIONS:
@@ -54,18 +37,7 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
 
 
 def useful_threads(threads: int) -> int:
-    """Return a number of threads for the engine, no more than are of use.
-
-    Parameters
-    ----------
-    threads
-        As given; 0 for one per core.
-
-    Raises
-    ------
-    InputError
-        If it is no number of threads.
-    """
+    """Return a number of threads for the engine, no more than are of use."""
     if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
         raise InputError(
             f"threads is {describe(threads)}: expected an integer, 0 for one per core or more."

@@ -11,9 +11,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.schema import Rod
 from flexor.model.schema.strain import GLOBAL
@@ -23,42 +23,21 @@ from flexor.model.validation import describe
 if TYPE_CHECKING:
     from flexor.model.structure import Structure
 
-Array = NDArray[np.float64]
 Coordinates = Mapping[str, "str | float | Mapping[str, str | float]"]
-StartLike = "Coordinates | State | Path | str | os.PathLike[str]"
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where a path begins.
+    """Where a path begins."""
 
-    Attributes
-    ----------
-    q : (dof,) array
-        Generalized coordinates.
-    load : (inputs,) array or None
-        Loads of that state [N]; None for a posture without load.
-    """
-
-    q: Array
-    load: Array | None = None
+    q: Array  # (dof,): generalized coordinates
+    load: Array | None = None  # (inputs,): loads of that state [N]; None for a posture without load
 
 
 def read_start(given: Any, model: Structure) -> Start:
-    """Read where a path is to begin.
+    """Read where a path begins: coordinates by name, a `State`, a `Path` (its last step) or a file.
 
-    Parameters
-    ----------
-    given
-        Coordinates by name (see `coordinates`), a `State`, a `Path` (its last step), or the name of
-        a file that holds what ``flexor simulate --json`` prints (its last equilibrium).
-    model
-        The model.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is of another model.
+    The file holds what ``flexor simulate --json`` prints; the path begins at its last equilibrium.
     """
     if isinstance(given, Mapping):
         return Start(coordinates(given, model))
@@ -67,8 +46,8 @@ def read_start(given: Any, model: Structure) -> Start:
     q, loads = (getattr(given, name, None) for name in ("q", "loads"))
     if not isinstance(q, np.ndarray) or not isinstance(loads, np.ndarray) or q.ndim > 2:
         raise InputError(
-            f"start is {describe(given)}: a table of coordinates, a State, a Path or the name of a "
-            "file is needed."
+            f"start is {describe(given)}: expected a table of coordinates, a State, a Path or "
+            "the name of a file."
         )
     if q.ndim == 2:
         q, loads = q[-1], loads[-1]
@@ -76,30 +55,13 @@ def read_start(given: Any, model: Structure) -> Start:
 
 
 def coordinates(given: Coordinates, model: Structure, path: str = "start") -> Array:
-    """Place named coordinates among all, which are zero otherwise.
+    """Return the generalized coordinates (dof,), zero where they are not given.
 
-    Parameters
-    ----------
-    given
-        Values by name: a joint's coordinate (``"hand.theta_x"``, or the body's name alone where
-        its joint has one), all of a rod's strain (``"rod.bend_y"``, the same along the rod) or one
-        coordinate of it (``"rod.bend_y[3]"``); tables within the table are bodies. Angles and
-        lengths are texts with units, or SI numbers; bending and twist are angles between the rod's
-        ends, extension and shear plain numbers.
-    model
-        The model.
-    path
-        What to call it in messages.
-
-    Returns
-    -------
-    (dof,) array
-        Generalized coordinates.
-
-    Raises
-    ------
-    InputError
-        If a name is not known or a value is none of its kind.
+    Names are those of a joint's coordinate (``"hand.theta_x"``, or the body's alone where its joint
+    has one), of all of a rod's strain (``"rod.bend_y"``, the same along the rod) or of one
+    coordinate of it (``"rod.bend_y[3]"``); tables within the table are bodies. Angles and lengths
+    are texts with units, or SI numbers; bending and twist are angles between the rod's ends,
+    extension and shear plain numbers.
     """
     names = model.engine.coordinates
     units = {joint["name"]: joint["unit"] for joint in model.engine.joints}
@@ -118,7 +80,8 @@ def coordinates(given: Coordinates, model: Structure, path: str = "start") -> Ar
     q = np.zeros(len(names))
     for name, value in _flat(given):
         if name not in places:
-            raise unknown("coordinate", name, _offered(names, places))
+            offered = dict.fromkeys([*places, *names])
+            raise unknown("coordinate", name, [each for each in offered if "[" not in each])
         if len(places[name]) > 1 and name in model.file.bodies:
             several = ", ".join(f'"{names[index]}"' for index in places[name])
             raise InputError(
@@ -137,10 +100,6 @@ def _flat(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield from ((f"{name}.{inner}", each) for inner, each in value.items())
         else:
             yield str(name), value
-
-
-def _offered(names: list[str], places: Mapping[str, list[int]]) -> list[str]:
-    return [name for name in dict.fromkeys([*places, *names]) if "[" not in name]
 
 
 def _value(value: Any, unit: str, path: str) -> float:
@@ -165,7 +124,7 @@ def _value(value: Any, unit: str, path: str) -> float:
 
 def _from_file(file: FilePath, model: Structure) -> Start:
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found: Any = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f'start is "{file}": {error.strerror or "it cannot be read"}.') from None
     except (ValueError, RecursionError):
@@ -179,16 +138,11 @@ def _from_file(file: FilePath, model: Structure) -> Start:
         raise InputError(
             f'start is "{file}", whose coordinates are not those of the model "{model.name}".'
         )
+    inputs, several = model.inputs, len(model.inputs) > 1
     try:
         step = max(step for step, good in enumerate(found["converged"]) if good is True)
-        several = (
-            found["loads"]
-            if "loads" in found
-            else {model.inputs[0]: found["force"]}
-            if (model.inputs)
-            else {}
-        )
-        load = np.array([float(several[name][step]) for name in model.inputs])
+        loads = [found["loads"][name] for name in inputs] if several else [found["force"]]
+        load = np.array([float(each[step]) for each in loads[: len(inputs)]])
         q = np.array(found["q"][step], dtype=np.float64)
     except (ValueError, TypeError, KeyError, IndexError):
         raise InputError(f'start is "{file}": there is no equilibrium in it.') from None

@@ -36,24 +36,23 @@ MEANINGS = MappingProxyType(
         "invalid-design": (
             "a number is not finite, a length, radius or modulus not positive, or a stiffness or "
             "density negative",
-            "mend the design, or narrow its bounds",
+            "correct the design, or narrow its bounds",
         ),
         "not-reached": ("an earlier load step failed", "see that step"),
         "unrestrained": (
             "a force acts on a motion that nothing holds",
             "hold it: with a stiffness, a limit, a spring or a support",
         ),
+        "time-limit": (
+            "more time for this load step than max_seconds allows",
+            "raise max_seconds, or take a smaller model or fewer snaps",
+        ),
+        "cancelled": ("the solve was asked to stop", "start it again"),
     }
 )
 
 
 def explained(status: str) -> str:
-    """Say in one sentence what a status means and what one can do.
-
-    Parameters
-    ----------
-    status
-        One of `flexor._engine.STATUS`.
-    """
+    """Say what a status, one of `flexor._engine.STATUS`, means and what one can do."""
     meaning, advice = MEANINGS[status]
     return f"{status}: {meaning}. What to do: {advice}."

@@ -1,91 +1,181 @@
-"""What results know of the model that they come from."""
+"""What a model is made of: its file, the engine built from it, names and counts of the parts."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Protocol
+import json
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.design.geometry import Geometry, GeometryJacobian
+from flexor import _engine
+from flexor.arrays import Array
+from flexor.errors import InputError
+from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
+from flexor.model.lowering import lower
+from flexor.model.schema import ModelFile, Rod
 
-if TYPE_CHECKING:
-    from flexor import _engine
-    from flexor.model.schema import ModelFile
 
-Array = NDArray[np.float64]
+class Structure:
+    """A model without its equilibria, the base of `flexor.model.Model`."""
 
-
-class Structure(Protocol):
-    """Names, counts and parameters of a `flexor.model.Model`."""
-
-    file: ModelFile
-    engine: _engine.Model
+    def __init__(self, file: ModelFile, source: str | None = None) -> None:
+        self.file = file
+        self._description = json.dumps(lower(file), sort_keys=True, separators=(",", ":"))
+        try:
+            self.engine = _engine.Model(self._description)
+        except ValueError as error:
+            raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
 
     @property
     def name(self) -> str:
         """Its name."""
-        ...
+        return self.file.name
+
+    @property
+    def title(self) -> str:
+        """One line about it."""
+        return self.file.title
 
     @property
     def planar(self) -> bool:
         """Whether it lies in the x-z plane."""
-        ...
+        return self.file.planar
 
     @property
+    def dof(self) -> int:
+        """Number of generalized coordinates."""
+        return self.engine.dof
+
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the load inputs."""
-        ...
+        return tuple(self.engine.inputs)
 
-    @property
+    @cached_property
     def rods(self) -> tuple[str, ...]:
         """Names of the rods."""
-        ...
+        return tuple(name for name, body in self.file.bodies.items() if isinstance(body, Rod))
 
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints' coordinates."""
-        ...
-
-    @property
+    @cached_property
     def joint_columns(self) -> NDArray[np.intp]:
         """Which coordinates belong to joints, (joints,)."""
-        ...
+        return np.array([joint["coordinate"] for joint in self.engine.joints], dtype=np.intp)
 
-    @property
+    @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints' coordinates."""
+        return tuple(joint["name"] for joint in self.engine.joints)
+
+    @cached_property
     def angular_joints(self) -> tuple[str, ...]:
-        """Names of those that are angles."""
-        ...
+        """Names of the joints' coordinates that are angles."""
+        return tuple(joint["name"] for joint in self.engine.joints if joint["unit"] == "rad")
 
-    @property
-    def body_frames(self) -> Mapping[str, tuple[int, int]]:
-        """Range of each body's frames among the engine's."""
-        ...
+    @cached_property
+    def body_frames(self) -> dict[str, tuple[int, int]]:
+        """Range of each body's frames: the sample points of a rod, both ends of a link."""
+        frames = self.engine.body_frames
+        return {name: frames[name] for name in self.file.bodies}
 
-    @property
-    def sphere_groups(self) -> Mapping[str, int]:
+    @cached_property
+    def sphere_groups(self) -> dict[str, int]:
         """Number of spheres of each group."""
-        ...
+        groups = self.engine.sphere_groups
+        return {name: stop - start for name, (start, stop) in groups.items()}
 
-    @property
+    @cached_property
     def first_spheres(self) -> int:
         """Number of spheres of the contacts' first groups."""
-        ...
+        groups = {contact.first for contact in self.file.contacts.values()}
+        return sum(self.sphere_groups[name] for name in groups)
+
+    @cached_property
+    def design(self) -> DesignSpace:
+        """The rod that is designed and the bounds of the search.
+
+        Raises
+        ------
+        InputError
+            If the file has no ``[design]``.
+        """
+        return DesignSpace.of(self.file)
 
     @property
+    def X(self) -> Array:
+        """Sample points of the designed rod, X in [0, 1], (P,)."""
+        return self.design.points
+
+    @cached_property
     def parameters(self) -> Array:
         """The engine's parameters, (P,)."""
-        ...
+        return self.engine.parameters
+
+    @cached_property
+    def evaluation_forces(self) -> Array:
+        """Forces at which a design is evaluated, from zero in the file's steps [N]."""
+        last, step = float(self.file.evaluation.force), float(self.file.evaluation.step)
+        return np.linspace(0.0, last, max(1, round(last / step)) + 1)
 
     def slot(self, name: str, parameters: Array | None = None) -> Array:
-        """Return parameters of the engine by name."""
-        ...
+        """Return parameters of the engine by name.
+
+        Parameters
+        ----------
+        name
+            Such as ``"exosuit.radius"``.
+        parameters : (P,) array
+            Where to look; the model's own unless given.
+        """
+        start, stop = self.engine.slots[name]
+        return (self.parameters if parameters is None else parameters)[start:stop]
 
     def geometry_slots(self, geometry: Geometry) -> tuple[NDArray[np.intp], Array]:
-        """Place the designed geometry among the engine's parameters: indices and values."""
-        ...
+        """Place the geometry of the designed rod among the engine's parameters.
+
+        The base of a rod that is placed by its underside moves with S(0).
+
+        Parameters
+        ----------
+        geometry
+            Geometry of n designs at the points `X`.
+
+        Returns
+        -------
+        indices, values : (k,) and (n, k) arrays
+            Which parameters change, and to what.
+
+        Raises
+        ------
+        InputError
+            If it is not given at the rod's sample points.
+        """
+        batch, name = self.design.checked(geometry), self.design.rod
+        place = self.file.bodies[name].placement
+        columns = [batch.length[:, None], batch.radius, batch.slope]
+        ranges = [self.engine.slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
+        if place.reference == "underside":
+            base = np.array([place.x, place.y, place.z], dtype=float)
+            columns.append(base + batch.radius[:, :1] * place.dorsal)
+            ranges.append(self.engine.slots[f"{name}.translation"])
+        indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
+        return indices, np.concatenate(columns, axis=1)
 
     def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> Array:
-        """Differentiate the parameters of the designed geometry."""
-        ...
+        """Differentiate the values of `geometry_slots`, which are linear in the geometry.
+
+        Parameters
+        ----------
+        jacobian
+            Derivative of the geometry of n designs with respect to k parameters.
+
+        Returns
+        -------
+        (n, slots, k) array
+            Rows in the order of the indices of `geometry_slots`.
+        """
+        place = self.file.bodies[self.design.rod].placement
+        rows = [jacobian.length[:, None, :], jacobian.radius, jacobian.slope]
+        if place.reference == "underside":
+            rows.append(jacobian.radius[:, :1, :] * place.dorsal[None, :, None])
+        return np.concatenate(rows, axis=1)

@@ -33,20 +33,7 @@ _POSITION = re.compile(r"(?P<what>.*) \((?P<where>at [^()]*)\)", re.DOTALL)
 
 
 def tables(text: str, source: str) -> dict[str, Any]:
-    """Parse TOML.
-
-    Parameters
-    ----------
-    text
-        The text.
-    source
-        The file's name, for messages.
-
-    Raises
-    ------
-    InputError
-        If it is not valid TOML or nested too deeply.
-    """
+    """Parse TOML."""
     _check_keys(text, source)
     try:
         document = tomllib.loads(text)
@@ -63,20 +50,7 @@ def tables(text: str, source: str) -> dict[str, Any]:
 
 
 def read_text(path: pathlib.Path, what: str) -> str:
-    """Read a file of at most ``MAX_BYTES`` as UTF-8.
-
-    Parameters
-    ----------
-    path
-        The file.
-    what
-        What it is, for messages, such as ``"model file"``.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is too large or is not UTF-8.
-    """
+    """Read a file of at most ``MAX_BYTES`` as UTF-8."""
     cannot = f'cannot read the {what} "{path}"'
     try:
         with path.open("rb") as file:
@@ -109,20 +83,7 @@ def _parts(key: str) -> int:
 
 
 def check_depth(document: Mapping[str, Any], source: str) -> None:
-    """Reject nesting so deep that recursion over it would exhaust the stack.
-
-    Parameters
-    ----------
-    document
-        The parsed file.
-    source
-        The file's name, for messages.
-
-    Raises
-    ------
-    InputError
-        If they are nested more than ``MAX_DEPTH`` times.
-    """
+    """Reject nesting so deep that recursion over it would exhaust the stack."""
     level: list[Any] = [document]
     for _ in range(MAX_DEPTH):
         level = [child for each in level for child in _children(each)]

@@ -35,15 +35,7 @@ _COMMON = (
 
 
 class Quantity(float):
-    """An SI number that keeps its original text, so that a model file is written unchanged.
-
-    Parameters
-    ----------
-    value
-        The number in SI units.
-    text
-        The original text, such as ``"10 cm"``.
-    """
+    """An SI number that keeps its original text, so that a model file is written unchanged."""
 
     __slots__ = ("text",)
     text: str
@@ -60,20 +52,10 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A physical dimension.
+    """A physical dimension."""
 
-    Parameters
-    ----------
-    name
-        Its name with an article, for messages.
-    unit
-        Its SI unit.
-    example
-        A typical value.
-    """
-
-    name: str
-    unit: str
+    name: str  # with an article, for messages
+    unit: str  # SI
     example: str
 
     @property
@@ -82,33 +64,11 @@ class Dimension:
         return f'write {self.name} with its unit, such as "{self.example}"'
 
     def si(self, value: float) -> Quantity:
-        """Return the quantity of this dimension with this SI value.
-
-        Parameters
-        ----------
-        value
-            The number in SI units.
-        """
+        """Return the quantity of this dimension with this SI value."""
         return Quantity(value, f"{repr(value).removesuffix('.0')} {self.unit}")
 
     def parse(self, value: object) -> Quantity:
-        """Parse a quantity.
-
-        Parameters
-        ----------
-        value
-            Text such as ``"10 cm"``.
-
-        Returns
-        -------
-        Quantity
-            Its value in SI units.
-
-        Raises
-        ------
-        PydanticCustomError
-            If it has no unit, an unknown unit, a unit of another dimension, or is not finite.
-        """
+        """Parse a quantity."""
         if isinstance(value, Quantity):
             value = value.text
         if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -127,22 +87,17 @@ class Dimension:
 
     def _factor(self, value: str, unit: str) -> Decimal:
         factor = _factor(unit, self.unit)
+        if isinstance(factor, Decimal):
+            return factor
+        near = [common for common in _COMMON if _joined(common) == _joined(unit)]
         if factor == "unknown":
-            squeezed = _joined(unit)
-            near = [common for common in _COMMON if _joined(common) == squeezed]
+            why = f" with the unknown unit {describe(unit)}"
             near += get_close_matches(unit[:60], _COMMON, n=1)
-            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
-            raise field_error(
-                f"is {describe(value)} with the unknown unit {describe(unit)}{suggestion}: "
-                f"{self.hint}"
-            )
-        if factor == "other":
-            near = [c for c in _COMMON if _joined(c) == _joined(unit) and c != unit]
-            near = [c for c in near if isinstance(_factor(c, self.unit), Decimal)]
-            suggestion = f' (did you mean "{near[0]}"?)' if near else ""
-            tail = f"is {describe(value)}, which is not {self.name}{suggestion}: {self.hint}"
-            raise field_error(tail)
-        return factor
+        else:
+            why = f", which is not {self.name}"
+            near = [c for c in near if c != unit and isinstance(_factor(c, self.unit), Decimal)]
+        suggestion = f' (did you mean "{near[0]}"?)' if near else ""
+        raise field_error(f"is {describe(value)}{why}{suggestion}: {self.hint}")
 
 
 def _joined(unit: str) -> str:
@@ -174,15 +129,7 @@ def _factor(unit: str, si: str) -> Decimal | Literal["unknown", "other"]:
 
 @dataclass(frozen=True)
 class QuantityField:
-    """Pydantic annotation: a float parsed from text with a unit, restricted in sign.
-
-    Parameters
-    ----------
-    dimension
-        The dimension.
-    sign
-        The allowed sign.
-    """
+    """Pydantic annotation: a float parsed from text with a unit, restricted in sign."""
 
     dimension: Dimension
     sign: Literal["any", "non-negative", "positive"] = "any"

@@ -32,15 +32,7 @@ _TAILS = {
 
 
 def field_error(tail: str, path: str = "") -> PydanticCustomError:
-    """Return the exception for a validator to raise.
-
-    Parameters
-    ----------
-    tail
-        The message after the name of the field, without a full stop.
-    path
-        Dotted path of the field relative to the validator.
-    """
+    """Return the exception for a validator to raise."""
     return PydanticCustomError(_KIND, "{tail}", {"tail": tail, "path": path})
 
 
@@ -70,20 +62,7 @@ def first_repeated(names: Iterable[str]) -> str | None:
 
 
 def first_error(error: ValidationError, document: Mapping[str, object]) -> tuple[str, str]:
-    """Describe the first error that pydantic reports.
-
-    Parameters
-    ----------
-    error
-        The error.
-    document
-        The validated document, to distinguish keys in a location from names of union members.
-
-    Returns
-    -------
-    path, tail : str
-        Dotted path of the field, and the message after it without a full stop.
-    """
+    """Describe the first error that pydantic reports."""
     first = error.errors(include_url=False)[0]
     path = _path(first, document)
     if first["type"] == _KIND:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from flexor.objectives.base import Objective
-from flexor.objectives.bending import Bending
-from flexor.objectives.bending_contact import BendingContact, BendingContactPrinted
+from flexor.objectives.bending import Bending, BendingContact, BendingContactPrinted
 from flexor.objectives.catalogue import names, objective
 from flexor.objectives.custom import custom
 from flexor.objectives.evaluate import evaluate_objective

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.results import Paths
-from flexor.objectives.gradient import FloatArray, PathGradient
+from flexor.objectives.gradient import PathGradient
 
 
 @dataclass(frozen=True)
@@ -34,14 +35,14 @@ class Objective(ABC):
     force: tuple[float, ...] | None = None
 
     @abstractmethod
-    def value(self, paths: Paths) -> FloatArray:
+    def value(self, paths: Paths) -> Array:
         """Value to minimise, (n,); meaningless where `evaluate_objective` finds a failure."""
 
     @abstractmethod
-    def shown(self, paths: Paths) -> FloatArray:
+    def shown(self, paths: Paths) -> Array:
         """Quantity for display, (n,), in `unit`."""
 
-    def residual(self, paths: Paths) -> FloatArray:
+    def residual(self, paths: Paths) -> Array:
         """Vector (n, r) whose norm is the value, for least squares.
 
         Raises
@@ -88,7 +89,7 @@ class Objective(ABC):
         return replace(self, force=tuple(float(u) for u in np.atleast_1d(np.asarray(force))))
 
 
-def norm(vectors: FloatArray) -> FloatArray:
+def norm(vectors: Array) -> Array:
     """Euclidean norm of the rows of (n, r).
 
     Added component by component, so that a row's result never depends on how many rows there are.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from flexor.errors import InputError, unknown
 from flexor.objectives.base import Objective
-from flexor.objectives.bending import Bending
-from flexor.objectives.bending_contact import BendingContact, BendingContactPrinted
+from flexor.objectives.bending import Bending, BendingContact, BendingContactPrinted
 from flexor.objectives.tip_force import TipForce
 
 _OBJECTIVES: dict[str, Objective] = {
@@ -32,7 +31,7 @@ def objective(name: str | Objective) -> Objective:
         return name
     if not isinstance(name, str):
         raise InputError(
-            f"objective is {name!r}: a name or an objective is needed; flexor.objectives.custom "
+            f"objective is {name!r}: expected a name or an objective; flexor.objectives.custom "
             "makes one of a function."
         )
     plain = name.strip().casefold()

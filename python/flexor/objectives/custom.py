@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.results import Paths
 from flexor.objectives.base import Objective
-from flexor.objectives.gradient import FloatArray
 
 
 @dataclass(frozen=True)
@@ -22,15 +22,15 @@ class Custom(Objective):
     function: Callable[[Any], float] = float
     sense: Callable[[Any], float] | None = None
 
-    def value(self, paths: Paths) -> FloatArray:
+    def value(self, paths: Paths) -> Array:
         """Value of the function for each path, (n,)."""
         return self._each(self.function, paths)
 
-    def shown(self, paths: Paths) -> FloatArray:
+    def shown(self, paths: Paths) -> Array:
         """Quantity for display, (n,): the value unless another was given."""
         return self._each(self.sense or self.function, paths)
 
-    def _each(self, function: Callable[[Any], float], paths: Paths) -> FloatArray:
+    def _each(self, function: Callable[[Any], float], paths: Paths) -> Array:
         try:
             return np.array([float(function(path)) for path in paths])
         except (TypeError, ValueError) as error:

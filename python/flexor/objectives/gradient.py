@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,10 +25,10 @@ class PathGradient:
         [1/N].
     """
 
-    joint_angles: FloatArray
-    tip_force: FloatArray
+    joint_angles: Array
+    tip_force: Array
 
-    def chained(self, derivatives: FloatArray) -> FloatArray:
+    def chained(self, derivatives: Array) -> Array:
         """Return the derivative of the values with respect to k parameters.
 
         Parameters

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.results import Paths
 from flexor.objectives.base import Objective
-from flexor.objectives.gradient import FloatArray, PathGradient
+from flexor.objectives.gradient import PathGradient
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class TipForce(Objective):
     quantity: str = "tip force"
     unit: str = "N"
 
-    def value(self, paths: Paths) -> FloatArray:
+    def value(self, paths: Paths) -> Array:
         """-F_t [N], (n,).
 
         Raises
@@ -39,7 +40,7 @@ class TipForce(Objective):
             )
         return 0.0 - paths.tip_force[:, -1]
 
-    def shown(self, paths: Paths) -> FloatArray:
+    def shown(self, paths: Paths) -> Array:
         """F_t [N], (n,)."""
         return np.array(paths.tip_force[:, -1])
 

@@ -6,10 +6,8 @@ from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhaus
 from flexor.optimizers.cached_evaluator import CachedEvaluator
 from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
-from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
 from flexor.optimizers.grid import Grid, grid_axes, grid_designs
 from flexor.optimizers.interface import (
     BatchFunction,
@@ -27,9 +25,9 @@ from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
 from flexor.optimizers.mads import Mads
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.multistart_bfgs import MultistartBfgs
-from flexor.optimizers.particle_swarm import ParticleSwarm
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.polished_pattern import PolishedPattern
+from flexor.optimizers.population import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm
 from flexor.optimizers.starts import starting_designs
 from flexor.optimizers.surrogate import Surrogate
 

@@ -9,7 +9,7 @@ from contextlib import closing
 import numpy as np
 
 from flexor.errors import InputError
-from flexor.optimizers.cached_evaluator import CachedEvaluator, normalized
+from flexor.optimizers.cached_evaluator import CachedEvaluator, first_rows, normalized
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
@@ -73,7 +73,7 @@ class BudgetedEvaluator:
             Before the batch if no budget is left; after as much of it as the budget allows.
         """
         designs = normalized(designs)
-        fresh = self._fresh(designs)
+        fresh = first_rows(designs, self._asked)
         if fresh:
             for _ in self._evaluate(designs, fresh, len(fresh)):
                 pass
@@ -95,7 +95,7 @@ class BudgetedEvaluator:
             As for values.
         """
         designs = normalized(designs)
-        fresh = self._fresh(designs)
+        fresh = first_rows(designs, self._asked)
         rows = [*fresh.values(), len(designs)]
         if fresh:
             for done in self._evaluate(designs, fresh, part):
@@ -122,15 +122,13 @@ class BudgetedEvaluator:
         """Exact Jacobians (n, r, k) at designs (n, k); None if the function has none."""
         if not isinstance(self._function, DifferentiableVectorFunction):
             return None
-        found = self._function.jacobian(designs)
-        return None if found is None else np.asarray(found, dtype=np.float64)
+        return self._function.jacobian(designs)
 
     def gradient(self, designs: FloatArray) -> FloatArray | None:
         """Exact gradients (n, k) at designs (n, k); None if the function has none."""
         if not isinstance(self._function, DifferentiableFunction):
             return None
-        found = self._function.gradient(designs)
-        return None if found is None else np.asarray(found, dtype=np.float64)
+        return self._function.gradient(designs)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""
@@ -149,14 +147,6 @@ class BudgetedEvaluator:
             improvement_values=np.array([i[1] for i in self._improvements], dtype=np.float64),
             improvement_designs=np.array([i[2] for i in self._improvements]).reshape(-1, k),
         )
-
-    def _fresh(self, designs: FloatArray) -> dict[bytes, int]:
-        """Return the designs that were not asked for yet, with the first row of each."""
-        fresh: dict[bytes, int] = {}
-        for row, key in enumerate(row.tobytes() for row in designs):
-            if key not in self._asked:
-                fresh.setdefault(key, row)
-        return fresh
 
     def _evaluate(
         self, designs: FloatArray, fresh: dict[bytes, int], part: int

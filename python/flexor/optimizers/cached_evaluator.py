@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Container, Generator, Mapping
 from contextlib import closing
 
 import numpy as np
@@ -54,13 +54,10 @@ class CachedEvaluator:
         """
         designs = normalized(designs)
         keys = [row.tobytes() for row in designs]
-        fresh: dict[bytes, int] = {}
-        for row, key in enumerate(keys):
-            if key not in self._values:
-                fresh.setdefault(key, row)
-            elif key in self._earlier:
-                self._earlier.remove(key)
-                self.replayed += 1
+        fresh = first_rows(designs, self._values)
+        replayed = self._earlier.intersection(keys)
+        self._earlier -= replayed
+        self.replayed += len(replayed)
         new, rows = list(fresh), [*fresh.values(), len(designs)]
         given, done = 0, 0
         if fresh:
@@ -91,6 +88,15 @@ class CachedEvaluator:
             if values.shape != (len(asked),):
                 raise RuntimeError(f"{len(asked)} designs gave values of shape {values.shape}")
             yield values
+
+
+def first_rows(designs: FloatArray, known: Container[bytes]) -> dict[bytes, int]:
+    """Return the distinct designs that are not known yet, with the first row of each."""
+    fresh: dict[bytes, int] = {}
+    for row, key in enumerate(design.tobytes() for design in designs):
+        if key not in known:
+            fresh.setdefault(key, row)
+    return fresh
 
 
 def normalized(designs: FloatArray) -> FloatArray:

@@ -8,19 +8,17 @@ from typing import Any
 
 from flexor.errors import InputError, shortened, unknown
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.differential_evolution import DifferentialEvolution
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
 from flexor.optimizers.extras import missing_package
-from flexor.optimizers.genetic_algorithm import GeneticAlgorithm
 from flexor.optimizers.grid import Grid
 from flexor.optimizers.interface import Search
 from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
 from flexor.optimizers.mads import Mads
 from flexor.optimizers.multistart_bfgs import MultistartBfgs
-from flexor.optimizers.particle_swarm import ParticleSwarm
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.polished_pattern import PolishedPattern
+from flexor.optimizers.population import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm
 from flexor.optimizers.surrogate import Surrogate
 
 
@@ -51,65 +49,22 @@ class Entry:
         return {field.name: field.default for field in fields(self.factory)}  # type: ignore[arg-type]
 
 
-_METHODS: dict[str, Entry] = {
-    "pattern-search": Entry(
-        PatternSearch,
-        "pattern search",
-        ("ps", "gps"),
-        "the paper's PS: polls along the coordinate axes",
-    ),
-    "levenberg-marquardt": Entry(
-        LevenbergMarquardt,
-        "Levenberg-Marquardt",
-        ("lm", "ls", "least-squares"),
-        "the paper's LS: local nonlinear least squares on the objective's residual vector",
-    ),
-    "multistart-bfgs": Entry(
-        MultistartBfgs,
-        "multi-start BFGS",
-        ("bfgs", "l-bfgs-b"),
-        "local quasi-Newton searches with exact gradients from several starts",
-    ),
-    "pattern-search+polish": Entry(
-        PolishedPattern,
-        "polished pattern search",
-        ("ps+polish", "polish"),
-        "coarse pattern search followed by local quasi-Newton searches with exact gradients",
-    ),
-    "genetic-algorithm": Entry(
-        GeneticAlgorithm, "genetic algorithm", ("ga",), "real-coded genetic algorithm"
-    ),
-    "differential-evolution": Entry(
-        DifferentialEvolution,
-        "differential evolution",
-        ("de",),
-        "differential evolution, DE/rand/1/bin",
-    ),
-    "particle-swarm": Entry(
-        ParticleSwarm, "particle swarm", ("pso",), "particle swarm with adaptive coefficients"
-    ),
-    "cma-es": Entry(
-        CmaEs,
-        "CMA-ES",
-        ("cma", "cmaes"),
-        "covariance matrix adaptation evolution strategy with restarts",
-    ),
-    "direct": Entry(Direct, "DIRECT", (), "dividing rectangles; deterministic"),
-    "dual-annealing": Entry(
-        DualAnnealing,
-        "dual annealing",
-        ("annealing", "da"),
-        "generalised simulated annealing with local searches",
-    ),
-    "mads": Entry(Mads, "MADS", ("nomad",), "mesh adaptive direct search with quadratic models"),
-    "surrogate": Entry(
-        Surrogate,
-        "surrogate (EGO)",
-        ("ego", "bayesian"),
-        "Bayesian optimisation, for expensive models",
-    ),
-    "grid": Entry(Grid, "grid", (), "full-factorial grid"),
-}
+_CLASSES = (
+    PatternSearch,
+    LevenbergMarquardt,
+    MultistartBfgs,
+    PolishedPattern,
+    GeneticAlgorithm,
+    DifferentialEvolution,
+    ParticleSwarm,
+    CmaEs,
+    Direct,
+    DualAnnealing,
+    Mads,
+    Surrogate,
+    Grid,
+)
+_METHODS = {each.name: Entry(each, each.title, each.aliases, each.description) for each in _CLASSES}
 _ALIASES = {alias: name for name, entry in _METHODS.items() for alias in entry.aliases}
 
 

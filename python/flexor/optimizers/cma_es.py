@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.method import Method, Run, penalize_failures
 from flexor.optimizers.options import FRACTION, Range, at_least, at_most, option
-from flexor.optimizers.unit_box import penalize_failures
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,10 @@ class CmaEs(Method):
         A run stops when its step sizes, as fractions of the ranges, fall below this.
     """
 
-    name: ClassVar[str] = "cma-es"
+    name = "cma-es"
+    title = "CMA-ES"
+    aliases = ("cma", "cmaes")
+    description = "covariance matrix adaptation evolution strategy with restarts"
 
     population: int = option(
         0, Range(lambda value: value == 0 or value >= 4, "at least 4, or 0 for the default")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
@@ -33,7 +33,9 @@ class Direct(Method):
         Approximate evaluation limit if no budget is given.
     """
 
-    name: ClassVar[str] = "direct"
+    name = "direct"
+    title = "DIRECT"
+    description = "dividing rectangles; deterministic"
 
     local: bool = True
     side: float = option(1e-4, FRACTION)

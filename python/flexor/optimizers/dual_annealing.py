@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from flexor.optimizers.interface import FloatArray
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.method import Method, Run, penalize_failures
+from flexor.optimizers.multistart_bfgs import difference_gradient
 from flexor.optimizers.options import at_least, option
-from flexor.optimizers.unit_box import penalize_failures
 
 # Finite-difference step of the local searches, as a fraction of the ranges.
 DIFFERENCE = 1e-6
@@ -34,7 +33,10 @@ class DualAnnealing(Method):
         Whether to run local searches.
     """
 
-    name: ClassVar[str] = "dual-annealing"
+    name = "dual-annealing"
+    title = "dual annealing"
+    aliases = ("annealing", "da")
+    description = "generalised simulated annealing with local searches"
 
     iterations: int = option(1000, at_least(1))
     local: bool = True
@@ -54,12 +56,7 @@ class DualAnnealing(Method):
             return float(penalize_failures(run.values(point[None, :]))[0])
 
         def gradient(point: FloatArray) -> FloatArray:
-            steps = np.where(point + DIFFERENCE > 1.0, -DIFFERENCE, DIFFERENCE)
-            around = run.values(np.concatenate((point[None, :], point + np.diag(steps))))
-            rise = (
-                (around[1:] - around[0]) / steps if np.isfinite(around[0]) else np.zeros(run.size)
-            )
-            return np.where(np.isfinite(rise), rise, 0.0)
+            return difference_gradient(run, point, DIFFERENCE)
 
         box = [(0.0, 1.0)] * run.size
         dual_annealing(

@@ -18,13 +18,7 @@ def missing_package(method: str) -> str | None:
 
 
 def require_installed(method: str) -> None:
-    """Raise an error if the library of a method is not installed.
-
-    Raises
-    ------
-    InputError
-        States the command that installs it.
-    """
+    """Raise an error if the library of a method is not installed."""
     package = missing_package(method)
     if package is not None:
         raise InputError(

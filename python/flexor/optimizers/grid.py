@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -30,7 +29,9 @@ class Grid(Method):
         Indices of the parameters to vary; all by default.
     """
 
-    name: ClassVar[str] = "grid"
+    name = "grid"
+    title = "grid"
+    description = "full-factorial grid"
 
     points: int = option(81, at_least(2))
     columns: tuple[int, ...] = ()

@@ -17,13 +17,15 @@ FloatArray = NDArray[np.float64]
 BatchFunction = Callable[[FloatArray], FloatArray]
 
 
-@runtime_checkable
-class VectorFunction(Protocol):
-    """A batch function whose value is the norm of a residual vector, for least squares."""
-
+class _Values(Protocol):
     def __call__(self, designs: FloatArray) -> FloatArray:
         """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
         ...
+
+
+@runtime_checkable
+class VectorFunction(_Values, Protocol):
+    """A batch function whose value is the norm of a residual vector, for least squares."""
 
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Map n designs (n, k) to their residual vectors (n, r); NaN for designs that fail.
@@ -49,12 +51,8 @@ class DifferentiableVectorFunction(VectorFunction, Protocol):
 
 
 @runtime_checkable
-class DifferentiableFunction(Protocol):
+class DifferentiableFunction(_Values, Protocol):
     """A batch function with an exact gradient; without one, methods use finite differences."""
-
-    def __call__(self, designs: FloatArray) -> FloatArray:
-        """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
-        ...
 
     def gradient(self, designs: FloatArray) -> FloatArray | None:
         """Map n designs (n, k) to the gradients of their values (n, k); NaN for designs that fail.
@@ -65,12 +63,8 @@ class DifferentiableFunction(Protocol):
 
 
 @runtime_checkable
-class StreamingFunction(Protocol):
+class StreamingFunction(_Values, Protocol):
     """A batch function that can evaluate ahead while its first values are processed."""
-
-    def __call__(self, designs: FloatArray) -> FloatArray:
-        """Map n designs (n, k) to their values (n,); +inf for designs that fail."""
-        ...
 
     def stream(self, designs: FloatArray) -> Generator[FloatArray, None, None]:
         """Yield the values of n designs (n, k) in order, in chunks."""
@@ -93,13 +87,7 @@ class Budget:
     seconds: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises
-        ------
-        InputError
-            If one is not positive.
-        """
+        """Raise InputError if a limit is not positive."""
         if self.evaluations is not None and self.evaluations < 1:
             raise InputError(f"the budget must be at least 1 evaluation, got {self.evaluations}.")
         if self.seconds is not None and not self.seconds > 0.0:
@@ -223,11 +211,5 @@ class Search(Protocol):
 
 
 def uses_gradients(search: Search) -> bool:
-    """Return whether a search uses gradients or Jacobians where available.
-
-    Parameters
-    ----------
-    search : Search
-        Declares it by an attribute ``gradients``.
-    """
+    """Return whether a search declares, by an attribute ``gradients``, that it uses them."""
     return bool(getattr(search, "gradients", False))

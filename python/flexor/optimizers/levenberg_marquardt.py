@@ -17,27 +17,14 @@ MIN_DAMPING = 1e-12
 
 @dataclass
 class LocalSearch:
-    """State of the search from one start.
+    """State of the search from one start."""
 
-    Attributes
-    ----------
-    point : (k,) array
-        Current point in the unit box.
-    vector : (r,) array
-        Residual vector; NaN if the design failed.
-    damping : float
-        Damping of the next step.
-    jacobian : (r, k) array or None
-        Jacobian at the point, in the unit box; None if not yet evaluated.
-    done : str
-        Empty, or why the search has ended.
-    """
-
-    point: FloatArray
-    vector: FloatArray
-    damping: float
+    point: FloatArray  # (k,): current point in the unit box
+    vector: FloatArray  # (r,): residual vector; NaN if the design failed
+    damping: float  # of the next step
+    # (r, k): Jacobian at the point, in the unit box; None if not yet evaluated.
     jacobian: FloatArray | None = None
-    done: str = ""
+    done: str = ""  # why the search has ended, or empty
 
 
 @dataclass(frozen=True)
@@ -71,7 +58,10 @@ class LevenbergMarquardt(Method):
         Maximum number of iterations.
     """
 
-    name: ClassVar[str] = "levenberg-marquardt"
+    name = "levenberg-marquardt"
+    title = "Levenberg-Marquardt"
+    aliases = ("lm", "ls", "least-squares")
+    description = "the paper's LS: local nonlinear least squares on the objective's residual vector"
     gradients: ClassVar[bool] = True
 
     starts: int = option(1, at_least(1))

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import IO, Any, ClassVar
+from typing import IO, Any
 
 import numpy as np
 
@@ -35,7 +35,10 @@ class Mads(Method):
         Stop when the mesh size, as a fraction of the ranges, falls below this.
     """
 
-    name: ClassVar[str] = "mads"
+    name = "mads"
+    title = "MADS"
+    aliases = ("nomad",)
+    description = "mesh adaptive direct search with quadratic models"
 
     models: bool = True
     mesh: float = option(1e-7, FRACTION)

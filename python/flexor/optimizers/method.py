@@ -1,4 +1,4 @@
-"""Base class of the methods: running, progress reports and stopping."""
+"""Base class of the methods, and one run of a method in the unit box."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexor.optimizers.interface import (
     SearchResult,
 )
 from flexor.optimizers.options import Options
-from flexor.optimizers.unit_box import UnitBox
+from flexor.optimizers.starts import starting_designs
 
 # A converged method may request cached designs indefinitely; stop it after this many iterations
 # without a new one.
@@ -27,13 +27,21 @@ class Stagnated(Exception):
     """Raised when a method has stopped requesting new designs."""
 
 
-class Run(UnitBox):
-    """One run of a method: evaluation in the unit box and progress reports.
+class Run:
+    """One run of a method: designs scaled to the unit box, their evaluation, progress reports.
+
+    In the unit box [0, 1]^k, 0 is the lower bound and 1 the upper bound.
 
     Attributes
     ----------
+    function : BudgetedEvaluator
+        Function to minimise, of designs in SI units.
+    lower, upper : (k,) arrays
+        Bounds.
     seed : int
         Random seed.
+    random : numpy Generator
+        Random generator of further starts, and of the method.
     iteration : int
         Iterations completed.
     """
@@ -47,11 +55,70 @@ class Run(UnitBox):
         seed: int,
         progress: ProgressCallback | None,
     ) -> None:
-        super().__init__(function, lower, upper, start, np.random.default_rng(seed))
+        self.function = function
+        self.lower = np.asarray(lower, dtype=np.float64)
+        self.upper = np.asarray(upper, dtype=np.float64)
         self.seed = seed
+        self.random = np.random.default_rng(seed)
         self.iteration = 0
+        self._start = start
+        self._start_designs: dict[bytes, FloatArray] = {}
         self._progress = progress
         self._last_new_design = (0, 0)
+
+    @property
+    def size(self) -> int:
+        """Number k of parameters."""
+        return self.lower.size
+
+    def starts(self, count: int) -> FloatArray:
+        """Return the given starts, completed to ``count`` with a Latin hypercube, (s, k).
+
+        Raises
+        ------
+        InputError
+            If a given start is outside the bounds.
+        """
+        designs = starting_designs(self._start, count, self.lower, self.upper, self.random)
+        points = self.points(designs)
+        # Scaling there and back may change the last bit; starts are evaluated exactly as given.
+        self._start_designs.update(
+            (point.tobytes(), design) for point, design in zip(points, designs, strict=True)
+        )
+        return points
+
+    def points(self, designs: FloatArray) -> FloatArray:
+        """Scale designs (n, k) to points (n, k)."""
+        return np.clip((designs - self.lower) / (self.upper - self.lower), 0.0, 1.0) + 0.0
+
+    def designs(self, points: ArrayLike) -> FloatArray:
+        """Scale points (n, k) to designs (n, k) within the bounds."""
+        clipped = np.clip(np.asarray(points, dtype=np.float64), 0.0, 1.0) + 0.0
+        designs = self.lower + clipped * (self.upper - self.lower)
+        # At 1 rounding may miss the upper bound.
+        designs = np.clip(np.where(clipped == 1.0, self.upper, designs), self.lower, self.upper)
+        for row, point in enumerate(clipped):
+            if (start := self._start_designs.get(point.tobytes())) is not None:
+                designs[row] = start
+        return designs
+
+    def values(self, points: ArrayLike) -> FloatArray:
+        """Return the values (n,) at points (n, k), as one batch; +inf for failures."""
+        return self.function(self.designs(points))
+
+    def residuals(self, points: ArrayLike) -> FloatArray:
+        """Return the residual vectors (n, r) at points (n, k), as one batch; NaN for failures."""
+        return self.function.residuals(self.designs(points))
+
+    def jacobian(self, points: ArrayLike) -> FloatArray | None:
+        """Return the exact Jacobians (n, r, k) at points (n, k), or None if not available."""
+        result = self.function.jacobian(self.designs(points))
+        return None if result is None else result * (self.upper - self.lower)
+
+    def gradient(self, points: ArrayLike) -> FloatArray | None:
+        """Return the exact gradients (n, k) at points (n, k), or None if not available."""
+        result = self.function.gradient(self.designs(points))
+        return None if result is None else result * (self.upper - self.lower)
 
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.
@@ -110,3 +177,8 @@ class Method(Options, ABC):
             reason = str(stop)
         run.report(reason, 0)
         return evaluator.result(run.iteration, reason)
+
+
+def penalize_failures(values: FloatArray) -> FloatArray:
+    """Replace non-finite values by a large finite penalty, for methods that need finite values."""
+    return np.where(np.isfinite(values), values, 1e30)

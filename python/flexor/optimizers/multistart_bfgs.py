@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexor.optimizers.method import Method, Run
+from flexor.optimizers.interface import FloatArray
+from flexor.optimizers.method import Method, Run, penalize_failures
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
-from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,10 @@ class MultistartBfgs(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
-    name: ClassVar[str] = "multistart-bfgs"
+    name = "multistart-bfgs"
+    title = "multi-start BFGS"
+    aliases = ("bfgs", "l-bfgs-b")
+    description = "local quasi-Newton searches with exact gradients from several starts"
     gradients: ClassVar[bool] = True
 
     starts: int = option(8, at_least(1))
@@ -52,3 +55,47 @@ class MultistartBfgs(Method):
         if not valid:
             return "no start succeeded" if len(points) > 1 else "the start failed"
         return f"local searches from {len(valid)} starts ended"
+
+
+def minimize_lbfgsb(
+    run: Run, start: FloatArray, difference: float, tolerance: float, iterations: int
+) -> FloatArray:
+    """Run L-BFGS-B in the unit box from a point (k,) of finite value; return where it ends (k,).
+
+    It ends where the gradient vanishes or the line search fails, not necessarily at the best point
+    of the run. Without an exact gradient, differences are taken.
+    """
+    from scipy.optimize import minimize
+
+    def value_and_gradient(point: FloatArray) -> tuple[float, FloatArray]:
+        value = float(run.values(point[None, :])[0])
+        if not np.isfinite(value):
+            return float(penalize_failures(np.array(value))), np.zeros(run.size)
+        exact = run.gradient(point[None, :])
+        if exact is None:
+            return value, difference_gradient(run, point, difference)
+        return value, np.where(np.isfinite(exact[0]), exact[0], 0.0)
+
+    result = minimize(
+        value_and_gradient,
+        start,
+        jac=True,
+        method="L-BFGS-B",
+        bounds=[(0.0, 1.0)] * run.size,
+        options={"maxiter": iterations, "gtol": tolerance, "ftol": tolerance**2, "maxls": 10},
+        callback=lambda _: run.step("quasi-Newton"),
+    )
+    end: FloatArray = np.asarray(result.x, dtype=np.float64)
+    return end
+
+
+def difference_gradient(run: Run, point: FloatArray, difference: float) -> FloatArray:
+    """Return the gradient (k,) at a point by one batch of one-sided differences.
+
+    They are taken backwards at an upper bound, and zero where they are not finite.
+    """
+    steps = np.where(point + difference > 1.0, -difference, difference)
+    values = run.values(np.concatenate((point[None, :], point + np.diag(steps))))
+    with np.errstate(invalid="ignore"):
+        rise = (values[1:] - values[0]) / steps
+    return np.where(np.isfinite(rise), rise, 0.0)

@@ -14,18 +14,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Range:
-    """Values that an option may have.
+    """Values that an option may have."""
 
-    Attributes
-    ----------
-    contains : callable
-        Whether a value is allowed. Comparisons with NaN are false, so NaN is rejected.
-    text : str
-        The range in words, for example ``"at least 1"``.
-    """
-
+    # Whether a value is allowed. Comparisons with NaN are false, so NaN is rejected.
     contains: Callable[[Any], bool]
-    text: str
+    text: str  # the range in words, for example ``"at least 1"``
 
 
 FRACTION = Range(lambda value: 0.0 < value < 1.0, "between 0 and 1")
@@ -49,24 +42,15 @@ def option(default: T, allowed: Range) -> T:
 
 @dataclass(frozen=True)
 class Options:
-    """Base class of the methods: a frozen dataclass whose fields are the options.
+    """Base class of the methods: a frozen dataclass whose fields are the options."""
 
-    Attributes
-    ----------
-    name : str
-        Name on the command line.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # on the command line
+    title: ClassVar[str]  # for figures and tables
+    aliases: ClassVar[tuple[str, ...]] = ()
+    description: ClassVar[str]  # in one line
 
     def __post_init__(self) -> None:
-        """Check the options and that the method's library is installed.
-
-        Raises
-        ------
-        InputError
-            If an option is out of its range or the library is missing.
-        """
+        """Check the options and that the method's library is installed."""
         for each in fields(self):
             if "range" in each.metadata:
                 self._require(each.name, each.metadata["range"])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,21 +23,11 @@ from flexor.optimizers.starts import starting_designs
 
 @dataclass
 class PollState:
-    """State of the search from one start.
+    """State of the search from one start."""
 
-    Attributes
-    ----------
-    design : (k,) array
-        Best design so far.
-    value : float
-        Its value.
-    mesh : float
-        Mesh size of the next poll, as a fraction of each parameter's range.
-    """
-
-    design: FloatArray
-    value: float
-    mesh: float
+    design: FloatArray  # (k,): best design so far
+    value: float  # its value
+    mesh: float  # mesh size of the next poll, as a fraction of each parameter's range
 
 
 @dataclass(frozen=True)
@@ -67,7 +56,10 @@ class PatternSearch(Options):
         The search from a start ends when its mesh falls below this.
     """
 
-    name: ClassVar[str] = "pattern-search"
+    name = "pattern-search"
+    title = "pattern search"
+    aliases = ("ps", "gps")
+    description = "the paper's PS: polls along the coordinate axes"
 
     starts: int = option(1, at_least(1))
     initial_mesh: float = option(0.25, at_most(1))

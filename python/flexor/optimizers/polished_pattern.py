@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from flexor.optimizers.method import Method, Run
+from flexor.optimizers.multistart_bfgs import minimize_lbfgsb
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
-from flexor.optimizers.quasi_newton import minimize_lbfgsb
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,12 @@ class PolishedPattern(Method):
         Finite-difference step where there is no exact gradient, as a fraction of the ranges.
     """
 
-    name: ClassVar[str] = "pattern-search+polish"
+    name = "pattern-search+polish"
+    title = "polished pattern search"
+    aliases = ("ps+polish", "polish")
+    description = (
+        "coarse pattern search followed by local quasi-Newton searches with exact gradients"
+    )
     gradients: ClassVar[bool] = True
 
     starts: int = option(1, at_least(1))

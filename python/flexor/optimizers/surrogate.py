@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -30,7 +29,10 @@ class Surrogate(Method):
         Number of designs proposed per iteration.
     """
 
-    name: ClassVar[str] = "surrogate"
+    name = "surrogate"
+    title = "surrogate (EGO)"
+    aliases = ("ego", "bayesian")
+    description = "Bayesian optimisation, for expensive models"
 
     evaluations: int = option(200, at_least(1))
     batch: int = option(1, at_least(1))

@@ -13,20 +13,16 @@ import numpy as np
 
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.history import read_history
-from flexor.plot.landscape_figure import draw_landscape
+from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
-from flexor.plot.profiles_figure import draw_profiles
+from flexor.plot.profiles_figure import profiles
 from flexor.plot.reading import read_scene
 from flexor.plot.style import save, writable
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.figure import Figure
 
     from flexor.model import Path
-    from flexor.study.comparison import MethodComparison
-    from flexor.study.landscape import Landscape, SearchPath
 
 MOST_SCENES = 12
 
@@ -88,48 +84,3 @@ def designs(
         for title, path in zip(titles, (start_path, best_path), strict=True)
     ]
     return draw_designs(panels, planar_model=start_path.model.planar)
-
-
-def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
-    """Plot an objective over one or two parameters.
-
-    Parameters
-    ----------
-    landscape : Landscape
-        Result of `flexor.landscape`.
-    paths : sequence of SearchPath
-        Searches of the same parameter set to overlay.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A surface and a contour plot, one page wide; or a curve, one column wide. The minimum, the
-        designs that snap and those that failed are marked.
-    """
-    return draw_landscape(landscape, paths)
-
-
-def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
-    """Plot the performance and data profiles of a comparison.
-
-    Parameters
-    ----------
-    comparison : MethodComparison
-        Result of `flexor.compare`.
-    within : float
-        Relative tolerance: a problem is solved at 1 - `within` of the best known gain.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Performance profile and data profile, one page wide.
-    """
-    from flexor.study.comparison import data_profiles, performance_profiles
-
-    sets, seeds = len(comparison.sets), len(comparison.seeds)
-    return draw_profiles(
-        performance_profiles(comparison, within),
-        data_profiles(comparison, within),
-        problems=f"{sets} set{'s' * (sets > 1)} × {seeds} seed{'s' * (seeds > 1)}",
-        within=within,
-    )

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexor.plot import arrows, planar, spatial
-from flexor.plot.scene import Scene
+from flexor.plot import planar, spatial
+from flexor.plot.scene import Scene, arrow_scale
 from flexor.plot.style import CHAMBER, EXOSUIT, LINE, PAGE, style
 
 if TYPE_CHECKING:
@@ -20,47 +20,22 @@ AT_REST = "#CBD2D8"
 
 @dataclass(frozen=True)
 class Design:
-    """One panel of the figure.
-
-    Attributes
-    ----------
-    title : str
-        Title of the design.
-    first, last : Scene
-        The model at the first and at the last load.
-    first_load, last_load : float
-        These loads [N].
-    bending : float or None
-        Sum of the joint angles at the last load [rad]; None if the model has no joints.
-    """
+    """One panel of the figure."""
 
     title: str
-    first: Scene
+    first: Scene  # at the first load
     last: Scene
-    first_load: float
+    first_load: float  # [N]
     last_load: float
-    bending: float | None
+    bending: float | None  # sum of the joint angles at the last load [rad]; None without joints
 
 
 def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
-    """Draw designs side by side to the same scale, each before and after actuation.
-
-    Parameters
-    ----------
-    designs : sequence of Design
-        The designs, from left to right.
-    planar_model : bool
-        Draw in the x-z plane; otherwise in 3-D.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One page wide.
-    """
+    """Draw designs side by side to the same scale, each before and after actuation."""
     from matplotlib.figure import Figure
 
     scenes = [scene for design in designs for scene in (design.first, design.last)]
-    cm_per_newton, key = arrows.scale([design.last for design in designs])
+    cm_per_newton, key = arrow_scale([design.last for design in designs])
     with style():
         figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
         for column, design in enumerate(designs, start=1):

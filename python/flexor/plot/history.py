@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.plot.style import LINE, shades
 
 if TYPE_CHECKING:
@@ -15,40 +16,21 @@ if TYPE_CHECKING:
 
     from flexor.model import Path
 
-Array = NDArray[np.float64]
 _MOST_ARROWS = 10
 
 
 @dataclass(frozen=True)
 class History:
-    """What to draw of a path that returns, or that is not stable throughout.
+    """What to draw of a path that returns, or that is not stable throughout."""
 
-    Attributes
-    ----------
-    loads : ndarray, shape (s,)
-        Load of the input that changes most [N].
-    values : ndarray, shape (s,)
-        What is shown over them.
-    label : str
-        What that is, with its unit.
-    stable : ndarray of bool, shape (s,)
-        Whether each point is stable.
-    """
-
-    loads: Array
-    values: Array
-    label: str
-    stable: NDArray[np.bool_]
+    loads: Array  # (s,): load of the input that changes most [N]
+    values: Array  # (s,): what is shown over them
+    label: str  # what that is, with its unit
+    stable: NDArray[np.bool_]  # (s,): whether each point is stable
 
 
 def read_history(path: Path) -> History | None:
-    """Return what the panel shows; None where loads only rise and every state is stable.
-
-    Parameters
-    ----------
-    path : Path
-        Equilibria of a design.
-    """
+    """Return what the panel shows; None where loads only rise and every state is stable."""
     found = path.converged
     if path.loads.shape[1] == 0 or found.sum() < 2:
         return None
@@ -72,18 +54,8 @@ def read_history(path: Path) -> History | None:
     return History(loads[found], values[found], label, path.stable[found])
 
 
-def draw_history(axes: Axes, history: History, load_unit: str) -> None:
-    """Draw values over loads: stable parts solid, others dashed, arrows along the path.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where.
-    history : History
-        What.
-    load_unit : str
-        Of the loads.
-    """
+def draw_history(axes: Axes, history: History) -> None:
+    """Draw values over loads: stable parts solid, others dashed, arrows along the path."""
     loads, values, stable = history.loads, history.values, history.stable
     colours = shades(len(loads))
     for start, stop in zip(range(len(loads) - 1), range(1, len(loads)), strict=True):
@@ -107,6 +79,6 @@ def draw_history(axes: Axes, history: History, load_unit: str) -> None:
     if not stable.all():
         axes.plot([], [], color=LINE, linewidth=1.2, linestyle=(0, (3, 2)), label="not stable")
         axes.legend(loc="best")
-    axes.set_xlabel(f"load / {load_unit}")
+    axes.set_xlabel("load / N")
     axes.set_ylabel(history.label)
     axes.grid(visible=True, linewidth=0.3, alpha=0.5)

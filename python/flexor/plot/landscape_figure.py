@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.optimizers import entries
 from flexor.plot.style import COLUMN, LINE, PAGE, literal, style
 
@@ -16,9 +16,14 @@ if TYPE_CHECKING:
 
     from flexor.study.landscape import Landscape, SearchPath
 
-Array = NDArray[np.float64]
 
-MINIMUM = "#D55E00"
+# Marks of the minimum, of designs that snap and of those that failed.
+STAR: dict[str, Any] = {
+    "marker": "*",
+    "color": "#D55E00",
+    "markeredgecolor": "white",
+    "linestyle": "",
+}
 SNAP = "#000000"
 FAILED = "#C9CED3"
 # Colour and marker of the search paths of each method.
@@ -33,20 +38,21 @@ CONTOUR_LEVELS = 12
 ELEVATION, AZIMUTH = 40.0, 12.0  # degrees
 
 
-def draw_landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
-    """Plot a landscape with its minimum, snaps, failures and search paths.
+def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
+    """Plot an objective over one or two parameters.
 
     Parameters
     ----------
     landscape : Landscape
-        A landscape over one or two parameters.
+        Result of `flexor.landscape`.
     paths : sequence of SearchPath
         Searches of the same parameter set to overlay.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Two views, one page wide, or a curve, one column wide.
+        A surface and a contour plot, one page wide; or a curve, one column wide. The minimum, the
+        designs that snap and those that failed are marked.
     """
     from matplotlib.figure import Figure
 
@@ -81,14 +87,8 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     if not landscape.failed.all():
         i, j = landscape.minimum_index
         _set_view(space, x, y, (i, j))
-        star: dict[str, Any] = {
-            "marker": "*",
-            "color": MINIMUM,
-            "markeredgecolor": "white",
-            "linestyle": "",
-        }
-        plan.plot(x[i], y[j], markersize=14, markeredgewidth=0.8, zorder=6.5, clip_on=False, **star)
-        space.plot([x[i]], [y[j]], [value[j, i]], markersize=12, zorder=9, **star)
+        plan.plot(x[i], y[j], markersize=14, markeredgewidth=0.8, zorder=6.5, clip_on=False, **STAR)
+        space.plot([x[i]], [y[j]], [value[j, i]], markersize=12, zorder=9, **STAR)
     place = plan.get_position(original=False)
     bar_axes = figure.add_axes((0.915, place.y0, 0.015, place.height))
     bar: Any = figure.colorbar(colours, cax=bar_axes)
@@ -234,9 +234,7 @@ def _curve(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
         axes.plot(across[-1:], path.values[-1:], color=LINE, markersize=5.0, zorder=6, **ends)
     if not landscape.failed.all():
         (i,) = landscape.minimum_index
-        axes.plot(
-            x[i], value[i], "*", color=MINIMUM, markersize=11, markeredgecolor="white", zorder=7
-        )
+        axes.plot(x[i], value[i], markersize=11, zorder=7, **STAR)
     axes.set_xlim(x[0], x[-1])
     axes.set_xlabel(_label(landscape, 0))
     axes.set_ylabel(_value_label(landscape))
@@ -255,13 +253,7 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
             f"{'' if unit == '1' else ' ' + unit}"
             for axis, column, scale, unit in _varied(landscape)
         )
-        star: dict[str, Any] = {
-            "marker": "*",
-            "color": MINIMUM,
-            "markeredgecolor": "white",
-            "linestyle": "",
-        }
-        handles.append(Line2D([], [], markersize=11, label=f"minimum at {position}", **star))
+        handles.append(Line2D([], [], markersize=11, label=f"minimum at {position}", **STAR))
     if np.any((landscape.events > 0) & ~landscape.failed):
         handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps"))
     if landscape.failed.any():

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from flexor.arrays import Array
 
 
 def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
-    """Return the closed outline of a soft rod in its plane.
+    """Return the closed outline (2 m + 1, 2) of a soft rod in its plane.
 
-    Parameters
-    ----------
-    centre : array_like, shape (m, 2)
-        Points of the centre line, base to tip [m].
-    normal : array_like, shape (m, 2)
-        Unit normals of the centre line, towards the dorsal side.
-    half_height : array_like, shape (m,)
-        Half-height S of the section [m].
-
-    Returns
-    -------
-    ndarray, shape (2 m + 1, 2)
-        Dorsal edge from base to tip, then palmar edge from tip to base; closed [m].
+    Centre line (m, 2) and its unit normals (m, 2) run from base to tip; the dorsal edge comes
+    first.
     """
     r = np.asarray(centre, dtype=np.float64)
     offset = np.asarray(half_height, dtype=np.float64)[:, None] * np.asarray(normal)
@@ -31,21 +20,10 @@ def band(centre: ArrayLike, normal: ArrayLike, half_height: ArrayLike) -> Array:
 
 
 def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
-    """Interpolate the frames of a rod, so that it is drawn smoothly.
+    """Interpolate the frames (m, 4, 4) of a rod, so that it is drawn smoothly.
 
-    Parameters
-    ----------
-    frames : array_like, shape (m, 4, 4)
-        Frames along the rod, with x along it [m].
-    between : int
-        Number of subdivisions of each interval.
-
-    Returns
-    -------
-    fine : ndarray, shape (k, 4, 4)
-        Frames on the cubic Hermite curve through the given ones, k = between (m - 1) + 1 [m].
-    station : ndarray, shape (k,)
-        Fractional indices of the frames: 2.5 is halfway between the third and the fourth.
+    Returns k = between (m - 1) + 1 frames (k, 4, 4) on the cubic Hermite curve through the given
+    ones, and their fractional indices (k,): 2.5 is halfway between the third and the fourth.
     """
     given = np.asarray(frames, dtype=np.float64)
     last = len(given) - 1
@@ -70,21 +48,9 @@ def refine(frames: ArrayLike, between: int = 6) -> tuple[Array, Array]:
 def capsule(
     first: ArrayLike, second: ArrayLike, r_first: float, r_second: float, arc_points: int = 48
 ) -> Array:
-    """Return the closed outline of a tapered capsule: the convex hull of two discs.
+    """Return the closed outline (k, 2) of a tapered capsule: the convex hull of two discs.
 
-    Parameters
-    ----------
-    first, second : array_like, shape (2,)
-        Centres of the discs [m].
-    r_first, r_second : float
-        Radii of the discs [m].
-    arc_points : int
-        Number of points on each of the two arcs.
-
-    Returns
-    -------
-    ndarray, shape (k, 2)
-        The closed outline [m]; the larger circle if one disc contains the other.
+    The larger circle if one disc contains the other.
     """
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     axis = b - a
@@ -107,21 +73,9 @@ def capsule(
 def tube(
     centre: ArrayLike, first: ArrayLike, second: ArrayLike, sides: int = 24
 ) -> tuple[Array, Array, Array]:
-    """Return the surface swept by an ellipse along a curve.
+    """Return the surface swept by an ellipse along a curve (m, 3): x, y, z, each (m, sides + 1).
 
-    Parameters
-    ----------
-    centre : array_like, shape (m, 3)
-        Points of the centre line [m].
-    first, second : array_like, shape (m, 3)
-        Semi-axes of the ellipse, as vectors [m].
-    sides : int
-        Number of facets around the section.
-
-    Returns
-    -------
-    tuple of three ndarrays, shape (m, sides + 1)
-        x, y and z of the surface grid [m].
+    The semi-axes of the ellipse are vectors (m, 3).
     """
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
     surface = (

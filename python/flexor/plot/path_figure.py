@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from flexor.plot import arrows, planar, spatial
+from flexor.arrays import Array
+from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
-from flexor.plot.scene import Scene
+from flexor.plot.scene import Scene, arrow_scale
 from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
 
 if TYPE_CHECKING:
@@ -28,34 +29,13 @@ def draw_path(
     loads: ArrayLike,
     *,
     planar_model: bool,
-    load_unit: str = "N",
     history: History | None = None,
 ) -> Figure:
-    """Draw a model at every load step, to scale.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        One scene per load step.
-    loads : array_like, shape (s,)
-        The loads, for the legend [load_unit].
-    planar_model : bool
-        Draw in the x-z plane; otherwise in 3-D.
-    load_unit : str
-        Unit of the loads.
-    history : History, optional
-        What a panel below shows over the load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column wide. Rods are coloured by load; arrows are the contact forces on the limb.
-    """
+    """Draw a model at every load step, to scale."""
     from matplotlib.figure import Figure
 
-    values = np.asarray(loads, dtype=np.float64)
     colours = [tuple(shade) for shade in shades(len(scenes))]
-    cm_per_newton, key = arrows.scale(scenes)
+    cm_per_newton, key = arrow_scale(scenes)
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
         grid = figure.add_gridspec(1 if history is None else 2, 1)
@@ -78,11 +58,11 @@ def draw_path(
                     space, scene, cm_per_newton=cm_per_newton, colour=colour
                 )
         if history is not None:
-            draw_history(figure.add_subplot(grid[1]), history, load_unit)
+            draw_history(figure.add_subplot(grid[1]), history)
             height = figure.get_figheight()
             grid.set_height_ratios((height, PANEL))
             figure.set_figheight(height + PANEL)
-        _legends(figure, _load_handles(values, colours, load_unit), _line_handles(scenes))
+        _legends(figure, _load_handles(np.asarray(loads), colours), _line_handles(scenes))
     return figure
 
 
@@ -102,16 +82,14 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
         figure.legend(handles=lines, loc="outside lower center", ncols=2, handlelength=1.4)
 
 
-def _load_handles(
-    loads: NDArray[np.float64], colours: Sequence[tuple[float, ...]], unit: str
-) -> list[Artist]:
+def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]]) -> list[Artist]:
     from matplotlib.patches import Patch
 
     # The legend of a long path lists only some of the steps.
     every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
-        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} {unit}")
+        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} N")
         for i in chosen
     ]
 

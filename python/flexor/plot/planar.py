@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE, LINE
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 CM = 100.0
+MARGIN = 0.6  # cm, around the bodies
 KEY_MARGIN = 1.6  # cm, from the lower edge of the axes to the lowest body
 PLANE = (0, 2)
 
@@ -29,21 +30,7 @@ def draw_scene(
     opacity: float = 1.0,
     depth: float = 1.0,
 ) -> None:
-    """Draw the bodies and lines of a scene, in centimetres.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scene : Scene
-        The scene.
-    colour : colour
-        Fill of the rods and edge of the links.
-    opacity : float
-        Opacity of the fills, 0 to 1.
-    depth : float
-        Drawing order; scenes of greater depth are on top.
-    """
+    """Draw the bodies and lines of a scene, in centimetres."""
     for link in scene.links:
         outline = capsule(
             _in_plane(link.base), _in_plane(link.tip), link.radius_base, link.radius_tip
@@ -74,28 +61,9 @@ def draw_scene(
 
 
 def draw_contact_forces(
-    axes: Axes,
-    scene: Scene,
-    *,
-    cm_per_newton: float,
-    colour: ColorType = FORCE,
-    depth: float = 50.0,
+    axes: Axes, scene: Scene, *, cm_per_newton: float, colour: ColorType = FORCE
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end at their points of application.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scene : Scene
-        The scene.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    colour : colour
-        Colour of the arrows.
-    depth : float
-        Drawing order.
-    """
+    """Draw the contact forces of a scene as arrows that end at their points of application."""
     if not scene.contact_arrows:
         return
     points = CM * np.array([_in_plane(arrow.point) for arrow in scene.contact_arrows])
@@ -113,33 +81,19 @@ def draw_contact_forces(
         headlength=4.2,
         headaxislength=3.8,
         color=colour,
-        zorder=depth,
+        zorder=50.0,
     )
 
 
-def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorType = LINE) -> None:
-    """Draw the key of the contact forces in the lower left corner.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes; its limits must be set.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    force : float
-        Force of the key [N].
-    colour : colour
-        Colour of the arrow.
-    """
+def draw_key(axes: Axes, *, cm_per_newton: float, force: float) -> None:
+    """Draw the key of the contact forces in the lower left corner."""
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
     x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
-    scene = Scene(
-        contact_arrows=[
-            ContactArrow(_point(x + cm_per_newton * force, y), np.array([force, 0.0, 0.0]))
-        ]
-    )
-    draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
+    tip = np.array([x + cm_per_newton * force, 0.0, y]) / CM
+    arrow = ContactArrow(tip, np.array([force, 0.0, 0.0]))
+    scene = Scene(contact_arrows=[arrow])
+    draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=LINE)
     axes.annotate(
         f"contact force {force:g} N",
         (x + cm_per_newton * force, y),
@@ -150,27 +104,13 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float, colour: ColorTyp
     )
 
 
-def frame_axes(
-    axes: Axes, scenes: Sequence[Scene], *, margin: float = 0.6, with_key: bool = False
-) -> None:
-    """Set equal scales in centimetres and limits that include every scene.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    scenes : sequence of Scene
-        The scenes to include.
-    margin : float
-        Margin around the scenes [cm].
-    with_key : bool
-        Leave space for the key of the contact forces.
-    """
+def frame_axes(axes: Axes, scenes: Sequence[Scene], *, with_key: bool = False) -> None:
+    """Set equal scales in centimetres and limits that include every scene."""
     corners = [scene.extent() for scene in scenes]
-    low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - margin
-    high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + margin
+    low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - MARGIN
+    high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + MARGIN
     if with_key:
-        low[1] -= KEY_MARGIN - margin
+        low[1] -= KEY_MARGIN - MARGIN
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x / cm", ylabel="z / cm")
     axes.set_aspect("equal")
 
@@ -182,11 +122,7 @@ def height(axes: Axes, width: float) -> float:
     return width * (top - bottom) / (right - left)
 
 
-def _point(x: float, z: float) -> NDArray[np.float64]:
-    return np.array([x / CM, 0.0, z / CM])
-
-
-def _in_plane(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_plane(vectors: Array) -> Array:
     return vectors[..., PLANE]
 
 

@@ -13,7 +13,7 @@ from flexor.plot.style import PAGE, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexor.study.comparison import Profile
+    from flexor.study.comparison import MethodComparison, Profile
 
 # Okabe and Ito's colours that are dark enough for lines, combined with line styles so that
 # neighbouring lines differ in both.
@@ -22,28 +22,30 @@ STROKES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)))
 MAX_RATIO = 64.0  # upper limit of the abscissa
 
 
-def draw_profiles(
-    performance: Sequence[Profile], data: Sequence[Profile], *, problems: str, within: float
-) -> Figure:
-    """Plot both profiles side by side.
+def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
+    """Plot the performance and data profiles of a comparison.
 
     Parameters
     ----------
-    performance, data : sequence of Profile
-        Profiles of the same methods in the same order.
-    problems : str
-        Description of the problems for the axes, such as ``"7 sets × 10 seeds"``.
+    comparison : MethodComparison
+        Result of `flexor.compare`.
     within : float
-        Relative tolerance of the gain.
+        Relative tolerance: a problem is solved at 1 - `within` of the best known gain.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One page wide.
+        Performance profile and data profile, one page wide.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, PercentFormatter
 
+    from flexor.study.comparison import data_profiles, performance_profiles
+
+    performance = performance_profiles(comparison, within)
+    data = data_profiles(comparison, within)
+    sets, seeds = len(comparison.sets), len(comparison.seeds)
+    problems = f"{sets} set{'s' * (sets > 1)} × {seeds} seed{'s' * (seeds > 1)}"
     with style():
         figure = Figure(figsize=(PAGE, 0.46 * PAGE), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
 
@@ -14,24 +14,9 @@ if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
     from flexor.model.schema.actuator import Actuator
 
-Array = NDArray[np.float64]
-
 
 def read_scene(path: Path, step: int = -1) -> Scene:
-    """Return the bodies, lines and contact forces of a model at one load step.
-
-    Parameters
-    ----------
-    path : Path
-        Equilibria of a design.
-    step : int
-        Load step.
-
-    Returns
-    -------
-    Scene
-        The scene in the world frame, SI.
-    """
+    """Return the bodies, lines and contact forces of a model at one load step."""
     model, frames = path.model, path.frames(step)
     rods: dict[str, Rod] = {}
     stations: dict[str, Array] = {}

@@ -2,91 +2,54 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from flexor.arrays import Array
+
+LONGEST_ARROW = 1.8  # cm
 
 
 @dataclass(frozen=True)
 class Rod:
-    """A soft rod.
-
-    Attributes
-    ----------
-    name : str
-        The body's name.
-    frames : ndarray, shape (m, 4, 4)
-        Frames along the rod, base to tip; x along the rod, z dorsal [m].
-    half_height, half_width : ndarray, shape (m,)
-        Half-dimensions of the section along z and y [m].
-    """
+    """A soft rod."""
 
     name: str
-    frames: Array
-    half_height: Array
-    half_width: Array
+    frames: Array  # (m, 4, 4): frames, base to tip; x along the rod, z dorsal [m]
+    half_height: Array  # (m,): half-dimension of the section along z [m]
+    half_width: Array  # (m,): along y [m]
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid tapered link.
-
-    Attributes
-    ----------
-    name : str
-        The body's name.
-    base, tip : ndarray, shape (3,)
-        Ends of its axis [m].
-    radius_base, radius_tip : float
-        Radii at the ends [m].
-    moves : bool
-        Whether there is a joint at its base, which is then marked.
-    """
+    """A rigid tapered link."""
 
     name: str
-    base: Array
-    tip: Array
-    radius_base: float
-    radius_tip: float
-    moves: bool = True
+    base: Array  # (3,): where its axis begins [m]
+    tip: Array  # (3,): where its axis ends [m]
+    radius_base: float  # [m]
+    radius_tip: float  # [m]
+    moves: bool = True  # whether there is a joint at its base, which is then marked
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line along a rod, such as a chamber or a cable.
+    """A line along a rod, such as a chamber or a cable."""
 
-    Attributes
-    ----------
-    name : str
-        The actuator's name.
-    points : ndarray, shape (m, 3)
-        Points of the line [m].
-    label : str
-        Label in the legend.
-    """
-
-    name: str
-    points: Array
-    label: str
+    name: str  # of the actuator
+    points: Array  # (m, 3) [m]
+    label: str  # in the legend
 
 
 @dataclass(frozen=True)
 class ContactArrow:
-    """A contact force on the limb.
+    """A contact force on the limb."""
 
-    Attributes
-    ----------
-    point : ndarray, shape (3,)
-        Point of application [m].
-    force : ndarray, shape (3,)
-        The force [N].
-    """
-
-    point: Array
-    force: Array
+    point: Array  # (3,): point of application [m]
+    force: Array  # (3,) [N]
 
 
 @dataclass(frozen=True)
@@ -111,3 +74,22 @@ class Scene:
         if not low:
             return np.zeros(3), np.zeros(3)
         return np.min(low, axis=0), np.max(high, axis=0)
+
+
+def arrow_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
+    """Return the length of an arrow per newton [cm/N] and a round force for the key [N].
+
+    The key is at most the largest force; both are 0 without contact.
+    """
+    forces = [
+        float(np.linalg.norm(arrow.force)) for scene in scenes for arrow in scene.contact_arrows
+    ]
+    largest = max(forces, default=0.0)
+    if largest <= 0.0:
+        return 0.0, 0.0
+    return LONGEST_ARROW / largest, _round_down(largest)
+
+
+def _round_down(value: float) -> float:
+    decade = 10.0 ** math.floor(math.log10(value))
+    return next(n * decade for n in (5.0, 2.0, 1.0) if n * decade <= value * (1.0 + 1e-9))

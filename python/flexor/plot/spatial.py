@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.plot.outline import Array, tube
+from flexor.arrays import Array
+from flexor.plot.outline import tube
 from flexor.plot.scene import Link, Scene
 from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
 
@@ -16,24 +17,13 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 CM = 100.0
+MARGIN = 0.5  # cm, around the bodies
 
 
 def draw_scene(
     axes: Axes3D, scene: Scene, *, colour: ColorType = EXOSUIT, opacity: float = 1.0
 ) -> None:
-    """Draw the bodies and lines of a scene, in centimetres.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scene : Scene
-        The scene.
-    colour : colour
-        Colour of the rods.
-    opacity : float
-        Opacity of the surfaces, 0 to 1.
-    """
+    """Draw the bodies and lines of a scene, in centimetres."""
     for rod in scene.rods:
         width = rod.half_width[:, None] * rod.frames[:, :3, 1]
         height = rod.half_height[:, None] * rod.frames[:, :3, 2]
@@ -53,19 +43,7 @@ def draw_scene(
 def draw_contact_forces(
     axes: Axes3D, scene: Scene, *, cm_per_newton: float, colour: ColorType = FORCE
 ) -> None:
-    """Draw the contact forces of a scene as arrows that end at their points of application.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scene : Scene
-        The scene.
-    cm_per_newton : float
-        Length of an arrow per newton [cm/N].
-    colour : colour
-        Colour of the arrows.
-    """
+    """Draw the contact forces of a scene as arrows that end at their points of application."""
     if not scene.contact_arrows:
         return
     points = CM * np.array([arrow.point for arrow in scene.contact_arrows])
@@ -73,23 +51,13 @@ def draw_contact_forces(
     axes.quiver(*(points - arrows).T, *arrows.T, color=colour, linewidth=1.0)
 
 
-def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> None:
-    """Set equal scales in centimetres and limits that include every scene.
-
-    Parameters
-    ----------
-    axes : mpl_toolkits.mplot3d.Axes3D
-        The axes.
-    scenes : sequence of Scene
-        The scenes to include.
-    margin : float
-        Margin around the scenes [cm].
-    """
+def frame_axes(axes: Axes3D, scenes: Sequence[Scene]) -> None:
+    """Set equal scales in centimetres and limits that include every scene."""
     from matplotlib.ticker import MaxNLocator
 
     corners = [scene.extent() for scene in scenes]
-    low = CM * np.min([c[0] for c in corners], axis=0) - margin
-    high = CM * np.max([c[1] for c in corners], axis=0) + margin
+    low = CM * np.min([c[0] for c in corners], axis=0) - MARGIN
+    high = CM * np.max([c[1] for c in corners], axis=0) + MARGIN
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set(xlabel="x / cm", ylabel="y / cm", zlabel="z / cm")
     axes.set_box_aspect(tuple(high - low), zoom=0.82)
@@ -99,7 +67,7 @@ def frame_axes(axes: Axes3D, scenes: Sequence[Scene], margin: float = 0.5) -> No
         axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
 
 
-def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
+def _cone(link: Link) -> tuple[Array, Array, Array]:
     axis = link.tip - link.base
     length = float(np.linalg.norm(axis))
     along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
@@ -108,6 +76,6 @@ def _cone(link: Link, rings: int = 12) -> tuple[Array, Array, Array]:
     first = np.cross(along, other)
     first /= np.linalg.norm(first)
     second = np.cross(along, first)
-    station = np.linspace(0.0, 1.0, rings)[:, None]
+    station = np.linspace(0.0, 1.0, 12)[:, None]
     radius = link.radius_base + station * (link.radius_tip - link.radius_base)
     return tube(link.base + station * axis, radius * first, radius * second)

@@ -8,10 +8,10 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import InputError, one_line
-from flexor.store import replaced
+from flexor.store import check_writable, replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,18 +66,10 @@ def style() -> Iterator[None]:
         yield
 
 
-def shades(count: int) -> NDArray[np.float64]:
-    """Return colours for an ordered series, light to dark.
+def shades(count: int) -> Array:
+    """Return colours (count, 4) for an ordered series, light to dark, evenly spaced in lightness.
 
-    Parameters
-    ----------
-    count : int
-        Number of colours.
-
-    Returns
-    -------
-    ndarray, shape (count, 4)
-        RGBA, evenly spaced in lightness (viridis without its palest end).
+    They are viridis without its palest end.
     """
     import matplotlib
 
@@ -125,28 +117,22 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
 
 
 def writable(file: str | FilePath) -> FilePath:
-    """Check the extension and the folder of a figure to be written.
+    """Check, before it is drawn, that a figure can be written.
 
     Parameters
     ----------
     file : str or pathlib.Path
         The file.
 
-    Returns
-    -------
-    pathlib.Path
-        The same path.
-
     Raises
     ------
     InputError
-        If the extension is not supported, or the folder does not exist.
+        If the extension is not supported, or the file cannot be written.
     """
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:
         raise InputError(
             f'cannot write the figure "{target}": its name must end in {", ".join(FORMATS)}.'
         )
-    if not target.parent.is_dir():
-        raise InputError(f'cannot write the figure "{target}": no folder "{target.parent}".')
+    check_writable(target)
     return target

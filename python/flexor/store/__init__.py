@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flexor.store.database import Database
 from flexor.store.environment import environment, installed
-from flexor.store.files import check_regular, csv_text, replaced, write_text
+from flexor.store.files import check_regular, check_writable, csv_text, replaced, write_text
 from flexor.store.lock import Lock
 from flexor.store.settings import SETTINGS, Header, Kind, read_settings
 from flexor.store.workspace import RECORD, Workspace, open_record
@@ -18,6 +18,7 @@ __all__ = [
     "Lock",
     "Workspace",
     "check_regular",
+    "check_writable",
     "csv_text",
     "environment",
     "installed",

@@ -1,4 +1,4 @@
-"""An SQLite file whose process may be killed at any moment."""
+"""An SQLite file that survives the death of its process at any moment."""
 
 from __future__ import annotations
 
@@ -28,19 +28,8 @@ class Database:
     transactions, never the file), and others may read meanwhile. Several threads may use it.
     Pickled, a file is opened again for reading, and what is in memory goes along.
 
-    Parameters
-    ----------
-    path : Path or None
-        The file; None keeps the rows in memory.
-    tables : str, optional
-        SQL that makes the tables of a new one; without it, one that exists is opened.
-    write : bool
-        Whether it may be written.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, is a link, is not a record or is damaged.
+    A new one is made with the SQL ``tables``; without, one that exists is opened. A ``path`` of
+    None keeps the rows in memory. Whatever is wrong with a file is an InputError.
     """
 
     def __init__(self, path: Path | None, tables: str | None = None, write: bool = True) -> None:
@@ -74,13 +63,7 @@ class Database:
             return None if row is None else row[0]
 
     def write(self, *statements: tuple[str, Iterable[Row]]) -> None:
-        """Execute statements, each for many rows, in one transaction.
-
-        Raises
-        ------
-        InputError
-            If the file can no longer be written, or rows clash with those that are there.
-        """
+        """Execute statements, each for many rows, in one transaction."""
         with self._explained():
             self._sql.execute("BEGIN IMMEDIATE")
             try:

@@ -1,4 +1,4 @@
-"""What work was made with, as far as it may decide the last bits of its numbers."""
+"""Versions and system, as far as results depend on them to the last bit."""
 
 from __future__ import annotations
 
@@ -9,20 +9,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _PACKAGES = ("numpy", "scipy", "pymoo", "cma")
-# Work is resumed, and workers are used, only with the same of these.
+# Resuming and remote workers require that these are equal.
 DECISIVE = ("engine_path", "engine")
 
 
 @cache
 def environment() -> dict[str, str]:
-    """Return versions and machine.
+    """Return versions and machine, with the packages that compute.
 
-    Returns
-    -------
-    dict of str
-        ``engine_path``, which build of the engine (see `flexor._dispatch`); ``engine``, the first
-        digits of the SHA-256 of that build, which distinguishes builds of one version; ``python``,
-        ``system`` (with the kind of processor), and the packages that compute.
+    ``engine_path`` is which build of the engine (see `flexor._dispatch`), ``engine`` the first
+    digits of its SHA-256, which distinguishes builds of one version.
     """
     from flexor import _engine
     from flexor._dispatch import engine_path
@@ -44,13 +40,7 @@ def decisive() -> dict[str, str]:
 
 
 def installed(package: str) -> str:
-    """Return the version of a package, ``"unknown"`` if it is not installed as one.
-
-    Parameters
-    ----------
-    package : str
-        Its name.
-    """
+    """Return the version of a package, ``"unknown"`` if it is not installed as one."""
     try:
         return version(package)
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""Files in folders that may come from a stranger: links and pipes there are not followed."""
+"""Files in untrusted folders: links and pipes are not followed."""
 
 from __future__ import annotations
 
@@ -19,18 +19,7 @@ NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 def check_regular(path: Path) -> bool:
-    """Say whether a file exists; refuse anything that is not a regular file.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If it is a link, a pipe, a device or a folder.
-    """
+    """Return whether a file exists; refuse a link, a pipe, a device or a folder."""
     try:
         mode = path.lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -43,26 +32,25 @@ def check_regular(path: Path) -> bool:
     raise InputError(f'"{path}" is {kind}: only a regular file is used in its place.')
 
 
+def check_writable(path: Path) -> None:
+    """Check, before the work that fills it, that a file can be written."""
+    why = ""
+    if path.is_dir() and not path.is_symlink():
+        why = "it is a folder"
+    elif not path.parent.is_dir():
+        why = f'no folder "{path.parent}"'
+    elif not os.access(path.parent, os.W_OK | os.X_OK):
+        why = f'the folder "{path.parent}" cannot be written'
+    if why:
+        raise InputError(f'"{path}" cannot be written: {why}.')
+
+
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
     """Write a file whole or not at all, in place of whatever has its name.
 
-    A link of that name is replaced, not followed.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Yields
-    ------
-    Path
-        An empty file beside it with the same suffix, which takes its place at the end.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
+    Yields an empty file beside it with the same suffix, which takes its place at the end. A link
+    of that name is replaced, not followed. OSError if it cannot be written.
     """
     if path.is_dir() and not path.is_symlink():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))

@@ -1,4 +1,4 @@
-"""One process at a time on a folder."""
+"""Exclusive locks on folders."""
 
 from __future__ import annotations
 
@@ -15,19 +15,8 @@ class Lock:
     """An exclusive lock on a folder, held until released or until the process dies.
 
     It is the operating system's lock on the file ``lock``, so a killed process leaves nothing
-    behind that would have to be cleaned up.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    kind : str
-        What the folder holds, for messages.
-
-    Raises
-    ------
-    InputError
-        If another process holds it, or the folder cannot be written.
+    behind that would have to be cleaned up. InputError if another process holds it, or the folder
+    (of work of this ``kind``, for messages) cannot be written.
     """
 
     def __init__(self, folder: Path, kind: str = "study") -> None:

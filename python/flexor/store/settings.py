@@ -1,4 +1,4 @@
-"""``settings.json``: what decides the numbers of a piece of work."""
+"""``settings.json``: everything that determines the results of a piece of work."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FREE = ("created", "flexor", "environment")
 
 
 class Header(BaseModel):
-    """What the settings of every kind of work begin with; a kind adds its own."""
+    """Settings common to every kind of work; a kind adds its own."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -35,29 +35,14 @@ class Header(BaseModel):
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of work.
+    """A kind of work."""
 
-    Attributes
-    ----------
-    name : str
-        For example ``"study"``.
-    schema : type of Header
-        The shape of its settings.
-    tables : str
-        SQL that makes the tables of its record.
-    free : tuple of str
-        Settings that may differ when it is resumed.
-    growing : tuple of str
-        Mappings and lists that may grow when it is resumed.
-    hashed : dict of str
-        Settings that are hashes of something, and how to call it if another is given.
-    """
-
-    name: str
-    schema: type[Header]
-    tables: str
-    free: tuple[str, ...] = ()
-    growing: tuple[str, ...] = ()
+    name: str  # for example "study"
+    schema: type[Header]  # the shape of its settings
+    tables: str  # SQL that makes the tables of its record
+    free: tuple[str, ...] = ()  # settings that may differ when it is resumed
+    growing: tuple[str, ...] = ()  # mappings and lists that may grow when it is resumed
+    # Settings that are hashes of something, and what to call it if another is given.
     hashed: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -75,13 +60,7 @@ def new_settings(kind: Kind, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
-    """Read the settings of a folder.
-
-    Raises
-    ------
-    InputError
-        If the folder holds no work of this kind, or settings that this version cannot read.
-    """
+    """Read the settings of a folder of this kind, as far as this version can."""
     path = folder / SETTINGS
     if not check_regular(path):
         what = "there is no such folder"
@@ -111,26 +90,14 @@ def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
 
 
 def write_settings(folder: Path, values: Mapping[str, Any]) -> None:
-    """Write the settings of a folder, in place of any that are there.
-
-    Raises
-    ------
-    OSError
-        If they cannot be written; those that are there stay.
-    """
+    """Write the settings of a folder; those that are there stay if that fails."""
     write_text(folder / SETTINGS, json.dumps(values, indent=2, ensure_ascii=False) + "\n")
 
 
 def merged(
     kind: Kind, folder: Path, kept: Mapping[str, Any], wanted: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the settings to resume with: those kept, grown and freely changed as wanted.
-
-    Raises
-    ------
-    InputError
-        Naming the first setting that may not differ and does.
-    """
+    """Return the settings to resume with: those kept, grown and freely changed as wanted."""
     result = dict(kept)
     for key in {**kept, **wanted}:
         old, new = kept.get(key), wanted.get(key)
@@ -148,20 +115,15 @@ def merged(
 
 
 def check_versions(kind: Kind, folder: Path, kept: Mapping[str, Any]) -> None:
-    """Refuse to resume work of another version of Flexor or another build of its engine.
-
-    Raises
-    ------
-    InputError
-        Naming what differs.
-    """
+    """Refuse to resume work of another version of Flexor or another build of its engine."""
     made = {"flexor": kept["flexor"], **{key: kept["environment"].get(key) for key in DECISIVE}}
     for key, now in decisive().items():
         if made[key] != now:
             name = "Flexor" if key == "flexor" else f"another build of the {key.replace('_', ' ')}"
+            then = "(not recorded)" if made[key] is None else shortened(made[key])
             raise InputError(
-                f'the {kind.name} "{folder}" was made with {name} {_plain(made[key])}, this is '
-                f"{now}: resume it with the one that made it or begin another."
+                f'the {kind.name} "{folder}" was made with {name} {then}, this is {now}: resume it '
+                "with the one that made it or begin another."
             )
 
 
@@ -171,13 +133,13 @@ def _check_same(
     mine, theirs = dict(_flat(kept)), dict(_flat(wanted))
     for key in {**mine, **theirs}:
         old, new = mine.get(key), theirs.get(key)
-        if old == new:
-            continue
-        called = kind.hashed.get(key, kind.hashed.get(key.split(".")[0]))
-        how = f"{key} = {_shown(old)}, not {_shown(new)}" if called is None else called
-        raise InputError(
-            f'the {kind.name} "{folder}" was made with {how}: resume it as it was or begin another.'
-        )
+        if old != new:
+            called = kind.hashed.get(key, kind.hashed.get(key.split(".")[0]))
+            how = called or f"{key} = {_shown(old)}, not {_shown(new)}"
+            raise InputError(
+                f'the {kind.name} "{folder}" was made with {how}: resume it as it was or begin '
+                "another."
+            )
 
 
 def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -191,10 +153,6 @@ def _flat(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _plain(value: str | None) -> str:
-    return "(not recorded)" if value is None else shortened(value)
 
 
 def _damaged(kind: Kind, path: Path) -> InputError:

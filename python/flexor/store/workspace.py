@@ -1,6 +1,6 @@
-"""Folders of work: made whole or not at all, used by one process at a time, resumed as they were.
+"""Work folders: created atomically, used by one process at a time, resumed as they were.
 
-settings.json   what decides the numbers
+settings.json   everything that determines the results
 record.sqlite   everything that was evaluated (`Database`)
 lock            held by the process that uses the folder
 
@@ -18,7 +18,7 @@ from typing import Any
 
 from flexor.errors import InputError
 from flexor.store.database import Database
-from flexor.store.files import check_regular, reason
+from flexor.store.files import check_regular, check_writable, reason
 from flexor.store.lock import Lock
 from flexor.store.settings import (
     SETTINGS,
@@ -31,41 +31,20 @@ from flexor.store.settings import (
 )
 
 RECORD = "record.sqlite"
+# Endings of the files that are written when the work is done.
+_OUTPUTS = (".csv", ".json", ".md", ".npz", ".png", ".svg", ".toml")
 
 
 class Workspace:
-    """A folder that this process works in, or the same in memory.
+    """A folder that this process works in, or the same in memory (a ``folder`` of None).
 
-    A context manager: at its end the lock is released; the record stays open unless something was
-    raised.
+    A new folder gets the settings ``values`` (without their header), more ``files`` by name, and a
+    record that begins with ``notes``. An old one is resumed if it is of this kind, not in use, and
+    its settings are these; ``settings`` are then those in the folder, with what may differ or grow
+    as wanted. InputError says which of this does not hold.
 
-    Parameters
-    ----------
-    kind : Kind
-        What work it is.
-    folder : path or None
-        The folder; None keeps everything in memory.
-    values : dict
-        Settings without their header.
-    files : dict of str
-        Texts of more files that a new folder gets.
-    resume : bool
-        Resume the work in the folder, whose settings must be these.
-    notes : dict, optional
-        Notes that a new record begins with.
-
-    Attributes
-    ----------
-    settings : dict
-        Those in the folder, with what may differ or grow as wanted.
-    database : Database
-        The record.
-
-    Raises
-    ------
-    InputError
-        If a new folder cannot be made; if an old one is not of this kind, is damaged, is in use or
-        has other settings.
+    A context manager: at its end the lock is released; the record ``database`` stays open unless
+    something was raised.
     """
 
     def __init__(
@@ -88,6 +67,9 @@ class Workspace:
             return
         if resume:
             read_settings(kind, self.folder)  # nothing is written into what is no such folder
+            for path in self.folder.iterdir():
+                if path.suffix in _OUTPUTS:
+                    check_writable(path)
         else:
             _create(kind, self.folder, settings, files, notes or {})
         self._lock = Lock(self.folder, kind.name)
@@ -102,24 +84,12 @@ class Workspace:
             raise
 
     def check_versions(self) -> None:
-        """Refuse to evaluate anything here that was begun by another version or engine.
-
-        Raises
-        ------
-        InputError
-            Naming what differs.
-        """
+        """Refuse to evaluate anything here that was begun by another version or engine."""
         if self.folder is not None and self.resumed:
             check_versions(self.kind, self.folder, self.settings)
 
     def save_settings(self) -> None:
-        """Write the settings in place of those in the folder.
-
-        Raises
-        ------
-        InputError
-            If they cannot be written; those that are there stay.
-        """
+        """Write the settings of resumed work in place of those in the folder."""
         if self.folder is not None and self.resumed:
             try:
                 write_settings(self.folder, self.settings)
@@ -139,13 +109,7 @@ class Workspace:
 
 
 def open_record(kind: Kind, folder: Path, write: bool = True) -> Database:
-    """Open the record of a folder.
-
-    Raises
-    ------
-    InputError
-        If it is missing or damaged.
-    """
+    """Open the record of a folder, for reading only unless ``write``."""
     if not check_regular(folder / RECORD):
         raise InputError(f'the {kind.name} "{folder}" is damaged: it has no {RECORD}.')
     return Database(folder / RECORD, write=write)
@@ -158,11 +122,7 @@ def _create(
     files: Mapping[str, str],
     notes: Mapping[str, Any],
 ) -> None:
-    """Make a folder.
-
-    It is put together beside its place and then renamed, so that a process that dies on the way
-    leaves nothing half made.
-    """
+    """Make a folder beside its place and rename it, so that nothing is ever left half made."""
     what = f'the {kind.name} folder "{folder}" cannot be made'
     try:
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):

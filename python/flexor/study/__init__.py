@@ -7,14 +7,12 @@ from flexor.study.executors import AnyExecutor, Cluster, Executor, Pool, Threads
 from flexor.study.function import ObjectiveFunction, ObjectiveGradients, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.problem import Problem
-from flexor.study.progress import StudyCallback, StudyProgress
 from flexor.study.record import Record
 from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.rerun import Changed, Difference, Rerun, rerun
-from flexor.study.run import run
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
-from flexor.study.study import Comparison, Study
+from flexor.study.study import Comparison, Study, StudyCallback, StudyProgress
 
 __all__ = [
     "AnyExecutor",
@@ -42,5 +40,4 @@ __all__ = [
     "optimize",
     "rerun",
     "resume",
-    "run",
 ]

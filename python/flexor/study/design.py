@@ -22,21 +22,17 @@ class Design:
     Attributes
     ----------
     problem : Problem
-        What it is a design of.
+        The design problem.
     vector : (k,) array
         Parameters, SI, in the order of the set's labels.
-    value : float
-        Value of the objective; +inf if the design failed.
-    shown : float
-        The objective's quantity for display; NaN if failed.
+    value, shown : float
+        The objective, +inf if the design failed, and its quantity for display, NaN then.
     reason : str
-        Empty, or why it failed.
+        Reason of the failure; empty if there is none.
     joint_angles : (steps, j) array
         Along the path [rad].
-    tip_force : (steps,) array
-        [N].
-    touching : (steps,) array
-        Spheres of the exosuit that touch.
+    tip_force, touching : (steps,) arrays
+        Tip force along the path [N], and spheres of the exosuit in contact.
     events, iterations : int
         Snaps and Newton iterations along the path.
     """
@@ -88,14 +84,20 @@ class Design:
         """Exact derivatives with respect to its parameters, evaluated anew."""
         return Sensitivity.of(self.problem, self.vector)
 
-    def __repr__(self) -> str:
+    @property
+    def text(self) -> str:
+        """Parameters in display units, such as ``"L = 8 cm, R_0 = 0.7 cm"``."""
         chosen = self.problem.parameters
-        shown = ", ".join(
-            f"{label} = {value / scale:.4g}{'' if unit == '1' else ' ' + unit}"
-            for label, value, scale, unit in zip(
-                chosen.labels, self.vector, chosen.scale, chosen.units, strict=True
-            )
-        )
+        units = ["" if unit == "1" else f" {unit}" for unit in chosen.units]
+        values = (self.vector / chosen.scale).tolist()
+        cells = zip(chosen.labels, values, units, strict=True)
+        return ", ".join(f"{label} = {value:.4g}{unit}" for label, value, unit in cells)
+
+    @property
+    def result(self) -> str:
+        """The reason of its failure, or the displayed quantity such as ``"bending 0.8 rad"``."""
         objective = self.problem.objective
-        said = self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
-        return f"<Design {shown}: {said}>"
+        return self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
+
+    def __repr__(self) -> str:
+        return f"<Design {self.text}: {self.result}>"

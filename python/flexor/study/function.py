@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexor.design import ParameterSet, parameter_set
+from flexor.design import ParameterSet
 from flexor.errors import InputError
-from flexor.model.loading import require_model
-from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
-from flexor.objectives import objective as named_objective
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
@@ -34,7 +31,7 @@ class ObjectiveGradients:
     regularity : (n,) array of str
         ``"regular"``, or why the gradient is less than that; see `flexor.model.Paths`.
     reason : (n,) array of str
-        Empty, or why the design failed.
+        Reason of the failure; empty if there is none.
     """
 
     value: FloatArray
@@ -63,20 +60,14 @@ class ObjectiveFunction:
     problem : Problem
         Model, parameter set and objective.
     failed : float
-        Value given for designs that fail, with a gradient of zero: optimisers compute with it.
+        Value returned for designs that fail, with a gradient of zero.
     """
 
     problem: Problem
     failed: float
 
     def __call__(self, p: ArrayLike) -> tuple[float, FloatArray]:
-        """Value and gradient (k,) at parameters (k,), SI.
-
-        Raises
-        ------
-        InputError
-            If there are not k parameters.
-        """
+        """Value and gradient (k,) at parameters (k,), SI; InputError if there are not k."""
         found = self.evaluate(np.atleast_1d(np.asarray(p, dtype=np.float64))[None, :])
         if not np.isfinite(found.value[0]):
             return self.failed, np.zeros(found.gradient.shape[1])
@@ -85,17 +76,8 @@ class ObjectiveFunction:
     def evaluate(self, designs: ArrayLike, threads: int = 0) -> ObjectiveGradients:
         """Evaluate designs (n, k), SI: values, gradients and their regularity.
 
-        Parameters
-        ----------
-        designs : (n, k) array
-            Designs.
-        threads : int
-            Threads of the engine, 0 for one per core.
-
-        Raises
-        ------
-        InputError
-            If the array has not k columns.
+        The engine uses one thread per core if ``threads`` is 0. InputError if there are not k
+        columns.
         """
         vectors = np.atleast_2d(np.asarray(designs, dtype=np.float64))
         paths = self.problem.evaluate(vectors, threads, gradient=True)
@@ -127,26 +109,17 @@ def objective_function(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
-    parameters : str or ParameterSet
-        What may be changed.
-    objective : str or Objective
-        What is minimised; f_bc is differentiated with its count of contacts held.
-    force : (steps,) array, str or dict, optional
-        Actuation forces [N], as for `Model.equilibrium`, of which the last counts; by default the
-        objective's or the model's.
+    model, parameters, objective, force, engine_options
+        As for `flexor.optimize`; f_bc is differentiated with its count of contacts held.
     failed : float
-        Value given for designs that fail.
-    engine_options : dict, optional
-        Of the engine's solver.
+        Value returned for designs that fail.
 
     Returns
     -------
     ObjectiveFunction
         To be called with (k,) parameters; `ObjectiveFunction.evaluate` takes many designs at once
         and reports the regularity of their gradients. Designs outside `ObjectiveFunction.bounds`
-        are evaluated like any other: line searches may try some.
+        are evaluated like any other.
 
     Raises
     ------
@@ -164,11 +137,7 @@ def objective_function(
     >>> function.evaluate([[0.09], [0.10]]).gradient.shape
     (2, 1)
     """
-    chosen = parameter_set(parameters, require_model(model).design)
-    wanted = named_objective(objective)
-    if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
-    if not wanted.differentiable:
-        raise InputError(f'objective "{wanted.name}" has no gradient.')
-    problem = Problem(model, chosen.on(model.design), wanted, dict(engine_options or {}))
+    problem = Problem.of(model, parameters, objective, force, options=engine_options)
+    if not problem.objective.differentiable:
+        raise InputError(f'objective "{problem.objective.name}" has no gradient.')
     return ObjectiveFunction(problem, float(failed))

@@ -1,7 +1,8 @@
-"""Run an optimisation as a study, or go on with one."""
+"""Run an optimisation as a study, or resume one."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,23 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexor.design import ParameterSet, parameter_set
-from flexor.design.start import bounds_in_si, starts
+from flexor.design import ParameterSet
+from flexor.design.start import starts
 from flexor.errors import InputError
-from flexor.model.loading import require_model
-from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
-from flexor.objectives import objective as named_objective
-from flexor.optimizers import Budget, Search
+from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.optimizers import method as named_method
 from flexor.store import Workspace
-from flexor.study.executors import AnyExecutor, chosen_executor
+from flexor.study.design import Design
+from flexor.study.executors import AnyExecutor, Executor, chosen_executor
 from flexor.study.problem import FloatArray, Problem
-from flexor.study.progress import StudyCallback
-from flexor.study.reopen import reopened, reopened_record
-from flexor.study.run import run
-from flexor.study.settings import MODEL, STUDY, Settings, study_settings
-from flexor.study.study import Study
+from flexor.study.recorded_evaluator import RecordedEvaluator
+from flexor.study.settings import MODEL, STUDY, Settings, reopened, study_record, study_settings
+from flexor.study.study import Study, StudyCallback, StudyProgress
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -56,11 +53,11 @@ def optimize(
     model : Model
         The model, with a ``[design]``.
     parameters : str or ParameterSet
-        What may be changed, for example ``"L+R01"``.
+        Design parameters, for example ``"L+R01"``.
     objective : str or Objective
-        What is minimised, for example ``"bending"`` (f_b).
+        The objective, for example ``"bending"`` (f_b).
     method : str or Search
-        How.
+        Search method.
     start : (k,) or (s, k) array, str or list of str, optional
         Where the search begins, SI, or texts such as ``"10 cm, 0.7 cm"`` or ``"R_0=0.7 cm"``;
         the parameter set's own start (the model's exosuit) by default, and drawn from the seed if
@@ -73,9 +70,9 @@ def optimize(
     seed : int
         Random seed.
     budget : int or Budget, optional
-        Distinct designs to evaluate at most, or a `Budget`.
+        Maximum number of distinct designs to evaluate, or a `Budget`.
     folder : path, optional
-        Where to keep the study; in memory by default.
+        Study folder; in memory by default.
     resume : bool
         Resume the study in ``folder``, whose settings must be these (the budget may differ).
     progress : callable, optional
@@ -91,7 +88,7 @@ def optimize(
     Returns
     -------
     Study
-        Its ``best`` design and the record of all.
+        The study, with its ``best`` design and the record of all evaluations.
 
     Raises
     ------
@@ -107,13 +104,7 @@ def optimize(
     with known designs answered from the record: a process that was killed loses the batch it was
     in. KeyboardInterrupt passes through and leaves a study that can be resumed.
     """
-    chosen = parameter_set(parameters, require_model(model).design)
-    chosen = chosen.on(model.design)
-    if bounds:
-        chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
-    wanted = named_objective(objective)
-    if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
+    problem = Problem.of(model, parameters, objective, force, bounds, engine_options)
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:
@@ -121,8 +112,7 @@ def optimize(
     else:
         search = method
     limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
-    problem = Problem(model, chosen, wanted, dict(engine_options or {}))
-    first = _start(chosen, start)
+    first = _start(problem.parameters, start)
     values = study_settings(problem, search, first, seed, limit)
     files = {MODEL: model.file.to_toml()}
     with (
@@ -130,14 +120,14 @@ def optimize(
         Workspace(STUDY, folder, values, files, resume, {"sizes": problem.sizes}) as work,
     ):
         work.check_versions()
-        record = reopened_record(work.folder, problem, work.database)
+        record = study_record(work.folder, problem, work.database)
         study = Study(problem, Settings(work.settings), record, work.folder)
         if resume:
             _check_reproduces(study)
             work.save_settings()
-        record.note("finished", None)
-        study.result = run(study, search, first, seed, limit, progress, where)
-        record.note("finished", study.result.reason)
+        record.database.note("finished", None)
+        study.result = _search(study, search, first, seed, limit, progress, where)
+        record.database.note("finished", study.result.reason)
         return study
 
 
@@ -159,11 +149,11 @@ def resume(
     folder : path
         The study folder.
     budget : int or Budget, optional
-        In place of the one it was begun with.
+        Replaces the recorded budget.
     progress, executor : optional
         As for `optimize`.
     model, parameters, objective, method : optional
-        In place of those that the folder names; needed for a user's own.
+        Override those named in the folder; required if they are user-defined.
 
     Returns
     -------
@@ -193,6 +183,52 @@ def resume(
         executor=executor,
         method_options=None if method is not None else values["method"]["options"],
         engine_options=problem.options,
+    )
+
+
+def _search(
+    study: Study,
+    search: Search,
+    start: FloatArray | None,
+    seed: int,
+    budget: Budget,
+    progress: StudyCallback | None,
+    executor: Executor,
+) -> SearchResult:
+    """Search a study's problem through its record, from starts (s, k) or, if None, a random one."""
+    recorded = RecordedEvaluator(study.problem, study.record, executor, uses_gradients(search))
+    began = time.monotonic()
+    best: Design | None = None
+
+    def report(at: Progress) -> None:
+        nonlocal best
+        assert progress is not None
+        if np.isfinite(at.value) and (best is None or best.value != at.value):
+            best = Design.of(study.problem, at.design, study.record.outcomes(at.design))
+        in_budget = None if budget.evaluations is None else budget.evaluations - at.evaluations
+        left = [each for each in (at.remaining, in_budget) if each is not None]
+        progress(
+            StudyProgress(
+                best=best,
+                evaluations=at.evaluations,
+                evaluated=recorded.evaluated,
+                replayed=recorded.replayed,
+                iteration=at.iteration,
+                seconds=time.monotonic() - began,
+                remaining=min(left, default=None),
+                detail=at.detail,
+            )
+        )
+
+    chosen = study.problem.parameters
+    return search.minimize(
+        recorded,
+        chosen.lower,
+        chosen.upper,
+        start=start,
+        seed=seed,
+        budget=budget,
+        progress=report if progress is not None else None,
     )
 
 

@@ -1,4 +1,4 @@
-"""What a study evaluates: designs of a parameter set on a model, by an objective."""
+"""A design problem, which evaluates designs of a parameter set by an objective."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.design import Geometry, ParameterSet
+from flexor.design import Geometry, ParameterSet, parameter_set
+from flexor.design.start import bounds_in_si
 from flexor.model.chunks import chunks
+from flexor.model.loading import require_model
+from flexor.model.loads import evaluation_forces
 from flexor.model.results import Path, Paths
 from flexor.objectives import Objective, evaluate_objective
+from flexor.objectives import objective as named_objective
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -22,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A model, what may be changed of it, and what is wanted.
+    """A design problem: a model, its design parameters and an objective.
 
     Searches, grids and comparisons all evaluate designs through this one function; an `Executor`
     says where that happens.
@@ -32,9 +36,9 @@ class Problem:
     model : Model
         The model.
     parameters : ParameterSet
-        What is designed, on the model's own rod.
+        Design parameters of the model's exosuit.
     objective : Objective
-        What is minimised.
+        The objective.
     options : dict
         Settings of the engine's solver.
     """
@@ -43,6 +47,25 @@ class Problem:
     parameters: ParameterSet
     objective: Objective
     options: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        parameters: str | ParameterSet,
+        objective: str | Objective,
+        force: Any = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        options: Mapping[str, float] | None = None,
+    ) -> Problem:
+        """Make a problem of what users give; see `flexor.optimize`."""
+        chosen = parameter_set(parameters, require_model(model).design).on(model.design)
+        if bounds:
+            chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
+        wanted = named_objective(objective)
+        if force is not None:
+            wanted = wanted.at(evaluation_forces(force, model.inputs))
+        return cls(model, chosen, wanted, dict(options or {}))
 
     @property
     def force(self) -> FloatArray:
@@ -59,11 +82,6 @@ class Problem:
     def geometry(self, designs: FloatArray) -> Geometry:
         """Geometry of designs (n, k) at the model's sample points."""
         return self.parameters.geometry(designs, self.model.design.points)
-
-    @property
-    def differentiable(self) -> bool:
-        """Whether the objective has a gradient."""
-        return self.objective.differentiable
 
     def evaluate(self, designs: FloatArray, threads: int = 0, gradient: bool = False) -> Paths:
         """Follow the paths of n designs and evaluate the objective.
@@ -87,73 +105,34 @@ class Problem:
         return Paths.concatenate(parts)
 
     def residuals(self, paths: Paths) -> FloatArray:
-        """Vectors whose norms are the objective's values, for least squares.
+        """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.
 
-        Parameters
-        ----------
-        paths : Paths
-            Of n designs.
-
-        Returns
-        -------
-        (n, r) array
-            NaN where a design failed.
-
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector.
+        InputError if the objective is not the norm of a vector.
         """
         vectors = self.objective.residual(self._complete(paths))
         return np.where(np.isfinite(paths.value)[:, None], vectors, np.nan)
 
     def gradients(self, paths: Paths) -> FloatArray:
-        """Gradients of the objective's values with respect to the parameters.
+        """Gradients (n, k) of the objective's values, per SI unit; NaN where a design failed.
 
-        Parameters
-        ----------
-        paths : Paths
-            Of n designs, with their derivatives.
-
-        Returns
-        -------
-        (n, k) array
-            NaN where a design failed.
-
-        Raises
-        ------
-        InputError
-            If the objective has no gradient.
+        The paths must have their derivatives. InputError if the objective has no gradient.
         """
         found = self.objective.gradient(self._complete(paths)).chained(paths.derivatives)
         return np.where(np.isfinite(paths.value)[:, None], found, np.nan)
 
     def jacobians(self, paths: Paths) -> FloatArray:
-        """Jacobians of `residuals` with respect to the parameters.
+        """Jacobians (n, r, k) of `residuals`, per SI unit; NaN where a design failed.
 
-        Parameters
-        ----------
-        paths : Paths
-            Of n designs, with their derivatives.
-
-        Returns
-        -------
-        (n, r, k) array
-            NaN where a design failed.
-
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector with a gradient.
+        The paths must have their derivatives. InputError if the objective is not the norm of a
+        vector with a gradient.
         """
-        found = self.objective.residual_gradient(self._complete(paths))
-        chained = found.chained(paths.derivatives)
-        return np.where(np.isfinite(paths.value)[:, None, None], chained, np.nan)
+        found = self.objective.residual_gradient(self._complete(paths)).chained(paths.derivatives)
+        return np.where(np.isfinite(paths.value)[:, None, None], found, np.nan)
 
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
-        options: dict[str, Any] = dict(self.options)
-        return self.model.equilibrium(self.force, design=self.geometry(design[None, :]), **options)
+        geometry, options = self.geometry(design[None, :]), dict[str, Any](self.options)
+        return self.model.equilibrium(self.force, design=geometry, **options)
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,14 @@ from flexor.model.results import Paths
 from flexor.store import Database
 from flexor.study.problem import FloatArray
 
-# Arrays that are recorded of each design: name, type in the file and here, shape.
-_ARRAYS: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
-    ("joint_angles", "<f8", "f8", ("steps", "joints")),  # [rad]
-    ("tip_force", "<f8", "f8", ("steps",)),  # [N]
-    ("touching", "<i4", "i4", ("steps",)),
-    ("converged", "u1", "?", ("steps",)),
-    ("stable", "u1", "?", ("steps",)),
+# Arrays that are recorded of each design: name, type in the file and here, number of axes: of
+# steps, and of joints.
+_ARRAYS = (
+    ("joint_angles", "<f8", "f8", 2),  # [rad]
+    ("tip_force", "<f8", "f8", 1),  # [N]
+    ("touching", "<i4", "i4", 1),
+    ("converged", "u1", "?", 1),
+    ("stable", "u1", "?", 1),
 )
 TABLES = f"""
 CREATE TABLE evaluations (
@@ -42,11 +44,13 @@ CREATE TABLE evaluations (
 """
 _COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
 _INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 6)})"
-_DERIVATIVES = "UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND "
+_DERIVATIVES = """
+UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND design = ?
+"""
 
 
 class Record:
-    """Evaluations of one search, each batch in one transaction; see `Database`.
+    """Evaluations of one search, each batch in one transaction.
 
     Parameters
     ----------
@@ -64,7 +68,8 @@ class Record:
     Raises
     ------
     InputError
-        If the file is missing, is not the record of a study, or is damaged.
+        If the file is missing, is not the record of a study, or is damaged or can no longer be
+        written; from every method.
     """
 
     def __init__(
@@ -87,13 +92,8 @@ class Record:
                 raise ValueError
         except (TypeError, ValueError, OverflowError):
             raise self.database.damaged("it is not the record of a study") from None
-        self._shape = {"parameters": k, "steps": steps, "joints": joints}
+        self.sizes = k, steps, joints
         self._search = search
-
-    @property
-    def sizes(self) -> tuple[int, int, int]:
-        """Numbers of parameters, steps and joints."""
-        return self._shape["parameters"], self._shape["steps"], self._shape["joints"]
 
     def __len__(self) -> int:
         return int(self._rows("count(*)", order="")[0][0])
@@ -102,70 +102,40 @@ class Record:
         """Close the file."""
         self.database.close()
 
-    def note(self, key: str, value: Any) -> None:
-        """Keep a small value (anything JSON) with the record."""
-        self.database.note(key, value)
-
-    def noted(self, key: str) -> Any:
-        """Return what was noted, or None."""
-        return self.database.noted(key)
-
     def append(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record a batch of designs (n, k) that are not in it yet, in one transaction.
 
         With their derivatives, if the outcomes have them.
-
-        Raises
-        ------
-        InputError
-            If the file can no longer be written, or a design is in it already.
         """
-        failed, count = ~np.isfinite(outcomes.value), len(designs)
-        slopes: list[tuple[Any, ...]] = [(None, None)] * count
-        if outcomes.derivatives is not None:
-            slopes = _derivatives(outcomes)
-        rows = zip(
-            [self._search] * count,
-            [time.time()] * count,
+        good, now = np.isfinite(outcomes.value), time.time()
+        # A NaN becomes NULL.
+        values = (np.where(good, each, np.nan) for each in (outcomes.value, outcomes.shown))
+        others = outcomes.reason, outcomes.event_count, outcomes.total_iterations
+        columns = (
             _blobs(designs, "<f8"),
-            [str(design) for design in designs.tolist()],
-            _numbers(outcomes.value, failed),
-            _numbers(outcomes.shown, failed),
-            outcomes.reason.tolist(),
-            outcomes.event_count.tolist(),
-            outcomes.total_iterations.tolist(),
+            map(str, designs.tolist()),
+            *(column.tolist() for column in (*values, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
-            *zip(*slopes, strict=True),
-            strict=True,
+            *_slopes(outcomes),
         )
-        self.database.write((_INSERT, list(rows) if count else []))
+        rows = zip(*columns, strict=True)
+        self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
 
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
-        """Record the derivatives of designs (n, k) that are in it already.
-
-        Raises
-        ------
-        InputError
-            If the file can no longer be written.
-        """
-        keys = _blobs(designs, "<f8")
-        rows = [
-            (*slopes, self._search, key)
-            for slopes, key in zip(_derivatives(outcomes), keys, strict=True)
-        ]
-        self.database.write((f"{_DERIVATIVES}design = ?", rows))
+        """Record the derivatives of designs (n, k) that are in it already."""
+        columns = (*_slopes(outcomes), [self._search] * len(designs), _blobs(designs, "<f8"))
+        self.database.write((_DERIVATIVES, zip(*columns, strict=True)))
 
     def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
         """Find derivatives (j + 1, k) of a design (k,), and their regularity; None without."""
         found = self.outcomes(design)
-        if found.derivatives is None:
-            return None
-        return found.derivatives[0], str(found.regularity[0])
+        return None if found.derivatives is None else (found.derivatives[0], found.regularity[0])
 
     def known(self) -> dict[bytes, float]:
         """Value of every design by its exact bytes; +inf for those that failed."""
         rows = self._rows("design, value")
-        return {design: np.inf if value is None else value for design, value in rows}
+        values = self._numbers([value for _, value in rows], np.inf)
+        return dict(zip((design for design, _ in rows), values.tolist(), strict=True))
 
     def designs(self) -> FloatArray:
         """Every design in the order of evaluation, (n, k)."""
@@ -187,14 +157,12 @@ class Record:
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
         try:
             arrays: dict[str, Any] = {
-                name: self._decoded(
-                    found[name], kind, tuple(self._shape[axis] for axis in axes)
-                ).astype(here)
+                name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
                 for name, kind, here, axes in _ARRAYS
             }
             return Paths(
-                value=np.array([np.inf if v is None else v for v in found["value"]], dtype="f8"),
-                shown=np.array([np.nan if v is None else v for v in found["shown"]], dtype="f8"),
+                value=self._numbers(found["value"], np.inf),
+                shown=self._numbers(found["shown"], np.nan),
                 reason=np.array(found["reason"], dtype=object),
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
@@ -228,6 +196,13 @@ class Record:
         key = (design + 0.0).astype("<f8").tobytes()
         return self.database.rows(f"{query} AND design = ? {order}", (self._search, key))
 
+    def _numbers(self, column: list[Any], missing: float) -> FloatArray:
+        """Values of a column, which are finite where there are any."""
+        there = [value for value in column if value is not None]
+        if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in there):
+            raise self.database.damaged("a value is no finite number")
+        return np.array([missing if value is None else value for value in column], dtype="f8")
+
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
         size = np.dtype(kind).itemsize * math.prod(shape)
         if any(not isinstance(blob, bytes) or len(blob) != size for blob in blobs):
@@ -242,14 +217,9 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
 
 
-def _derivatives(outcomes: Paths) -> list[tuple[bytes, str]]:
-    """Return the derivatives of each design, and what they are worth."""
-    assert outcomes.derivatives is not None
-    assert outcomes.regularity is not None
-    blobs = _blobs(outcomes.derivatives, "<f8")
-    return list(zip(blobs, outcomes.regularity.tolist(), strict=True))
-
-
-def _numbers(values: FloatArray, failed: NDArray[np.bool_]) -> list[float | None]:
-    """Values of the designs that did not fail."""
-    return [None if bad else x for x, bad in zip(values.tolist(), failed.tolist(), strict=True)]
+def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
+    """Return derivatives and regularity of each design, None without."""
+    if outcomes.derivatives is None:
+        nothing = [None] * len(outcomes)
+        return nothing, nothing
+    return _blobs(outcomes.derivatives, "<f8"), outcomes.regularity.tolist()

@@ -21,17 +21,8 @@ class RecordedEvaluator(CachedEvaluator):
     transaction for each chunk. A deterministic search that is simply run again therefore finds its
     way to where it was interrupted without evaluating anything twice.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is evaluated.
-    record : Record
-        Where it is kept.
-    executor : Executor
-        Where it is evaluated.
-    gradients : bool
-        Whether the search asks for gradients. Then every design is differentiated as it is
-        evaluated, for a twentieth of the time, and its derivatives are recorded with it.
+    If the search asks for ``gradients``, every design is differentiated as it is evaluated, for a
+    twentieth of the time, and its derivatives are recorded with it.
     """
 
     def __init__(
@@ -39,16 +30,10 @@ class RecordedEvaluator(CachedEvaluator):
     ) -> None:
         super().__init__(self, record.known())
         self._problem, self._record, self._executor = problem, record, executor
-        self._gradients = gradients and problem.differentiable
+        self._gradients = gradients and problem.objective.differentiable
 
     def residuals(self, designs: FloatArray) -> FloatArray:
-        """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed.
-
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector.
-        """
+        """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed."""
         self(designs)
         vectors = [self._problem.residuals(self._record.outcomes(design)) for design in designs]
         return np.concatenate(vectors)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexor.design import ParameterSet
 from flexor.errors import InputError
@@ -17,26 +15,24 @@ from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
 from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import optimize
-from flexor.study.progress import StudyCallback
 from flexor.study.record import Record
 from flexor.study.settings import Settings
-from flexor.study.study import Study
+from flexor.study.study import Study, StudyCallback
 
 if TYPE_CHECKING:
     from flexor.model import Model
 
-# Arrays of the record that are compared, by the names that people read.
-_COLUMNS = {
-    **{name: name for name in ("value", "shown", "reason", "joint_angles", "tip_force")},
-    **{name: name for name in ("touching", "converged", "stable")},
-    "events": "event_count",
-    "iterations": "total_iterations",
-}
+# Arrays of the record that are compared.
+_COLUMNS = (
+    *("value", "shown", "reason", "joint_angles", "tip_force", "touching"),
+    *("converged", "stable", "event_count", "total_iterations"),
+)
+_READ_AS = {"event_count": "events", "total_iterations": "iterations"}
 
 
 @dataclass(frozen=True)
 class Changed:
-    """Something a study was made with that is another now; None if it was not recorded."""
+    """A version or a system that differs from the recorded one; ``then`` is None without record."""
 
     what: str
     then: str | None
@@ -45,16 +41,16 @@ class Changed:
 
 @dataclass(frozen=True)
 class Difference:
-    """The first thing that came out otherwise.
+    """The first difference between a study and its repetition.
 
     Attributes
     ----------
     evaluation : int
-        Of which evaluation, counted from 1; 0 for the study as a whole.
+        Number of the evaluation, from 1; 0 for the study as a whole.
     what : str
-        ``design`` if the search asked for another, or which outcome.
+        ``design`` if the search proposed another, or the name of the result.
     then, now : str
-        As recorded, and as it is now.
+        Recorded and new value.
     """
 
     evaluation: int
@@ -65,23 +61,23 @@ class Difference:
 
 @dataclass(frozen=True)
 class Rerun:
-    """A study run again.
+    """A repeated study.
 
     Attributes
     ----------
     study : Study
-        The study as it is now, in memory or in a folder of its own.
+        The repetition, in memory or in a folder of its own.
     evaluations : int
-        How many were recorded.
+        Number of recorded evaluations.
     difference : Difference or None
-        The first; None if every bit is the same.
+        The first difference; None if every bit is the same.
     common : int
-        Designs that both evaluated.
+        Number of designs that both evaluated.
     deviation : float
-        Largest difference of the objective's value over these; +inf where one failed and the other
-        did not.
+        Largest difference of the objective's value among these; +inf if a design failed in one
+        study only.
     changed : tuple of Changed
-        Versions and machine that are not those of the study.
+        Versions and system that have changed.
     """
 
     study: Study
@@ -108,7 +104,7 @@ def rerun(
     objective: Objective | None = None,
     method: Search | None = None,
 ) -> Rerun:
-    """Run a study again from its folder, which is only read, and compare every bit.
+    """Repeat a study from its folder, which is only read, and compare every bit.
 
     A study that has not ended, or was ended by time, is run to as many evaluations as it has.
 
@@ -117,16 +113,16 @@ def rerun(
     folder : path
         The study folder.
     into : path, optional
-        Where to keep the new study; in memory by default.
+        Folder of the new study; in memory by default.
     progress, executor : optional
         As for `flexor.optimize`.
     model, parameters, objective, method : optional
-        In place of those that the folder names; needed for a user's own.
+        Override those named in the folder; required if they are user-defined.
 
     Returns
     -------
     Rerun
-        Whether it came out the same and, if not, what differs first and what it may come from.
+        Whether the results are identical and, if not, the first difference and its possible causes.
 
     Raises
     ------
@@ -165,7 +161,7 @@ def rerun(
             difference=_first_difference(then, now, whole),
             common=common,
             deviation=deviation,
-            changed=tuple(_changed(then.settings, now.settings)),
+            changed=_changed(then.settings, now.settings),
         )
     finally:
         then.close()
@@ -173,71 +169,51 @@ def rerun(
 
 def _first_difference(then: Study, now: Study, whole: bool) -> Difference | None:
     old, new = then.record, now.record
-    designs = old.designs(), new.designs()
+    columns = {"design": (old.designs(), new.designs())}
     outcomes = old.outcomes(), new.outcomes()
-    columns = {"design": designs}
-    for name, array in _COLUMNS.items():
-        columns[name] = getattr(outcomes[0], array), getattr(outcomes[1], array)
-    rows = {name: row for name, pair in columns.items() if (row := _first_row(*pair)) is not None}
-    if rows:
-        name = min(rows, key=lambda each: rows[each])  # the design itself before its outcomes
-        row = rows[name]
-        return Difference(row + 1, name, *(_shown(column[row]) for column in columns[name]))
-    for row, design in enumerate(designs[0][: len(designs[1])]):
+    columns |= {name: tuple(getattr(paths, name) for paths in outcomes) for name in _COLUMNS}
+    for row in range(min(len(old), len(new))):
+        for name, (before, after) in columns.items():  # the design itself before its outcomes
+            if _bits(before[row]) != _bits(after[row]):
+                return _difference(row + 1, _READ_AS.get(name, name), before[row], after[row])
+    for row, design in enumerate(columns["design"][0][: len(new)]):
         slopes = old.derivatives(design), new.derivatives(design)
         if _bits(slopes[0]) != _bits(slopes[1]):
-            return Difference(row + 1, "derivatives", *(_shown(each) for each in slopes))
+            return _difference(row + 1, "derivatives", *slopes)
     if len(old) != len(new):
-        return Difference(0, "evaluations", str(len(old)), str(len(new)))
+        return _difference(0, "evaluations", len(old), len(new))
     ended = now.result.reason if now.result is not None else None
     if whole and then.finished != ended:
-        return Difference(0, "end", str(then.finished), str(ended))
+        return _difference(0, "end", then.finished, ended)
     return None
 
 
-def _first_row(one: NDArray[Any], other: NDArray[Any]) -> int | None:
-    """First row that is not the same to the last bit, of those that both have."""
-    count = min(len(one), len(other))
-    if count == 0:
-        return None
-    pair = [np.ascontiguousarray(each[:count]) for each in (one, other)]
-    if one.dtype == object:
-        differs = pair[0] != pair[1]
-    else:
-        old, new = (each.reshape(count, -1).view(np.uint8) for each in pair)
-        differs = (old != new).any(axis=1)
-    return int(np.argmax(differs)) if differs.any() else None
-
-
-def _bits(slopes: tuple[NDArray[np.float64], str] | None) -> tuple[bytes, str] | None:
-    return None if slopes is None else (slopes[0].tobytes(), slopes[1])
-
-
-def _shown(value: Any) -> str:
+def _bits(value: Any) -> Any:
     if isinstance(value, tuple):
-        value = value[0]
-    return str(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)
+        return tuple(map(_bits, value))
+    return value.tobytes() if isinstance(value, (np.ndarray, np.generic)) else value
+
+
+def _difference(evaluation: int, what: str, *values: Any) -> Difference:
+    first = (value[0] if isinstance(value, tuple) else value for value in values)
+    plain = (v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v for v in first)
+    return Difference(evaluation, what, *map(str, plain))
 
 
 def _deviation(old: Record, new: Record) -> tuple[int, float]:
     """Designs that both have, and the largest difference of their values."""
     before, after = old.known(), new.known()
-    both = [key for key in before if key in after]
-    pairs = np.array([(before[key], after[key]) for key in both]).reshape(-1, 2)
-    apart = np.zeros(len(pairs))
-    different = pairs[:, 0] != pairs[:, 1]  # equal infinities have no difference
-    apart[different] = np.abs(pairs[different, 0] - pairs[different, 1])
-    return len(both), float(apart.max(initial=0.0))
+    both = before.keys() & after.keys()
+    # Equal infinities have no difference.
+    apart = (abs(before[key] - after[key]) for key in both if before[key] != after[key])
+    return len(both), max(apart, default=0.0)
 
 
-def _changed(then: Settings, now: Settings) -> Iterator[Changed]:
-    old, new = then.values, now.values
-    yield from _unequal("flexor", old["flexor"], new["flexor"])
-    yield from _unequal("model", old["model"]["hash"], new["model"]["hash"])
-    for what, value in new["environment"].items():
-        yield from _unequal(what, old["environment"].get(what), value)
-
-
-def _unequal(what: str, then: str | None, now: str) -> Iterator[Changed]:
-    if then != now:
-        yield Changed(what, then, now)
+def _changed(then: Settings, now: Settings) -> tuple[Changed, ...]:
+    old, new = (
+        {"flexor": each["flexor"], "model": each["model"]["hash"], **each["environment"]}
+        for each in (then.values, now.values)
+    )
+    return tuple(
+        Changed(what, old.get(what), value) for what, value in new.items() if old.get(what) != value
+    )

@@ -27,14 +27,10 @@ class Sensitivity:
     ----------
     labels : tuple of k str
         The parameters.
-    steps : tuple of k str
-        Changes of the parameters in workshop units, for example ``"1 mm"``.
-    step : (k,) array
-        The same in SI.
-    joint_angles : (j, k) array
-        Derivatives of the joint angles at the last load [rad per SI unit].
-    tip_force : (k,) array
-        Of the tip force [N per SI unit].
+    steps, step : tuple of k str, (k,) array
+        Changes of the parameters in workshop units, for example ``"1 mm"``, and in SI.
+    joint_angles, tip_force : (j, k) array, (k,) array
+        Derivatives of the joint angles and the tip force at the last load [rad, N per SI unit].
     value : (k,) array or None
         Of the objective; None if it has no gradient.
     regularity : str
@@ -59,15 +55,7 @@ class Sensitivity:
 
     @classmethod
     def of(cls, problem: Problem, design: FloatArray) -> Sensitivity:
-        """Evaluate the design (k,) and those around it.
-
-        Parameters
-        ----------
-        problem : Problem
-            Whose design it is.
-        design : (k,) array
-            Parameters, SI.
-        """
+        """Evaluate a design (k,), SI, and those around it."""
         chosen = problem.parameters
         texts, sizes = zip(*(STEPS[unit] for unit in chosen.units), strict=True)
         step = np.array(sizes)
@@ -83,7 +71,7 @@ class Sensitivity:
             step=step,
             joint_angles=here.derivatives[0, :-1],
             tip_force=here.derivatives[0, -1],
-            value=problem.gradients(here)[0] if problem.differentiable else None,
+            value=problem.gradients(here)[0] if problem.objective.differentiable else None,
             regularity=str(here.regularity[0]),
             off=angles.reshape(2, -1).T,
             bending=float(here.joint_angles[0, -1].sum()),
@@ -95,5 +83,4 @@ class Sensitivity:
 
         Zero where both ways gain; NaN where a design that is off fails.
         """
-        loss: FloatArray = np.maximum((self.bending - self.off).max(axis=1), 0.0)
-        return loss
+        return np.asarray(np.maximum((self.bending - self.off).max(axis=1), 0.0))

@@ -1,18 +1,25 @@
-"""Settings of a study: everything that decides its numbers."""
+"""Settings of studies and comparisons, from a problem to a folder and back."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sized
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
 
+from flexor.design import ParameterSet, parameter_set
+from flexor.errors import InputError, shortened
+from flexor.objectives import Objective
+from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
-from flexor.store import Header, Kind, read_settings
+from flexor.store import RECORD, Database, Header, Kind, check_regular, read_settings
 from flexor.study.problem import FloatArray, Problem
-from flexor.study.record import TABLES
+from flexor.study.record import TABLES, Record
+
+if TYPE_CHECKING:
+    from flexor.model import Model
 
 MODEL = "model.toml"
 
@@ -43,12 +50,23 @@ class MethodTable(_Table):
     options: dict[str, Any]
 
 
-class _Parameters(_Table):
-    name: str
+class LimitsTable(_Table):
+    """Parameters of a set and their bounds, SI."""
+
     labels: list[str]
-    units: list[str]
     lower: list[FiniteFloat]
     upper: list[FiniteFloat]
+
+    @model_validator(mode="after")
+    def _one_size(self) -> LimitsTable:
+        if not len(self.labels) == len(self.lower) == len(self.upper):
+            raise ValueError("rows of different lengths")
+        return self
+
+
+class _Parameters(LimitsTable):
+    name: str
+    units: list[str]
 
 
 class _Budget(_Table):
@@ -68,9 +86,8 @@ class _Shape(Header):
 
     @model_validator(mode="after")
     def _one_size(self) -> _Shape:
-        chosen = self.parameters
-        rows: list[Sized] = [chosen.units, chosen.lower, chosen.upper, *(self.start or [])]
-        if any(len(row) != len(chosen.labels) for row in rows):
+        rows: list[Sized] = [self.parameters.units, *(self.start or [])]
+        if any(len(row) != len(self.parameters.labels) for row in rows):
             raise ValueError("rows of different lengths")
         return self
 
@@ -101,13 +118,7 @@ class Settings:
 
     @classmethod
     def read(cls, folder: Path) -> Settings:
-        """Read the settings of a study folder.
-
-        Raises
-        ------
-        InputError
-            If the folder is not a study, or one that this version cannot read.
-        """
+        """Read the settings of a study folder; InputError if this version cannot."""
         return cls(read_settings(STUDY, folder))
 
 
@@ -117,30 +128,85 @@ def study_settings(
     """Describe a study; a ``start`` of None is drawn from the seed."""
     chosen = problem.parameters
     return {
-        "model": model_table(problem),
+        **common_settings(problem),
         "parameters": {
             "name": chosen.name,
-            "labels": list(chosen.labels),
             "units": list(chosen.units),
-            "lower": chosen.lower.tolist(),
-            "upper": chosen.upper.tolist(),
+            **limits_table(chosen),
         },
-        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
         "method": method_table(search),
         "start": None if start is None else start.tolist(),
         "seed": seed,
-        "engine": dict(problem.options),
         "budget": asdict(budget),
     }
 
 
-def model_table(problem: Problem) -> dict[str, Any]:
-    """Describe a problem's model."""
+def common_settings(problem: Problem) -> dict[str, Any]:
+    """Describe what is common to all parameter sets: the model, the objective and the solver."""
     model = problem.model
-    return {"name": model.name, "constants": model.file.use, "hash": model.hash}
+    return {
+        "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
+        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
+        "engine": dict(problem.options),
+    }
+
+
+def limits_table(chosen: ParameterSet) -> dict[str, Any]:
+    """Describe the bounds of a parameter set."""
+    lower, upper = chosen.lower.tolist(), chosen.upper.tolist()
+    return {"labels": list(chosen.labels), "lower": lower, "upper": upper}
+
+
+def within_limits(chosen: ParameterSet, table: Mapping[str, Any]) -> ParameterSet:
+    """Return a parameter set with the bounds of a `limits_table`."""
+    ends = zip(table["lower"], table["upper"], strict=True)
+    return chosen.with_bounds(dict(zip(table["labels"], ends, strict=True)))
 
 
 def method_table(search: Search) -> dict[str, Any]:
     """Describe a method with its options."""
     known = is_dataclass(search) and not isinstance(search, type)
     return {"name": search.name, "options": asdict(search) if known else {}}  # type: ignore[call-overload]
+
+
+def reopened(
+    folder: Path,
+    settings: Settings,
+    model: Model | None = None,
+    parameters: ParameterSet | None = None,
+    objective: Objective | None = None,
+) -> Problem:
+    """Make the problem that a study's settings describe, except for what is given."""
+    values = settings.values
+    model = model if model is not None else recorded_model(folder)
+    try:
+        kind, name = "parameters", values["parameters"]["name"]
+        chosen = parameter_set(name if parameters is None else parameters, model.design)
+        kind, name = "objective", values["objective"]["name"]
+        wanted = named_objective(name if objective is None else objective)
+    except InputError as error:
+        raise InputError(
+            f'the study "{folder}" uses {kind} "{shortened(name)}", which Flexor does not know: '
+            f"give it as {kind}=."
+        ) from error
+    if parameters is None:
+        chosen = within_limits(chosen, values["parameters"])
+    force = values["objective"]["force"]
+    return Problem(model, chosen.on(model.design), wanted.at(force), values["engine"])
+
+
+def recorded_model(folder: Path) -> Model:
+    """Load the model of a folder."""
+    from flexor.model import load
+
+    check_regular(folder / MODEL)
+    return load(folder / MODEL)
+
+
+def study_record(folder: Path | None, problem: Problem, database: Database) -> Record:
+    """Return the record of a study in its database, if that is of this problem."""
+    record = Record(database)
+    if record.sizes != problem.sizes:
+        record.close()
+        raise InputError(f'the study "{folder}" is damaged: its {RECORD} is of another study.')
+    return record

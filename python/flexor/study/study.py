@@ -1,7 +1,8 @@
-"""A study: a problem, its settings and everything that was evaluated."""
+"""A study: a problem, its settings and everything that was evaluated; and its progress."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,10 +14,11 @@ from numpy.typing import NDArray
 from flexor.errors import InputError
 from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
+from flexor.store import open_record
 from flexor.study.design import Design
 from flexor.study.problem import Problem
 from flexor.study.record import Record
-from flexor.study.settings import Settings
+from flexor.study.settings import STUDY, Settings, reopened, study_record
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
@@ -34,7 +36,7 @@ class Comparison:
 
 
 class Study:
-    """What was asked, and everything that was evaluated to answer it.
+    """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
     is opened again for reading where it is, and one in memory takes its record along.
@@ -44,13 +46,13 @@ class Study:
     problem : Problem
         Model, parameter set and objective.
     settings : Settings
-        Everything that decided the numbers.
+        Everything that determines the results.
     record : Record
         Every evaluation.
     folder : Path or None
-        Where it is kept; None in memory.
+        The study folder; None in memory.
     result : SearchResult or None
-        What the search found, if it ran to its end in this process.
+        Result of the search, if it was completed in this process.
     """
 
     def __init__(
@@ -83,19 +85,18 @@ class Study:
         folder : path
             The study folder.
         model, parameters, objective : optional
-            In place of those that the folder names; needed for a user's own.
+            Override those named in the folder; required if they are user-defined.
 
         Raises
         ------
         InputError
             If the folder is not a study, is damaged, or names something that is not known.
         """
-        from flexor.study.reopen import reopened, reopened_record
-
         place = Path(folder)
         settings = Settings.read(place)
         problem = reopened(place, settings, model, parameters, objective)
-        return cls(problem, settings, reopened_record(place, problem), place)
+        database = open_record(STUDY, place, write=False)
+        return cls(problem, settings, study_record(place, problem, database), place)
 
     @property
     def evaluations(self) -> int:
@@ -105,18 +106,12 @@ class Study:
     @property
     def finished(self) -> str | None:
         """Why the search ended; None if it has not."""
-        said = self.record.noted("finished")
-        return None if said is None else str(said)
+        reason = self.record.database.noted("finished")
+        return None if reason is None else str(reason)
 
     @property
     def best(self) -> Design:
-        """Best design.
-
-        Raises
-        ------
-        InputError
-            If no design succeeded.
-        """
+        """Best design; InputError if none succeeded."""
         vector = self.record.best()
         if vector is None:
             reasons = self.record.failures()
@@ -129,31 +124,17 @@ class Study:
         """The design the search began from; the parameter set's own start if it was drawn."""
         given = self.settings.values["start"]
         vector = np.array(given[0]) if given else self.problem.parameters.start + 0.0
-        known = self.record.outcomes(vector)
-        return Design.of(
-            self.problem, vector, known if len(known) else self.problem.evaluate(vector[None, :])
-        )
+        paths = self.record.outcomes(vector)
+        if not len(paths):
+            paths = self.problem.evaluate(vector[None, :])
+        return Design.of(self.problem, vector, paths)
 
     def comparison(self) -> list[Comparison]:
-        """Parameters, bending and objective, from the start to the best design.
-
-        Returns
-        -------
-        list of Comparison
-            In display units, for a table.
-        """
+        """Parameters, bending and objective of the start and of the best design."""
         chosen, objective = self.problem.parameters, self.problem.objective
         start, best = self.start, self.best
-        lines = [
-            Comparison(label, unit, float(first), float(last))
-            for label, unit, first, last in zip(
-                chosen.labels,
-                chosen.units,
-                start.vector / chosen.scale,
-                best.vector / chosen.scale,
-                strict=True,
-            )
-        ]
+        ends = [(design.vector / chosen.scale).tolist() for design in (start, best)]
+        lines = list(map(Comparison, chosen.labels, chosen.units, *ends))
         lines.append(Comparison("bending", "rad", start.bending, best.bending))
         if objective.quantity != "bending":
             lines.append(Comparison(objective.quantity, objective.unit, start.shown, best.shown))
@@ -170,20 +151,19 @@ class Study:
             [rad], ``tip_force`` [N] and ``touching`` at the last load, ``events``, ``iterations``
             and ``reason``. ``pandas.DataFrame(study.table())`` takes it as it is.
         """
-        designs, outcomes = self.record.designs(), self.record.outcomes()
-        columns: dict[str, NDArray[Any]] = {
-            label: designs[:, i] for i, label in enumerate(self.problem.parameters.labels)
+        outcomes = self.record.outcomes()
+        designs = zip(self.problem.parameters.labels, self.record.designs().T, strict=True)
+        return {
+            **dict(designs),
+            "value": np.where(np.isfinite(outcomes.value), outcomes.value, np.nan),
+            "shown": outcomes.shown,
+            "bending": outcomes.joint_angles[:, -1].sum(axis=1),
+            "tip_force": outcomes.tip_force[:, -1],
+            "touching": outcomes.touching[:, -1],
+            "events": outcomes.event_count,
+            "iterations": outcomes.total_iterations,
+            "reason": outcomes.reason,
         }
-        failed = ~np.isfinite(outcomes.value)
-        columns["value"] = np.where(failed, np.nan, outcomes.value)
-        columns["shown"] = outcomes.shown
-        columns["bending"] = outcomes.joint_angles[:, -1].sum(axis=1)
-        columns["tip_force"] = outcomes.tip_force[:, -1]
-        columns["touching"] = outcomes.touching[:, -1]
-        columns["events"] = outcomes.event_count
-        columns["iterations"] = outcomes.total_iterations
-        columns["reason"] = outcomes.reason
-        return columns
 
     def close(self) -> None:
         """Close the record."""
@@ -195,3 +175,51 @@ class Study:
             f"<Study of {chosen.name} for {self.problem.objective.name} in {place}: "
             f"{self.evaluations} designs>"
         )
+
+
+@dataclass(frozen=True, eq=False)
+class StudyProgress:
+    """Progress of a running study.
+
+    Attributes
+    ----------
+    best : Design or None
+        Best design so far; None while every design has failed.
+    evaluations : int
+        Distinct designs the search has asked for.
+    evaluated, replayed : int
+        Designs evaluated in this run, and designs known from an earlier one.
+    iteration : int
+        Iterations of the method.
+    seconds : float
+        Time since the study began or was resumed [s].
+    remaining : int or None
+        Evaluations to the end of the budget, or to convergence without further improvement,
+        whichever is fewer; None if neither is known.
+    detail : str
+        Status message of the method.
+    """
+
+    best: Design | None
+    evaluations: int
+    evaluated: int
+    replayed: int
+    iteration: int
+    seconds: float
+    remaining: int | None
+    detail: str
+
+    @property
+    def rate(self) -> float:
+        """Designs evaluated per second."""
+        return self.evaluated / self.seconds if self.seconds > 0.0 else 0.0
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Estimated remaining time [s]; None if unknown."""
+        if self.remaining is None or self.rate == 0.0:
+            return None
+        return self.remaining / self.rate
+
+
+StudyCallback = Callable[[StudyProgress], None]

@@ -226,7 +226,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         if (norm - 1.0).abs() > 1e-9 {
             return Err(ModelError::new(
                 field,
-                format!("found {axis:?} of norm {norm}, a unit vector is needed"),
+                format!("found {axis:?} of norm {norm}, must be a unit vector"),
             ));
         }
         let mut twist = Vector::ZERO;

@@ -167,14 +167,14 @@ fn check(name: &str, rod: &RodDescription) -> Result<Vec<f64>, ModelError> {
     }
     if rod.magnus_order != 2 && rod.magnus_order != 4 {
         let found = rod.magnus_order;
-        return Err(ModelError::new(field("magnus_order"), format!("found {found}, allowed are 2 and 4")));
+        return Err(ModelError::new(field("magnus_order"), format!("found {found}, must be 2 or 4")));
     }
     if rod.strain.is_empty() {
         return Err(ModelError::new(field("strain"), "a rod needs at least one strain mode"));
     }
     for (what, found) in [("elements", rod.elements), ("gauss_points", rod.gauss_points)] {
         if !(1..=1000).contains(&found) {
-            return Err(ModelError::new(field(what), format!("found {found}, allowed are 1 to 1000")));
+            return Err(ModelError::new(field(what), format!("found {found}, must be from 1 to 1000")));
         }
     }
     let x = sample_points(rod.elements, rod.gauss_points);

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_rod
@@ -17,8 +17,6 @@ from flexor.model.schema.profile import interpolated
 from flexor.model.schema.table import Choice, Name, Number, Table
 from flexor.model.units import Angle, Length, PositiveLength
 from flexor.model.validation import field_error
-
-Array = NDArray[np.float64]
 
 
 def _expand(value: object) -> object:

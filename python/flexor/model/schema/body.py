@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor._engine import sample_points
+from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
@@ -17,8 +17,6 @@ from flexor.model.schema.table import Choice, Count, Name, PositiveNumber, Table
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
-
-Array = NDArray[np.float64]
 
 
 class Placement(Table):
@@ -136,13 +134,7 @@ class Rod(Table):
         return self.elements * (self.gauss_points + 1) + 1
 
     def point_at(self, fraction: float) -> int | None:
-        """Return the sample point at a fraction of the length, if it is an element boundary.
-
-        Parameters
-        ----------
-        fraction
-            X in [0, 1].
-        """
+        """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
         if abs(fraction * self.elements - end) > 1e-9:
             return None

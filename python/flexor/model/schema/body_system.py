@@ -33,31 +33,20 @@ class BodySystem(Table):
         """
         fields = {name: field.annotation for name, field in cls.model_fields.items()}
         fields["spheres"] = fields.pop("spheres")
-        fields.pop("start", None)  # its keys are names of what other tables have
+        for table in ("start", "solver"):  # their keys are no names of their own
+            fields.pop(table, None)
         mappings = {name: get_args(f) for name, f in fields.items() if get_origin(f) is dict}
         return {name: kind for name, (_, kind) in mappings.items() if get_origin(kind) is not dict}
 
     def entries(self, kind: type[T]) -> Iterator[tuple[str, str, T]]:
-        """Yield table, name and entry of each named entry of a kind.
-
-        Parameters
-        ----------
-        kind
-            A class of tables.
-        """
+        """Yield table, name and entry of each named entry of a kind."""
         for table in self.named_tables():
             for name, entry in getattr(self, table).items():
                 if isinstance(entry, kind):
                     yield table, name, entry
 
     def rod(self, name: str) -> Rod:
-        """Return a rod by name.
-
-        Parameters
-        ----------
-        name
-            Its name.
-        """
+        """Return a rod by name."""
         body = self.bodies[name]
         if not isinstance(body, Rod):
             raise TypeError(f"{name} is a {body.kind}")

@@ -16,11 +16,6 @@ def check_names(tables: Mapping[str, Iterable[str]]) -> None:
     """Check that names are valid, and unique but for groups of spheres.
 
     The engine finds bodies and forces by name alone; a group may be called like the body it covers.
-
-    Parameters
-    ----------
-    tables
-        Names in each table.
     """
     for table, names in tables.items():
         for name in names:
@@ -40,13 +35,7 @@ def check_names(tables: Mapping[str, Iterable[str]]) -> None:
 
 
 def check_tree(bodies: Mapping[str, Body]) -> None:
-    """Check that every parent exists and that there are no cycles.
-
-    Parameters
-    ----------
-    bodies
-        All bodies by name.
-    """
+    """Check that every parent exists and that there are no cycles."""
     for name, body in bodies.items():
         if body.parent is not None:
             check_known(body.parent, "body", bodies, f"bodies.{name}.parent")
@@ -68,35 +57,13 @@ def check_tree(bodies: Mapping[str, Body]) -> None:
 
 
 def check_known(name: str, kind: str, allowed: Mapping[str, object], path: str) -> None:
-    """Check that a name is one of those allowed.
-
-    Parameters
-    ----------
-    name
-        The name.
-    kind
-        What it should be the name of.
-    allowed
-        The names of this kind.
-    path
-        Dotted path of the field, for messages.
-    """
+    """Check that a name is one of those allowed."""
     if name not in allowed:
         raise field_error(f"refers to the {unknown_name(kind, name, allowed)}", path=path)
 
 
 def check_rod(name: str, bodies: Mapping[str, Body], path: str) -> None:
-    """Check that a name is that of a rod.
-
-    Parameters
-    ----------
-    name
-        The name.
-    bodies
-        All bodies by name.
-    path
-        Dotted path of the field, for messages.
-    """
+    """Check that a name is that of a rod."""
     check_known(name, "body", bodies, path)
     if not isinstance(bodies[name], Rod):
         names = [f'"{n}"' for n, body in bodies.items() if isinstance(body, Rod)]

@@ -12,60 +12,19 @@ from flexor.model.schema.table import Table
 class Force(Table):
     """A table that describes a force on bodies, named in one of the file's tables.
 
-    The registry of forces are the fields of `ModelFile`.
-
-    Attributes
-    ----------
-    description : str
-        List of the engine's description that it belongs to.
+    The registry of forces are the fields of `ModelFile`. Checks raise `PydanticCustomError`, which
+    names the field; ``path`` is the dotted path of the table, for messages.
     """
 
-    description: ClassVar[str]
+    description: ClassVar[str]  # list of the engine's description that it belongs to
 
     @abstractmethod
     def check(self, path: str, system: BodySystem) -> None:
-        """Check that every reference resolves.
-
-        Parameters
-        ----------
-        path
-            Dotted path of the table, for messages.
-        system
-            The file that it is in.
-
-        Raises
-        ------
-        PydanticCustomError
-            Naming the field that does not.
-        """
+        """Check that every reference resolves in the file that the table is in."""
 
     def check_planar(self, path: str) -> None:
-        """Reject anything that leaves the plane of a planar model.
-
-        Parameters
-        ----------
-        path
-            Dotted path of the table, for messages.
-
-        Raises
-        ------
-        PydanticCustomError
-            Naming the field that does.
-        """
+        """Reject anything that leaves the plane of a planar model."""
 
     @abstractmethod
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
-        """Describe the force to the engine.
-
-        Parameters
-        ----------
-        name
-            Its name.
-        system
-            The checked file that it is in.
-
-        Returns
-        -------
-        dict
-            Its description, ready for JSON: SI units, every list explicit.
-        """
+        """Describe the force to the engine, ready for JSON: SI units, every list explicit."""

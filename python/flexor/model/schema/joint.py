@@ -34,6 +34,9 @@ def _repeated(count: int) -> BeforeValidator:
     return BeforeValidator(repeat)
 
 
+AngularStiffnesses = Annotated[
+    tuple[AngularStiffness, AngularStiffness, AngularStiffness], _repeated(3)
+]
 _NO_STIFFNESS = units.STIFFNESS.si(0.0)
 _NO_ANGULAR_STIFFNESS = units.ANGULAR_STIFFNESS.si(0.0)
 
@@ -100,9 +103,7 @@ class SphericalJoint(Table):
     """Arbitrary rotation, with the rotation vector as coordinates."""
 
     kind: Literal["spherical"]
-    stiffness: Annotated[
-        tuple[AngularStiffness, AngularStiffness, AngularStiffness], _repeated(3)
-    ] = (_NO_ANGULAR_STIFFNESS,) * 3
+    stiffness: AngularStiffnesses = (_NO_ANGULAR_STIFFNESS,) * 3
 
 
 class FreeJoint(Table):
@@ -112,9 +113,7 @@ class FreeJoint(Table):
     """
 
     kind: Literal["free"]
-    stiffness: Annotated[
-        tuple[AngularStiffness, AngularStiffness, AngularStiffness], _repeated(3)
-    ] = (_NO_ANGULAR_STIFFNESS,) * 3
+    stiffness: AngularStiffnesses = (_NO_ANGULAR_STIFFNESS,) * 3
     linear_stiffness: Annotated[tuple[Stiffness, Stiffness, Stiffness], _repeated(3)] = (
         _NO_STIFFNESS,
     ) * 3

@@ -3,23 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.model.schema.actuator import Actuator
+from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
-from flexor.model.schema.limits import check_size
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.spring import Spring
-from flexor.model.schema.start import StartTable
-from flexor.model.schema.table import Name
+from flexor.model.schema.table import Name, Number
 from flexor.model.schema.wrench import Wrench
+from flexor.model.validation import describe, field_error
+
+# Limits of size, so that a short file cannot ask for unbounded time and memory.
+MAX_BODIES = 2_000
+MAX_POINTS = 200_000
+MAX_PAIRS = 2_000_000
+MAX_STRAINS = 10_000  # of which the tangent takes 0.8 GB
+
+StartValue = str | float
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise field_error(f'is {describe(value)}: write a coordinate, such as "20 deg"')
+    return value
+
+
+def _entry(value: object) -> object:
+    return value if isinstance(value, dict) else _value(value)
+
+
+_Value = Annotated[StartValue, BeforeValidator(_value)]
+StartTable = dict[Name, Annotated[StartValue | dict[Name, _Value], BeforeValidator(_entry)]]
 
 
 class ModelFile(BodySystem):
@@ -37,6 +59,7 @@ class ModelFile(BodySystem):
     design: Design | None = None
     evaluation: Evaluation = Evaluation()
     start: StartTable = Field(default_factory=dict)
+    solver: dict[Name, Number] = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
@@ -51,7 +74,7 @@ class ModelFile(BodySystem):
             force.check(f"{table}.{name}", self)
         if self.design is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
-        check_size(self.bodies, self.spheres, self.contacts, self.actuators)
+        self._check_size()
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():
@@ -59,6 +82,33 @@ class ModelFile(BodySystem):
             for table, name, force in self.forces():
                 force.check_planar(f"{table}.{name}")
         return self
+
+    def _check_size(self) -> None:
+        """Check the numbers of bodies, sample points, strains and pairs of spheres."""
+        if len(self.bodies) > MAX_BODIES:
+            raise field_error(f"has {len(self.bodies):,} entries: at most {MAX_BODIES:,}", "bodies")
+        rods = {name: body for name, body in self.bodies.items() if isinstance(body, Rod)}
+        points = sum(rod.sample_count for rod in rods.values())
+        points += sum(rods[each.rod].sample_count for each in self.actuators.values())
+        if points > MAX_POINTS:
+            tail = f"have {points:,} sample points, counted again for each actuator: at most"
+            raise field_error(f"{tail} {MAX_POINTS:,}", "bodies")
+        strains = sum(
+            basis.size(rod.elements) for rod in rods.values() for basis in rod.strain.modes.values()
+        )
+        if strains > MAX_STRAINS:
+            raise field_error(f"have {strains:,} strains: at most {MAX_STRAINS:,}", "bodies")
+        counts = {
+            name: len(group.points)
+            + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
+            for name, group in self.spheres.items()
+        }
+        pairs = 0
+        for name, contact in self.contacts.items():
+            pairs += counts[contact.first] * counts[contact.second]
+            if pairs > MAX_PAIRS:
+                tail = f"has too many pairs of spheres: all contacts together at most {MAX_PAIRS:,}"
+                raise field_error(tail, path=f"contacts.{name}")
 
     def forces(self) -> Iterator[tuple[str, str, Force]]:
         """Yield table, name and description of each force, in the order of the fields."""
@@ -70,13 +120,7 @@ class ModelFile(BodySystem):
         return {key: value for key, value in document.items() if value != {}}
 
     def to_toml(self) -> str:
-        """Serialise the file as TOML.
-
-        Returns
-        -------
-        str
-            Text that parses to an equal `ModelFile`.
-        """
+        """Serialise the file as TOML that parses to an equal `ModelFile`."""
         import tomli_w
 
         return tomli_w.dumps(self.to_document())

@@ -13,7 +13,7 @@ from flexor.model.schema.planar import in_plane
 from flexor.model.schema.table import Choice, Name
 from flexor.model.schema.vector import Axis, Offset, direction
 from flexor.model.units import PositiveStiffness
-from flexor.model.validation import field_error
+from flexor.model.validation import field_error, first_repeated
 
 
 class Obstacle(Force):
@@ -35,9 +35,8 @@ class Obstacle(Force):
     def _check(self) -> Obstacle:
         if not any(self.normal):
             raise field_error("has no direction: it must not be zero", path="normal")
-        for index, group in enumerate(self.spheres):
-            if group in self.spheres[:index]:
-                raise field_error(f'names the group "{group}" twice', path="spheres")
+        if (group := first_repeated(self.spheres)) is not None:
+            raise field_error(f'names the group "{group}" twice', path="spheres")
         return self
 
     def check(self, path: str, system: BodySystem) -> None:

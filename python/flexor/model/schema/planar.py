@@ -10,15 +10,7 @@ from flexor.model.validation import field_error
 
 
 def check_planar_body(body: Body, path: str) -> None:
-    """Reject a body that leaves the plane.
-
-    Parameters
-    ----------
-    body
-        A body of a planar model.
-    path
-        Dotted path of its table, for messages.
-    """
+    """Reject a body that leaves the plane."""
     at_zero(body.placement.y, f"{path}.placement.y")
     about_y(body.placement.rotation, f"{path}.placement.rotation")
     _check_joint(body.joint, f"{path}.joint")

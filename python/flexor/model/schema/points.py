@@ -42,15 +42,7 @@ class Station(Table):
         return self
 
     def check_point(self, path: str, bodies: Mapping[str, Body]) -> None:
-        """Check that the body exists and has such a point.
-
-        Parameters
-        ----------
-        path
-            Dotted path of the table, for messages.
-        bodies
-            All bodies by name.
-        """
+        """Check that the body exists and has such a point."""
         check_known(self.body, "body", bodies, f"{path}.body")
         body, name = bodies[self.body], self.body
         if isinstance(body, Link):
@@ -69,13 +61,7 @@ class Station(Table):
             raise field_error(f"{tail} (an element boundary)", path=f"{path}.at")
 
     def lower_point(self, bodies: Mapping[str, Body]) -> dict[str, Any]:
-        """Describe the point to the engine.
-
-        Parameters
-        ----------
-        bodies
-            All bodies by name.
-        """
+        """Describe the point to the engine."""
         return {"body": self.body, "station": self._station(bodies[self.body])}
 
     def _station(self, body: Body) -> Any:
@@ -152,30 +138,14 @@ class SphereGroup(Table):
         return self
 
     def check(self, path: str, bodies: Mapping[str, Body]) -> None:
-        """Check that the bodies and points exist.
-
-        Parameters
-        ----------
-        path
-            Dotted path of the table, for messages.
-        bodies
-            All bodies by name.
-        """
+        """Check that the bodies and points exist."""
         for body in self.bodies:
             check_known(body, "body", bodies, f"{path}.bodies")
         for index, station in enumerate(self.points):
             station.check_point(f"{path}.points[{index}]", bodies)
 
     def lower(self, bodies: Mapping[str, Body], solid: bool = False) -> list[dict[str, Any]]:
-        """Describe the spheres to the engine.
-
-        Parameters
-        ----------
-        bodies
-            All bodies by name.
-        solid
-            Whether round cones are made of the group; links then have spheres at both ends.
-        """
+        """Describe the spheres to the engine; links of a ``solid`` group have one at both ends."""
         spheres: list[dict[str, Any]] = []
         for name in self.bodies:
             body = bodies[name]

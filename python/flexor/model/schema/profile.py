@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from flexor.arrays import Array
 from flexor.model.schema.table import Table
 from flexor.model.units import PositiveLength
 from flexor.model.validation import describe, field_error
-
-Array = NDArray[np.float64]
 
 
 class Taper(Table):
@@ -51,17 +49,7 @@ RodRadius = Annotated[
 def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Array]:
     """Interpolate equally spaced samples by a monotone cubic, which stays within their range.
 
-    Parameters
-    ----------
-    samples
-        Values from base (X = 0) to tip (X = 1).
-    points : (P,) array
-        X in [0, 1].
-
-    Returns
-    -------
-    value, slope : (P,) arrays
-        The curve and its derivative with respect to X.
+    Returns the value and its derivative with respect to X at the points X in [0, 1], each (P,).
 
     Notes
     -----
@@ -74,20 +62,7 @@ def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Arra
 
 
 def surface(radius: Taper | tuple[float, ...], points: Array) -> tuple[Array, Array]:
-    """Evaluate a rod's radius.
-
-    Parameters
-    ----------
-    radius
-        The radius of a rod [m].
-    points : (P,) array
-        X in [0, 1].
-
-    Returns
-    -------
-    S, slope : (P,) arrays
-        S(X) [m] and dS/dX [m].
-    """
+    """Return S(X) and dS/dX [m] of a rod at the points X in [0, 1], each (P,)."""
     if isinstance(radius, Taper):
         rise = float(radius.tip) - float(radius.base)
         return float(radius.base) + rise * points, np.full_like(points, rise)

@@ -52,6 +52,16 @@ class ModeBasis(Table):
             raise field_error(f'{tail}use the basis "legendre" for the same functions', "order")
         return self
 
+    def size(self, elements: int) -> int:
+        """Return the number of its functions on a rod of so many elements."""
+        if self.order is not None:
+            return self.order + 1
+        return (
+            2 * (elements + 1)
+            if self.basis == "hermite"
+            else ELEMENT_DEGREE[self.basis] * elements + 1
+        )
+
 
 def _expand(value: object) -> object:
     if isinstance(value, str):

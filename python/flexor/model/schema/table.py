@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Protocol, cast, runtime_checkable
 
 from pydantic import (
@@ -28,20 +27,11 @@ Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict()]
 
 
-@dataclass(frozen=True)
 class Choice:
-    """Pydantic annotation: one of the given names.
-
-    Parameters
-    ----------
-    *names
-        The allowed names.
-    """
-
-    names: tuple[str, ...]
+    """Pydantic annotation: one of the given names."""
 
     def __init__(self, *names: str) -> None:
-        object.__setattr__(self, "names", names)
+        self.names = names
 
     @property
     def hint(self) -> str:
@@ -97,13 +87,7 @@ def _listed(table: type[Table]) -> str:
 
 
 def one_of(*kinds: str) -> Callable[[object], object]:
-    """Return a validator that requires a table whose ``kind`` is one of the given ones.
-
-    Parameters
-    ----------
-    *kinds
-        The allowed kinds.
-    """
+    """Return a validator that requires a table whose ``kind`` is one of the given ones."""
 
     def check(value: object) -> object:
         if isinstance(value, Table):

@@ -30,13 +30,7 @@ Axis = Annotated[tuple[Number, Number, Number], BeforeValidator(_axis)]
 
 
 def direction(axis: Triple) -> list[float]:
-    """Return the unit vector along an axis.
-
-    Parameters
-    ----------
-    axis
-        Any vector but zero.
-    """
+    """Return the unit vector along an axis."""
     scaled = np.array(axis) / np.max(np.abs(axis))  # or the norm of a huge axis would overflow
     unit: list[float] = (scaled / np.linalg.norm(scaled)).tolist()
     return unit

@@ -12,16 +12,16 @@ from flexor.study.problem import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A rising step function: which part of the problems is solved at each cost.
+    """An increasing step function: the fraction of problems solved at each cost.
 
     Attributes
     ----------
     method : str
-        Whose.
+        Label of the method.
     cost : (n,) array
-        Where it steps, ascending.
+        Positions of the steps, ascending.
     solved : (n,) array
-        The part solved from there on.
+        Fraction solved from there on.
     """
 
     method: str
@@ -29,13 +29,13 @@ class Profile:
     solved: FloatArray
 
     def at(self, cost: float) -> float:
-        """Return the part solved at a cost."""
+        """Return the fraction solved at a cost."""
         below = int(np.searchsorted(self.cost, cost, side="right"))
         return float(self.solved[below - 1]) if below else 0.0
 
 
 def performance_profiles(comparison: MethodComparison, within: float = WITHIN) -> list[Profile]:
-    """Part of the problems each method solves within a multiple of the fastest (Dolan, Moré 2002).
+    """Fraction of problems solved within a multiple of the fastest method (Dolan, Moré 2002).
 
     A problem is a parameter set with a seed; its cost for a method is the evaluations to the
     target (`MethodComparison.target`) over those of the method that needed fewest. At 1 stands how
@@ -51,7 +51,7 @@ def performance_profiles(comparison: MethodComparison, within: float = WITHIN) -
 
 
 def data_profiles(comparison: MethodComparison, within: float = WITHIN) -> list[Profile]:
-    """Part of the problems that each method solves within a budget (Moré, Wild 2009).
+    """Fraction of problems that each method solves within a budget (Moré, Wild 2009).
 
     The budget is counted in groups of k + 1 evaluations, k the parameters of the set: what one
     simplex gradient costs.

@@ -6,14 +6,14 @@ import json
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
+from pydantic import FiniteFloat, NonNegativeInt
 
 from flexor.optimizers import SearchResult
 from flexor.store import Database, Header, Kind
 from flexor.study.comparison.result import SearchRun
 from flexor.study.problem import Problem
 from flexor.study.record import TABLES, Record
-from flexor.study.settings import MethodTable, ModelTable, ObjectiveTable
+from flexor.study.settings import LimitsTable, MethodTable, ModelTable, ObjectiveTable
 
 _TABLES = """
 CREATE TABLE searches (
@@ -23,26 +23,12 @@ CREATE TABLE searches (
 """
 
 
-class _Set(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    labels: list[str]
-    lower: list[FiniteFloat]
-    upper: list[FiniteFloat]
-
-    @model_validator(mode="after")
-    def _one_size(self) -> _Set:
-        if not len(self.labels) == len(self.lower) == len(self.upper):
-            raise ValueError("rows of different lengths")
-        return self
-
-
 class _Shape(Header):
     model: ModelTable
     objective: ObjectiveTable
     budget: NonNegativeInt
     engine: dict[str, FiniteFloat]
-    sets: dict[str, _Set]
+    sets: dict[str, LimitsTable]
     methods: dict[str, MethodTable]
     seeds: list[NonNegativeInt]
 
@@ -54,6 +40,7 @@ COMPARISON = Kind(
     growing=("sets", "methods", "seeds"),
     hashed={"model.hash": "a model that differs from the one now given"},
 )
+Key = tuple[str, str, int]  # of a search: parameter set, method and seed
 _ARRAYS = {
     "design": np.float64,
     "improvement_evaluations": np.int64,
@@ -62,8 +49,8 @@ _ARRAYS = {
 }
 
 
-def running_record(database: Database, problem: Problem, key: tuple[str, str, int]) -> Record:
-    """Return the record of a search (set, method, seed) that has not finished."""
+def running_record(database: Database, problem: Problem, key: Key) -> Record:
+    """Return the record of a search that has not finished."""
     return Record(database, problem.sizes, search=json.dumps(key))
 
 
@@ -84,14 +71,8 @@ def save(database: Database, run: SearchRun) -> None:
     )
 
 
-def finished(database: Database) -> dict[tuple[str, str, int], SearchRun]:
-    """Return the finished searches by set, method and seed.
-
-    Raises
-    ------
-    InputError
-        If one of them is damaged.
-    """
+def finished(database: Database) -> dict[Key, SearchRun]:
+    """Return the finished searches."""
     runs = {}
     for search, text in database.rows("SELECT search, result FROM searches"):
         try:
@@ -112,6 +93,9 @@ def finished(database: Database) -> dict[tuple[str, str, int], SearchRun]:
                 **arrays,
             )
             seconds = np.nan if values["seconds"] is None else float(values["seconds"])
+            given = [values[name] for name in ("value", "seconds") if values[name] is not None]
+            if not all(np.isfinite(each).all() for each in (given, *arrays.values())):
+                raise ValueError("a number is not finite")
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             raise database.damaged("a finished search is damaged") from None
         runs[parameters, method, seed] = SearchRun(parameters, method, seed, result, seconds)

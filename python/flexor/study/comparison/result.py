@@ -1,4 +1,4 @@
-"""What comparing methods gives: every search, and what can be said of them."""
+"""Results of a comparison of methods: every search, and statistics."""
 
 from __future__ import annotations
 
@@ -24,16 +24,14 @@ class SearchRun:
 
     Attributes
     ----------
-    parameters : str
-        Name of the parameter set.
-    method : str
-        Label of the method.
+    parameters, method : str
+        Name of the parameter set and label of the method.
     seed : int
-        Of start and method.
+        Random seed of start and method.
     result : SearchResult
-        What it found and every improvement on the way.
+        Its result with every improvement.
     seconds : float
-        How long it took on one thread (or on the executor); NaN if it was interrupted.
+        Time on one thread (or on the executor) [s]; NaN if it was interrupted.
     """
 
     parameters: str
@@ -50,28 +48,27 @@ class SearchRun:
 
 @dataclass(frozen=True)
 class Summary:
-    """What the searches of one method on one set came to.
+    """Statistics of the searches of one method on one set.
 
     Attributes
     ----------
     parameters, method : str
-        Which.
+        The parameter set and the method.
     searches : int
-        How many seeds.
+        Number of searches.
     best, median, worst : float
-        Values that they ended at.
+        Best, median and worst final value.
     success : float
-        Part of them that reached the target.
+        Fraction that reached the target.
     evaluations : float
-        Median evaluations to the target, of those that reached it; +inf if none did.
+        Median evaluations to the target among successful searches; +inf if there are none.
     expected_evaluations : float
-        Evaluations to be expected until the target is reached if the method is begun anew whenever
-        it ends without (spent by all searches, up to the target, for each success); +inf if none
-        succeeded.
+        Expected evaluations to the target if unsuccessful searches are restarted (total of all
+        searches, up to the target, per success); +inf without success.
     spent : float
-        Median evaluations to the end.
+        Median total evaluations.
     seconds : float
-        Median time; NaN if every search was interrupted.
+        Median time [s]; NaN if every search was interrupted.
     """
 
     parameters: str
@@ -93,18 +90,14 @@ class MethodComparison:
 
     Attributes
     ----------
-    model : str
-        Name of the model.
-    objective : Objective
-        What was minimised.
+    model, objective : str, Objective
+        Name of the model, and the objective.
     budget : int
-        Evaluations that each search could spend.
+        Maximum number of evaluations per search.
     sets : dict of int
         Number of parameters of each set.
-    methods : tuple of str
-        Labels, in the order they were given.
-    seeds : tuple of int
-        One search of each.
+    methods, seeds : tuple of str, tuple of int
+        Labels of the methods, and a seed per search, in the given order.
     reference : dict of float
         Value of each set's own start, the model's own exosuit, against which gains are measured.
     runs : tuple of SearchRun
@@ -124,22 +117,13 @@ class MethodComparison:
     known: Mapping[str, float] = field(default_factory=dict)
 
     def of(self, parameters: str, method: str | None = None) -> list[SearchRun]:
-        """Return the searches of a set, by one method or all.
-
-        Raises
-        ------
-        InputError
-            If there is no such set or method.
-        """
+        """Return the searches of a set, by one method or all; InputError if unknown."""
         if parameters not in self.sets:
             raise unknown("parameter set of the comparison", parameters, self.sets)
         if method is not None and method not in self.methods:
             raise unknown("method of the comparison", method, self.methods)
-        return [
-            run
-            for run in self.runs
-            if run.parameters == parameters and method in (None, run.method)
-        ]
+        runs = [run for run in self.runs if run.parameters == parameters]
+        return [run for run in runs if method in (None, run.method)]
 
     def best(self, parameters: str) -> SearchRun:
         """Return the search of a set that found the best design."""
@@ -170,18 +154,14 @@ class MethodComparison:
         spent = np.array([run.result.evaluations for run in runs], dtype=np.float64)
         needed = np.array([run.evaluations_to(target) for run in runs])
         reached = np.isfinite(needed)
-        seconds = np.array([run.seconds for run in runs])
-        timed = np.isfinite(seconds)
+        seconds = np.array([run.seconds for run in runs if np.isfinite(run.seconds)])
         successes = int(reached.sum())
         return Summary(
             parameters=parameters,
             method=method,
             searches=len(runs),
             best=float(values.min()),
-            # The median of a list with failures: the upper middle, which is never inf - inf.
-            median=float(np.sort(values)[len(values) // 2])
-            if not np.isfinite(values).all()
-            else float(np.median(values)),
+            median=float(np.median(values)),
             worst=float(values.max()),
             success=successes / len(runs),
             evaluations=float(np.median(needed[reached])) if successes else np.inf,
@@ -189,16 +169,12 @@ class MethodComparison:
             if successes
             else np.inf,
             spent=float(np.median(spent)),
-            seconds=float(np.median(seconds[timed])) if timed.any() else np.nan,
+            seconds=float(np.median(seconds)) if seconds.size else np.nan,
         )
 
     def summaries(self, within: float = WITHIN) -> list[Summary]:
         """Summarise every method on every set."""
-        return [
-            self.summary(parameters, method, within)
-            for parameters in self.sets
-            for method in self.methods
-        ]
+        return [self.summary(s, m, within) for s in self.sets for m in self.methods]
 
     def table(self, within: float = WITHIN) -> dict[str, NDArray[Any]]:
         """Every search as a row, in columns ready for ``pandas.DataFrame``.
@@ -211,26 +187,28 @@ class MethodComparison:
         """
         targets = {name: self.target(name, within) for name in self.sets}
         firsts = [run.result.improvement_values[:1] for run in self.runs]
+        results = [run.result for run in self.runs]
+        columns: dict[str, list[Any]] = {
+            "parameters": [run.parameters for run in self.runs],
+            "method": [run.method for run in self.runs],
+            "seed": [run.seed for run in self.runs],
+            "start": [float(first[0]) if first.size else np.inf for first in firsts],
+            "value": [result.value for result in results],
+            "evaluations": [result.evaluations for result in results],
+            "to_target": [run.evaluations_to(targets[run.parameters]) for run in self.runs],
+            "seconds": [run.seconds for run in self.runs],
+            "reason": [result.reason for result in results],
+        }
         return {
-            "parameters": np.array([run.parameters for run in self.runs], dtype=object),
-            "method": np.array([run.method for run in self.runs], dtype=object),
-            "seed": np.array([run.seed for run in self.runs]),
-            "start": np.array([first[0] if first.size else np.inf for first in firsts]),
-            "value": np.array([run.result.value for run in self.runs]),
-            "evaluations": np.array([run.result.evaluations for run in self.runs]),
-            "to_target": np.array(
-                [run.evaluations_to(targets[run.parameters]) for run in self.runs]
-            ),
-            "seconds": np.array([run.seconds for run in self.runs]),
-            "reason": np.array([run.result.reason for run in self.runs], dtype=object),
+            name: np.array(column, dtype=object if isinstance(column[0], str) else None)
+            for name, column in columns.items()
         }
 
     def needed(self, method: str, within: float = WITHIN) -> FloatArray:
         """Count the evaluations to each target, (sets, seeds); +inf where it was not reached."""
-        return np.array(
-            [
-                [run.evaluations_to(self.target(parameters, within)) for run in runs]
-                for parameters in self.sets
-                for runs in [sorted(self.of(parameters, method), key=lambda run: run.seed)]
-            ]
-        )
+        rows = []
+        for parameters in self.sets:
+            target = self.target(parameters, within)
+            runs = sorted(self.of(parameters, method), key=lambda run: run.seed)
+            rows.append([run.evaluations_to(target) for run in runs])
+        return np.array(rows)

@@ -1,4 +1,4 @@
-"""Compare methods: every one from the same starts, seeds and budget on each parameter set."""
+"""Compare methods with the same starts, seeds and budget on each parameter set."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
-from flexor.model.loading import require_model
-from flexor.model.loads import evaluation_forces
 from flexor.objectives import Objective
-from flexor.objectives import objective as named_objective
 from flexor.optimizers import Search, available, canonical
 from flexor.optimizers import method as named_method
-from flexor.store import Workspace, check_regular, read_settings
+from flexor.store import Workspace, read_settings
 from flexor.study.comparison.record import COMPARISON
 from flexor.study.comparison.result import MethodComparison
 from flexor.study.comparison.work import ComparisonCallback, Plan, carry_out
 from flexor.study.executors import AnyExecutor, Threads, chosen_executor
 from flexor.study.problem import Problem
-from flexor.study.settings import MODEL, method_table, model_table
+from flexor.study.settings import (
+    MODEL,
+    common_settings,
+    limits_table,
+    method_table,
+    recorded_model,
+    within_limits,
+)
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -52,26 +56,24 @@ def compare(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
+    model, objective : Model, str or Objective
+        As for `flexor.optimize`.
     parameters : str or sequence
         Parameter sets; a text lists them with commas: ``"L,R01"``. The paper's seven by default.
-    objective : str or Objective
-        What is minimised.
     methods : str, sequence of str, or mapping of Search, optional
-        Methods by name with their default options, or ready ones by the label they are to have;
-        by default all whose libraries are installed, without grid and surrogate.
+        Methods by name with their default options, or ready ones by label; by default all whose
+        libraries are installed, without grid and surrogate.
     seeds : int or sequence of int
         One search for each; a number n means 0 to n - 1. A seed decides the start, the same for
         every method: a random design of the set, or the next if that fails.
     budget : int
-        Distinct designs that each search may evaluate.
-    force : (steps,) array, str or dict, optional
-        Actuation forces [N], as for `Model.equilibrium`, of which the last counts.
+        Maximum number of distinct designs per search.
+    force, engine_options : optional
+        As for `flexor.optimize`.
     known : dict, optional
         Best values known from elsewhere, by set.
     folder : path, optional
-        Where finished and running searches are kept; in memory by default.
+        Folder of the comparison; in memory by default.
     resume : bool
         Resume the comparison in ``folder``; sets, methods and seeds may be added to it.
     progress : callable, optional
@@ -80,10 +82,8 @@ def compare(
         Where designs are evaluated; on one thread for each search by default. What
         `flexor.optimize` takes; the workers of a pool of processes or a cluster do whole searches.
     workers : int
-        Searches at a time; 0 for as many as there are cores, or threads of the cluster. The numbers
-        do not depend on it, but times may.
-    engine_options : dict, optional
-        Settings of the engine's solver.
+        Concurrent searches; 0 for one per core, or per thread of the cluster. The results do not
+        depend on it, but times may.
 
     Returns
     -------
@@ -96,11 +96,13 @@ def compare(
         If a name is not known, a library is missing, an objective is not the norm of a vector
         where a method needs that, or the folder cannot be used.
     """
+    if budget < 1:
+        raise InputError(f"the budget must be at least 1 evaluation, got {budget}.")
     plan = Plan(
         problems=_problems(model, parameters, objective, force, engine_options),
         methods=_methods(methods),
         seeds=_seeds(seeds),
-        budget=_budget(budget),
+        budget=budget,
     )
     plan.check()
     files = {MODEL: model.file.to_toml()}
@@ -140,20 +142,15 @@ def resume_comparison(
     InputError
         If the folder is not a comparison, is damaged or in use, or names something not known.
     """
-    from flexor.model import load
-
     place = Path(folder)
     values = read_settings(COMPARISON, place)
-    check_regular(place / MODEL)
-    model = load(place / MODEL)
-    sets = []
-    for name, limits in values["sets"].items():
-        bounds = zip(limits["labels"], limits["lower"], limits["upper"], strict=True)
-        chosen = parameter_set(name, model.design)
-        sets.append(chosen.with_bounds({label: (low, high) for label, low, high in bounds}))
+    model = recorded_model(place)
     return compare(
         model,
-        sets,
+        [
+            within_limits(parameter_set(name, model.design), limits)
+            for name, limits in values["sets"].items()
+        ],
         values["objective"]["name"],
         methods={
             label: named_method(method["name"], **method["options"])
@@ -179,17 +176,13 @@ def _problems(
     force: Any,
     engine_options: Mapping[str, float] | None,
 ) -> dict[str, Problem]:
-    wanted = named_objective(objective)
-    if force is not None:
-        wanted = wanted.at(evaluation_forces(force, require_model(model).inputs))
     problems: dict[str, Problem] = {}
     for each in _listed(parameters, "parameter set"):
-        chosen = parameter_set(each, require_model(model).design)
-        if chosen.name in problems:
-            raise InputError(f'the parameter set "{chosen.name}" is given twice.')
-        problems[chosen.name] = Problem(
-            model, chosen.on(model.design), wanted, dict(engine_options or {})
-        )
+        problem = Problem.of(model, each, objective, force, options=engine_options)
+        name = problem.parameters.name
+        if name in problems:
+            raise InputError(f'the parameter set "{name}" is given twice.')
+        problems[name] = problem
     return problems
 
 
@@ -227,27 +220,11 @@ def _seeds(seeds: int | Sequence[int]) -> tuple[int, ...]:
     return chosen
 
 
-def _budget(budget: int) -> int:
-    if budget < 1:
-        raise InputError(f"the budget must be at least 1 evaluation, got {budget}.")
-    return budget
-
-
 def _settings(plan: Plan) -> dict[str, Any]:
-    problem = plan.problem
     return {
-        "model": model_table(problem),
-        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
+        **common_settings(plan.problem),
         "budget": plan.budget,
-        "engine": dict(problem.options),
-        "sets": {
-            name: {
-                "labels": list(each.parameters.labels),
-                "lower": each.parameters.lower.tolist(),
-                "upper": each.parameters.upper.tolist(),
-            }
-            for name, each in plan.problems.items()
-        },
+        "sets": {name: limits_table(each.parameters) for name, each in plan.problems.items()},
         "methods": {label: method_table(search) for label, search in plan.methods.items()},
         "seeds": list(plan.seeds),
     }

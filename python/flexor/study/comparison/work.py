@@ -11,12 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from flexor.optimizers import LevenbergMarquardt, Search, SearchResult, starting_designs
+from flexor.model.interruption import end_all
+from flexor.optimizers import (
+    Budget,
+    LevenbergMarquardt,
+    Search,
+    SearchResult,
+    starting_designs,
+    uses_gradients,
+)
 from flexor.store import Workspace
-from flexor.study.comparison.record import finished, running_record, save
+from flexor.study.comparison.record import Key, finished, running_record, save
 from flexor.study.comparison.result import MethodComparison, SearchRun
-from flexor.study.comparison.search import SearchTask, search_in_memory
-from flexor.study.executors import Executor
+from flexor.study.executors import Executor, Threads
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
 from flexor.study.recorded_evaluator import RecordedEvaluator
@@ -27,24 +34,12 @@ _TRIES = 64
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is to be compared.
+    """What is to be compared: each method on each problem, once for each seed."""
 
-    Attributes
-    ----------
-    problems : dict of Problem
-        By parameter set.
-    methods : dict of Search
-        By label.
-    seeds : tuple of int
-        One search of each method on each set for each.
-    budget : int
-        Evaluations of each search.
-    """
-
-    problems: Mapping[str, Problem]
-    methods: Mapping[str, Search]
+    problems: Mapping[str, Problem]  # by parameter set
+    methods: Mapping[str, Search]  # by label
     seeds: tuple[int, ...]
-    budget: int
+    budget: int  # evaluations of each search
 
     @property
     def problem(self) -> Problem:
@@ -52,13 +47,7 @@ class Plan:
         return next(iter(self.problems.values()))
 
     def check(self) -> None:
-        """Refuse at once what the last of a hundred searches would have refused.
-
-        Raises
-        ------
-        InputError
-            If a method needs the norm of a vector and the objective is not one.
-        """
+        """Refuse at once an objective that is not the norm of a vector where a method needs it."""
         if any(isinstance(search, LevenbergMarquardt) for search in self.methods.values()):
             start = self.problem.parameters.start[None, :]
             self.problem.residuals(self.problem.evaluate(start))
@@ -66,7 +55,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class ComparisonProgress:
-    """Where a comparison stands.
+    """Progress of a running comparison.
 
     Attributes
     ----------
@@ -75,9 +64,9 @@ class ComparisonProgress:
     evaluations : int
         Designs evaluated now.
     seconds : float
-        Since it began or was resumed.
+        Time since it began or was resumed [s].
     last : str
-        The search that ended last, in words.
+        Description of the search that ended last.
     """
 
     done: int
@@ -99,42 +88,75 @@ class _Stopped(BaseException):
     """Raised within searches when the comparison is to stop."""
 
 
-class _Watched(RecordedEvaluator):
-    """The recorded function of one search, which counts for all and can be stopped."""
-
-    def __init__(
-        self, problem: Problem, record: Record, executor: Executor, gradients: bool, tally: _Tally
-    ) -> None:
-        super().__init__(problem, record, executor, gradients)
-        self._tally = tally
-
-    def stream(
-        self, designs: FloatArray, part: int | None = None
-    ) -> Generator[FloatArray, None, None]:
-        """Yield values of designs (n, k), part after part."""
-        if self._tally.stop.is_set():
-            raise _Stopped
-        before = self.evaluated
-        for values in super().stream(designs, part):
-            self._tally.add(self.evaluated - before)
-            before = self.evaluated
-            if self._tally.stop.is_set():
-                raise _Stopped
-            yield values
-
-
 class _Tally:
     """Designs evaluated by all searches, and whether they are to stop."""
 
     def __init__(self) -> None:
-        self.stop = threading.Event()
         self.evaluations = 0
+        self.stopped = False
         self._lock = threading.Lock()
 
     def add(self, count: int) -> None:
         """Count designs."""
         with self._lock:
             self.evaluations += count
+
+    def check(self) -> None:
+        """End the search of this thread if all are to stop."""
+        if self.stopped:
+            raise _Stopped
+
+
+class _CountedEvaluator(RecordedEvaluator):
+    """The recorded function of one search, which counts for all and can be stopped."""
+
+    def __init__(self, tally: _Tally, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self._tally = tally
+
+    def stream(
+        self, designs: FloatArray, part: int | None = None
+    ) -> Generator[FloatArray, None, None]:
+        """Yield values of designs (n, k), part after part."""
+        self._tally.check()
+        before = self.evaluated
+        for values in super().stream(designs, part):
+            self._tally.add(self.evaluated - before)
+            before = self.evaluated
+            self._tally.check()
+            yield values
+
+
+@dataclass(frozen=True, eq=False)
+class SearchTask:
+    """A search to be done, which can be sent to a worker."""
+
+    search: Search
+    start: FloatArray  # (1, k)
+    seed: int
+    budget: int
+
+    def run(self, problem: Problem, function: RecordedEvaluator) -> SearchResult:
+        """Search a problem through its recorded function."""
+        return self.search.minimize(
+            function,
+            problem.parameters.lower,
+            problem.parameters.upper,
+            start=self.start,
+            seed=self.seed,
+            budget=Budget(evaluations=self.budget),
+        )
+
+
+def search_in_memory(problem: Problem, task: SearchTask) -> tuple[SearchResult, float]:
+    """Search with a record in memory, on one thread; return how long that took as well [s]."""
+    began, record = time.monotonic(), Record(None, problem.sizes)
+    gradients = uses_gradients(task.search)
+    try:
+        result = task.run(problem, RecordedEvaluator(problem, record, Threads(1), gradients))
+    finally:
+        record.close()
+    return result, time.monotonic() - began
 
 
 def carry_out(
@@ -145,36 +167,14 @@ def carry_out(
     executor: Executor,
     workers: int,
 ) -> MethodComparison:
-    """Run every search of a plan that has not finished yet.
+    """Run every search of a plan that has not finished yet, ``workers`` at a time.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is compared.
-    work : Workspace
-        Where searches are kept.
-    known : dict
-        Best values known from elsewhere, by set.
-    progress : callable or None
-        Called now and then.
-    executor : Executor
-        Where designs are evaluated.
-    workers : int
-        Searches at a time; 0 for as many as the executor evaluates at a time.
-
-    Returns
-    -------
-    MethodComparison
-        Once all have ended.
-
-    Raises
-    ------
-    InputError
-        If there is something left to do and the folder was begun by another version.
+    With 0 workers they are as many as the executor evaluates at a time; ``known`` are the best
+    values of sets known from elsewhere.
     """
     began, tally = time.monotonic(), _Tally()
     kept = finished(work.database)
-    # Seed by seed: stopped early, a comparison has something of everything.
+    # Seed by seed, so that an interrupted comparison covers every set and method.
     keys = [(s, m, seed) for seed in plan.seeds for s in plan.problems for m in plan.methods]
     runs = {key: kept[key] for key in keys if key in kept}
     missing = [key for key in keys if key not in kept]
@@ -187,31 +187,38 @@ def carry_out(
         for name, problem in plan.problems.items()
         if any(key[0] == name for key in missing)
     }
-    total, last = len(runs) + len(missing), ""
+    last = ""
 
-    def tell() -> None:
+    def report() -> None:
         if progress is not None:
             seconds = time.monotonic() - began
-            progress(ComparisonProgress(len(runs), total, tally.evaluations, seconds, last))
+            progress(ComparisonProgress(len(runs), len(keys), tally.evaluations, seconds, last))
 
-    tell()
+    def search(key: Key) -> SearchRun:
+        tally.check()
+        task = SearchTask(plan.methods[key[1]], starts[key[0]][key[2]], key[2], plan.budget)
+        result, seconds = _search(plan.problems[key[0]], key, task, work, executor, tally)
+        run = SearchRun(*key, result, seconds)
+        save(work.database, run)
+        return run
+
+    report()
     with ThreadPoolExecutor(workers or executor.slots) as pool:
         waiting: set[Future[SearchRun]] = set()
         try:
-            for key in missing:
-                start = starts[key[0]][key[2]]
-                waiting.add(pool.submit(_search, plan, key, start, work, executor, tally))
+            waiting = {pool.submit(search, key) for key in missing}
             while waiting:
                 ended, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in ended:
                     run = future.result()
                     runs[run.parameters, run.method, run.seed] = run
                     last = f"{run.parameters}, {run.method}, seed {run.seed}"
-                tell()
-        except BaseException:
-            tally.stop.set()
-            for future in waiting:
-                future.cancel()
+                report()
+        except BaseException as error:
+            tally.stopped = True
+            if isinstance(error, KeyboardInterrupt):
+                end_all(waiting)
+            pool.shutdown(wait=False, cancel_futures=True)
             raise
     return MethodComparison(
         model=plan.problem.model.name,
@@ -235,6 +242,8 @@ def _references(plan: Plan, work: Workspace) -> dict[str, float]:
     for name, problem in plan.problems.items():
         if not isinstance(known.get(name), float):
             known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        elif np.isnan(known[name]):
+            raise work.database.damaged(f"the reference of {name} is no number")
     if known != kept:
         work.database.note("reference", known)
     return {name: known[name] for name in plan.problems}
@@ -248,46 +257,28 @@ def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dic
     drawing = list(seeds)
     for _ in range(_TRIES):
         drawn = [starting_designs(None, 1, lower, upper, random[seed]) for seed in drawing]
-        good = np.isfinite(executor.evaluate(problem, np.concatenate(drawn)).value)
-        for seed, design, found in zip(drawing, drawn, good.tolist(), strict=True):
+        good = np.isfinite(executor.evaluate(problem, np.concatenate(drawn)).value).tolist()
+        for seed, design, found in zip(drawing, drawn, good, strict=True):
             if found or seed not in starts:
                 starts[seed] = design
-        drawing = [seed for seed, found in zip(drawing, good.tolist(), strict=True) if not found]
+        drawing = [seed for seed, found in zip(drawing, good, strict=True) if not found]
         if not drawing:
             break
     return starts
 
 
 def _search(
-    plan: Plan,
-    key: tuple[str, str, int],
-    start: FloatArray,
-    work: Workspace,
-    executor: Executor,
-    tally: _Tally,
-) -> SearchRun:
-    parameters, method, seed = key
-    problem = plan.problems[parameters]
-    if tally.stop.is_set():
-        raise _Stopped
-    task = SearchTask(plan.methods[method], start, seed, plan.budget)
+    problem: Problem, key: Key, task: SearchTask, work: Workspace, executor: Executor, tally: _Tally
+) -> tuple[SearchResult, float]:
+    """Search; return how long that took as well [s], NaN if it was interrupted on the way."""
     if executor.remote:
         # As one task: it would ask for too few designs at a time to be worth sending.
-        result, seconds = executor.call(problem, search_in_memory, task, stopped=tally.stop.is_set)
+        result, seconds = executor.call(
+            problem, search_in_memory, task, stopped=lambda: tally.stopped
+        )
         tally.add(result.evaluations)
-    else:
-        record = running_record(work.database, problem, key)
-        result, seconds = _recorded(problem, task, record, executor, tally)
-    run = SearchRun(parameters, method, seed, result, seconds)
-    save(work.database, run)
-    return run
-
-
-def _recorded(
-    problem: Problem, task: SearchTask, record: Record, executor: Executor, tally: _Tally
-) -> tuple[SearchResult, float]:
-    """Search, keeping every design at once; return how long that took as well [s]."""
-    began = time.monotonic()
-    function = _Watched(problem, record, executor, task.gradients, tally)
+        return result, seconds
+    began, record = time.monotonic(), running_record(work.database, problem, key)
+    function = _CountedEvaluator(tally, problem, record, executor, uses_gradients(task.search))
     result = task.run(problem, function)
     return result, time.monotonic() - began if function.replayed == 0 else np.nan

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from flexor.study.executors.choice import AnyExecutor, chosen_executor
 from flexor.study.executors.cluster import Cluster
-from flexor.study.executors.interface import Executor
+from flexor.study.executors.interface import Executor, Threads
 from flexor.study.executors.pool import Pool
-from flexor.study.executors.threads import Threads
 
 __all__ = ["AnyExecutor", "Cluster", "Executor", "Pool", "Threads", "chosen_executor"]

@@ -1,4 +1,4 @@
-"""From what a person gives as executor to one that can be used."""
+"""From what users give as an executor to an `Executor`."""
 
 from __future__ import annotations
 
@@ -8,33 +8,18 @@ from contextlib import contextmanager
 
 from flexor.errors import InputError
 from flexor.study.executors.cluster import Cluster
-from flexor.study.executors.interface import Executor
+from flexor.study.executors.interface import Executor, Threads
 from flexor.study.executors.pool import Pool
-from flexor.study.executors.threads import Threads
 
 AnyExecutor = Executor | StandardExecutor | str
 
 
 @contextmanager
 def chosen_executor(given: AnyExecutor | None) -> Iterator[Executor]:
-    """Use an executor while it is needed.
+    """Use an executor, and close what was opened for it.
 
-    Parameters
-    ----------
-    given : Executor, concurrent.futures.Executor, str or None
-        An executor, or anything with the interface of `concurrent.futures.Executor`, which stays
-        open; the address of a cluster (see `Cluster`), which is left at the end; or None for this
-        process, on all cores.
-
-    Yields
-    ------
-    Executor
-        To evaluate with.
-
-    Raises
-    ------
-    InputError
-        If it is none of these, or the cluster cannot be used.
+    None is this process on all cores, a text the address of a cluster; anything with the interface
+    of `concurrent.futures.Executor` stays open.
     """
     if given is None:
         yield Threads()

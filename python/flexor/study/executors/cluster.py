@@ -1,57 +1,79 @@
-"""A Dask cluster by its address: connected to or started, and in sentences where that fails."""
+"""A Dask cluster, by its address: one that runs, or one started on this machine."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import signal
-import threading
+import re
 import time
-from collections.abc import Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
-from tempfile import TemporaryDirectory
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
 from flexor.store.environment import decisive
 from flexor.study.executors import task
-from flexor.study.executors.address import Address
+from flexor.study.executors.local_cluster import LocalCluster
 from flexor.study.executors.pool import Pool
 from flexor.study.executors.task import one_line
 
 # How long a scheduler may take to answer [s], and how long a cluster may be without workers.
 ANSWER = 10.0
+AT_ONCE = 0.3
 PATIENCE = 60.0
-# How long the number of threads is believed [s].
-_BELIEVED = 5.0
-# Displays that nobody looks at cost Dask's processes some percent of a core each.
-_WITHOUT_DISPLAYS = {
-    "distributed.worker.profile.enabled": False,
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "10s",
-}
+_NO_ANSWER = "its scheduler no longer answers"
+# How long a count of threads stays valid [s].
+_VALID = 5.0
+# More processes than this on one machine are a slip of the finger.
+MOST_LOCAL = 1024
+_REMOTE = re.compile(
+    r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[\w.-]+):(?P<port>[0-9]{1,5})/?", re.ASCII
+)
+
+
+def local_workers(address: str) -> int:
+    """Return the number of workers that ``local:N`` asks for, 0 for ``tcp://HOST:PORT``."""
+    kind, _, rest = address.partition(":")
+    if kind == "local" and not rest.startswith("//"):
+        count = int(rest) if re.fullmatch(r"[0-9]{1,6}", rest, re.ASCII) else -1
+        if not 1 <= count <= MOST_LOCAL:
+            raise InputError(
+                f'the cluster "{address}" cannot be started: after "local:" belongs the number of '
+                f'workers, from 1 to {MOST_LOCAL}, such as "local:4".'
+            )
+        return count
+    match = _REMOTE.fullmatch(address)
+    if match is None:
+        raise InputError(
+            f'the cluster "{address}" is not an address: give that of a Dask scheduler, such as '
+            '"tcp://HOST:8786", or "local:N" for N workers on this machine.'
+        )
+    if not 1 <= int(match["port"]) <= 65535:
+        raise InputError(
+            f'the cluster "{address}" has port {match["port"]}: ports are from 1 to 65535.'
+        )
+    return 0
 
 
 class Cluster(Pool):
     """Evaluates on the workers of a Dask cluster.
 
-    What a worker that dies was doing is done again by another.
+    The tasks of a worker that dies are repeated by another.
 
     Parameters
     ----------
     address : str
-        Of the scheduler, such as ``"tcp://HOST:8786"``; ``"local:4"`` starts four workers on this
-        machine, which end with the executor.
+        Address of the scheduler, such as ``"tcp://HOST:8786"``; ``"local:4"`` starts four workers
+        on this machine, which end with the executor.
     patience : float
         How long the cluster may be without any worker [s], at first and later.
 
     Raises
     ------
     InputError
-        If Dask is not installed, the address is none, nobody answers there, there are no workers,
-        or one of them runs another version of Flexor or another build of its engine.
+        If Dask is not installed, the address is invalid, no scheduler answers, there are no
+        workers, or one of them runs another version of Flexor or another build of its engine.
 
     Notes
     -----
@@ -61,26 +83,27 @@ class Cluster(Pool):
     """
 
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
-        where = Address.read(address)
-        self.address = where.text
+        self.address = address.strip()
+        name, workers = f'the cluster "{self.address}"', local_workers(self.address)
         self._patience = patience
-        self._cluster: Any = None
-        self._scratch: TemporaryDirectory[str] | None = None
+        self._opened = ExitStack()
+        self._local: LocalCluster | None = None
+        self._leaving = ANSWER  # time to leave [s]
         self._client: Any = None
-        self._threads, self._counted = 0, -_BELIEVED
+        self._threads, self._counted = 0, -_VALID
         self._bare_since: float | None = None
         distributed = _library()
-        # Its client logs how connections break, which is said in sentences here.
-        self._log = logging.getLogger("distributed.client")
-        self._log_level = self._log.level
-        self._log.setLevel(logging.CRITICAL + 1)
+        # Its client logs broken connections, which are reported as exceptions here.
+        log = logging.getLogger("distributed.client")
+        self._opened.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL + 1)
         try:
-            client = self._connect(distributed, where)
-            super().__init__(client.get_executor(), f'the cluster "{self.address}"')
+            client = self._connect(distributed, name, workers)
+            super().__init__(client.get_executor(), name)
             self._wait_for_workers()
             self._check_workers()
-        except BaseException:
-            self.close()
+        except BaseException as error:
+            self.__exit__(error)
             raise
 
     @property
@@ -90,41 +113,40 @@ class Cluster(Pool):
 
     def close(self) -> None:
         """Leave the cluster; stop it, if it was started here."""
-        for each in (self._client, self._cluster):
-            if each is not None:
-                with suppress(OSError, RuntimeError, CancelledError):  # it may be gone already
-                    each.close(timeout=ANSWER)
-        self._client = self._cluster = None
-        if self._scratch is not None:
-            self._scratch.cleanup()
-            self._scratch = None
-        self._log.setLevel(self._log_level)
+        self._opened.close()
 
-    def _connect(self, distributed: Any, where: Address) -> Any:
+    def __exit__(self, *raised: object) -> None:
+        """Leave the cluster; after an interruption at once."""
+        if any(isinstance(each, KeyboardInterrupt) for each in raised):
+            self._leaving = AT_ONCE
+            if self._local is not None:
+                self._local.kill()
+        self.close()
+
+    def _leave_scheduler(self) -> None:
+        # It may be gone already.
+        with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
+            self._client.close(timeout=self._leaving)
+
+    def _connect(self, distributed: Any, name: str, workers: int) -> Any:
         target = self.address
-        if where.local:
+        if workers:
             try:
-                self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
-                self._cluster = _started(distributed, where.local, self._scratch.name)
+                self._local = local = LocalCluster(distributed, workers)
             except (OSError, TimeoutError, RuntimeError) as error:
-                raise InputError(
-                    f'the cluster "{self.address}" could not be started: {one_line(error)}.'
-                ) from error
-            target = self._cluster.scheduler_address
+                raise InputError(f"{name} could not be started: {one_line(error)}.") from error
+            self._opened.callback(lambda: local.close(self._leaving))
+            target = local.address
         elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
-            raise InputError(
-                f'the cluster "{self.address}" is the address of a {kind.lower()}, not of the '
-                "scheduler."
-            )
+            raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
                 target, timeout=ANSWER, set_as_default=False, name="flexor"
             )
+            self._opened.callback(self._leave_scheduler)
             return self._client
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
-            raise InputError(
-                f'the cluster "{self.address}" cannot be used: {one_line(error)}.'
-            ) from error
+            raise InputError(f"{name} cannot be used: {one_line(error)}.") from error
 
     def _wait_for_workers(self) -> None:
         began = time.monotonic()
@@ -132,14 +154,14 @@ class Cluster(Pool):
             if time.monotonic() - began > self._patience:
                 raise InputError(f"{self._name} has no workers: none came in {self._patience:g} s.")
             time.sleep(0.2)
-            self._counted = -_BELIEVED
+            self._counted = -_VALID
 
     def _check_workers(self) -> None:
         """Refuse workers of another version at once, and not at their first task."""
         run = self._client.run
         found = self._guarded(lambda: run(task.check, decisive(), on_error="return"))
         for worker, why in found.items():
-            # A worker that dies meanwhile is nobody's fault.
+            # A worker that dies meanwhile is no error.
             if why and not isinstance(why, OSError):
                 if not isinstance(why, str):
                     why = f"has another Flexor, or none: {one_line(why)}"
@@ -147,7 +169,9 @@ class Cluster(Pool):
 
     def _count(self) -> int:
         """Count the threads of all workers; 0 while there are none."""
-        if time.monotonic() - self._counted >= _BELIEVED:
+        if time.monotonic() - self._counted >= _VALID:
+            if self._client.status != "running":  # it then has no scheduler to ask
+                raise ClusterError(f"{self._name} was lost: {_NO_ANSWER}.")
             self._threads = sum(self._guarded(self._client.nthreads).values())
             self._counted = time.monotonic()
         return self._threads
@@ -168,9 +192,9 @@ class Cluster(Pool):
                 "it lost one worker after another at the same designs, and their logs say why, "
                 "often for want of memory"
             )
-        if self._client is not None and self._client.status == "running":
+        if self._client.status == "running":
             return one_line(error)
-        return "its scheduler no longer answers"
+        return _NO_ANSWER
 
 
 def _library() -> Any:
@@ -185,13 +209,7 @@ def _library() -> Any:
 
 
 def _kind_of_server(distributed: Any, address: str) -> str:
-    """Ask what answers at an address, once and not for ever, as a client would not do.
-
-    Raises
-    ------
-    InputError
-        If nothing does that speaks as Dask does.
-    """
+    """Ask what answers at an address, once and not for ever, as a client would not do."""
 
     async def ask() -> str:
         options = distributed.Security().get_connection_args("client")
@@ -209,40 +227,7 @@ def _kind_of_server(distributed: Any, address: str) -> str:
         # In a thread of its own: this one may have a loop already, as in notebooks.
         with ThreadPoolExecutor(1) as pool:
             return pool.submit(asyncio.run, ask_in_time()).result()
-    except (OSError, asyncio.TimeoutError) as error:
-        why = f"no Dask scheduler answers there within {ANSWER:g} s"
-        raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error
     except Exception as error:
-        raise InputError(
-            f'the cluster "{address}" cannot be reached: {one_line(error)}.'
-        ) from error
-
-
-def _started(distributed: Any, workers: int, scratch: str) -> Any:
-    """Start a cluster on this machine."""
-    import dask
-
-    settings = {**_WITHOUT_DISPLAYS, "temporary-directory": scratch}
-    with dask.config.set(settings), _interrupts_ignored():
-        return distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            local_directory=scratch,
-            dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
-            worker_dashboard_address=None,
-            memory_limit=0,
-            silence_logs=logging.CRITICAL,
-        )
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C: it is for this one, which then stops them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+        late = isinstance(error, (OSError, asyncio.TimeoutError))
+        why = f"no Dask scheduler answers there within {ANSWER:g} s" if late else one_line(error)
+        raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error

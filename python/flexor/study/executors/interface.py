@@ -1,21 +1,20 @@
-"""Where designs are evaluated: the interface of threads, pools and clusters."""
+"""The interface of executors, and the one that uses threads of this process."""
 
 from __future__ import annotations
 
-import sys
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
-from types import TracebackType
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from flexor.model.chunks import chunks
 from flexor.model.results import Paths
+from flexor.model.solver import useful_threads
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
-    if sys.version_info >= (3, 11):
-        from typing import Self
-    else:
-        from typing_extensions import Self
+    from typing_extensions import Self
 
 Result = TypeVar("Result")
 
@@ -30,12 +29,12 @@ class Executor(ABC):
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
     ) -> Generator[Paths, None, None]:
-        """Evaluate designs (n, k), part after part.
+        """Evaluate designs, part after part.
 
         Parameters
         ----------
         problem : Problem
-            Whose designs they are.
+            Problem that the designs belong to.
         designs : (n, k) array
             Designs, SI.
         gradient : bool
@@ -71,18 +70,10 @@ class Executor(ABC):
         *arguments: Any,
         stopped: Callable[[], bool] | None = None,
     ) -> Result:
-        """Call a function of a problem where its designs are evaluated, such as a whole search.
+        """Return ``function(problem, *arguments)``, called where designs are evaluated.
 
-        Parameters
-        ----------
-        problem : Problem
-            Its first argument.
-        function : callable
-            From the problem and the other arguments to something that can be pickled.
-        *arguments
-            The other arguments.
-        stopped : callable, optional
-            Says whether nobody waits for the result any more; then CancelledError may be raised.
+        The result must be something that can be pickled. CancelledError may be raised once
+        ``stopped`` returns True, since the result is no longer wanted.
         """
         return function(problem, *arguments)
 
@@ -92,10 +83,34 @@ class Executor(ABC):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
+
+
+@dataclass(frozen=True)
+class Threads(Executor):
+    """Evaluates in this process.
+
+    Attributes
+    ----------
+    threads : int
+        Threads of the engine; 0 for one per core. InputError if it is not a useful number.
+    """
+
+    threads: int = 0
+
+    def __post_init__(self) -> None:
+        useful_threads(self.threads)
+
+    @property
+    def slots(self) -> int:
+        """How many parts keep every core busy."""
+        cores = os.cpu_count() or 1
+        return max(cores // (self.threads or cores), 1)
+
+    def parts(
+        self, problem: Problem, designs: FloatArray, gradient: bool = False
+    ) -> Generator[Paths, None, None]:
+        """Evaluate designs (n, k), one part after the other, each on all threads."""
+        for chunk in chunks(len(designs)):
+            yield problem.evaluate(designs[chunk], self.threads, gradient)

@@ -15,6 +15,7 @@ import numpy as np
 
 from flexor.errors import ClusterError, InputError
 from flexor.model import chunks
+from flexor.model.interruption import end_all
 from flexor.model.results import Paths
 from flexor.study.executors import task
 from flexor.study.executors.interface import Executor
@@ -27,7 +28,7 @@ SHORTEST = 0.02
 # Tasks kept waiting for each worker, so that none is idle between two.
 AHEAD = 3
 # How often a wait looks whether there is still something to wait for [s].
-_LOOK = 1.0
+_LOOK = 0.2
 
 
 class Pool(Executor):
@@ -42,7 +43,12 @@ class Pool(Executor):
         For example a ``ProcessPoolExecutor``, Dask's ``client.get_executor()`` or an
         ``MPIPoolExecutor`` of mpi4py. It stays open.
     name : str
-        What to call it in messages.
+        Name for messages.
+
+    Notes
+    -----
+    Evaluating raises `InputError` if the problem cannot be sent or a worker refuses it, and
+    `flexor.errors.ClusterError` if the executor is lost.
     """
 
     def __init__(self, executor: StandardExecutor, name: str = "the executor") -> None:
@@ -54,26 +60,18 @@ class Pool(Executor):
 
     @property
     def slots(self) -> int:
-        """How many workers there are, if the executor tells; else as many as there are cores."""
+        """How many workers the executor says that it has; else the number of cores."""
         found: Any = self._executor
         client = getattr(found, "_client", None)  # of Dask
         if client is not None:
             return max(int(sum(client.nthreads().values())), 1)
-        told = getattr(found, "_max_workers", None) or getattr(found, "num_workers", None)
-        return int(told or os.cpu_count() or 1)
+        workers = getattr(found, "_max_workers", None) or getattr(found, "num_workers", None)
+        return int(workers or os.cpu_count() or 1)
 
     def parts(
         self, problem: Problem, designs: FloatArray, gradient: bool = False
     ) -> Generator[Paths, None, None]:
-        """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending.
-
-        Raises
-        ------
-        InputError
-            If the problem cannot be sent, or a worker refuses it.
-        ClusterError
-            If the executor is lost.
-        """
+        """Evaluate designs (n, k) on all workers, in parts of as many as are worth sending."""
         left = deque(self._split(problem, designs))
         running: deque[Future[Reply]] = deque()
         try:
@@ -82,8 +80,12 @@ class Pool(Executor):
                     running.append(self._submit(problem, task.evaluate, left.popleft(), gradient))
                 reply = self._reply(running.popleft())
                 outcomes: Paths = reply.result
-                self._learn(problem, len(outcomes), reply.seconds)
+                self._note_time(problem, len(outcomes), reply.seconds)
                 yield outcomes
+        except KeyboardInterrupt:
+            if self._here:
+                end_all(running)
+            raise
         finally:
             for future in running:
                 future.cancel()
@@ -100,30 +102,21 @@ class Pool(Executor):
         *arguments: Any,
         stopped: Callable[[], bool] | None = None,
     ) -> Result:
-        """Call ``function(problem, *arguments)`` on a worker, and wait for it.
-
-        Raises
-        ------
-        InputError, ClusterError
-            As for `parts`; and what the function raises.
-        """
+        """Call ``function(problem, *arguments)`` on a worker, and wait for it."""
         result: Result = self._reply(self._submit(problem, function, *arguments), stopped).result
         return result
 
     def _submit(
         self, problem: Problem, function: Callable[..., Any], *arguments: Any
     ) -> Future[Reply]:
-        if self._here:
-            return self._submitted(task.call, problem, function, arguments)
-        with self._lock:
-            pickled = self._pickled.get(problem)
-            if pickled is None:
-                pickled = self._pickled[problem] = PickledProblem.of(problem)
-        work = task.dumps((function, arguments))
-        return self._submitted(task.run, pickled, work)
-
-    def _submitted(self, function: Callable[..., Reply], *arguments: Any) -> Future[Reply]:
-        future: Future[Reply] = self._guarded(self._executor.submit, function, *arguments)
+        work: tuple[Any, ...] = (task.call, problem, function, arguments)
+        if not self._here:
+            with self._lock:
+                pickled = self._pickled.get(problem)
+                if pickled is None:
+                    pickled = self._pickled[problem] = PickledProblem.of(problem)
+            work = (task.run, pickled, task.dumps((function, arguments)))
+        future: Future[Reply] = self._guarded(self._executor.submit, *work)
         return future
 
     def _reply(self, future: Future[Reply], stopped: Callable[[], bool] | None = None) -> Reply:
@@ -168,8 +161,8 @@ class Pool(Executor):
             parts = -(-parts // slots) * slots  # the same for each worker
         return np.array_split(designs, parts) if parts else []
 
-    def _learn(self, problem: Problem, designs: int, seconds: float) -> None:
-        """Take in how long designs took."""
+    def _note_time(self, problem: Problem, designs: int, seconds: float) -> None:
+        """Note how long designs took."""
         with self._lock:
             count, before = self._spent.get(problem, (0, 0.0))
             self._spent[problem] = count + designs, before + seconds

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
-import threading
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from flexor.errors import InputError
@@ -16,40 +14,21 @@ from flexor.model.results import Paths
 from flexor.store.environment import decisive
 from flexor.study.problem import FloatArray, Problem
 
-# A process may serve many studies before it ends.
-_KEPT = 64
-_problems: OrderedDict[str, Problem] = OrderedDict()
-_lock = threading.Lock()
-
 
 @dataclass(frozen=True)
 class PickledProblem:
     """A problem as bytes: 5 kB for the finger, which go with every task.
 
-    Attributes
-    ----------
-    token : str
-        A hash of the bytes, by which a process knows the problem again.
-    content : bytes
-        The problem, pickled: its model as the text of a model file, a user's own functions by
-        value where they have no module and cloudpickle is installed.
-    versions : dict of str
-        Flexor and engine of the sender.
+    Its model is pickled as the text of a model file, a user's own functions by value where they
+    have no module and cloudpickle is installed.
     """
 
-    token: str
     content: bytes
-    versions: Mapping[str, str]
+    versions: tuple[tuple[str, str], ...]  # Flexor and engine of the sender
 
     @classmethod
     def of(cls, problem: Problem) -> PickledProblem:
-        """Pickle a problem.
-
-        Raises
-        ------
-        InputError
-            If its parameter set or its objective cannot be pickled.
-        """
+        """Pickle a problem."""
         try:
             content = dumps(problem)
         except Exception as error:
@@ -57,39 +36,22 @@ class PickledProblem:
                 f'parameter set "{problem.parameters.name}" or objective '
                 f'"{problem.objective.name}" cannot be sent to other processes: {one_line(error)}.'
             ) from error
-        return cls(hashlib.sha256(content).hexdigest()[:16], content, decisive())
+        return cls(content, tuple(decisive().items()))
 
 
 @dataclass(frozen=True)
 class Reply:
-    """What became of a task.
-
-    Attributes
-    ----------
-    result : Any
-        What the function returned.
-    seconds : float
-        How long it took [s].
-    error : Exception or None
-        What it raised. It is part of the reply so that whatever else waiting for a task raises is
-        the executor's own.
-    """
+    """What became of a task."""
 
     result: Any = None
     seconds: float = 0.0
+    # What the function raised: part of the reply, so that whatever else waiting for a task raises
+    # is the executor's own.
     error: Exception | None = None
 
 
 def run(problem: PickledProblem, work: bytes) -> Reply:
-    """Call a function of a problem, as pickled by `dumps` with its further arguments.
-
-    Parameters
-    ----------
-    problem : PickledProblem
-        The first argument, unpickled only where it is not known yet.
-    work : bytes
-        Function and further arguments.
-    """
+    """Call a function of a problem; ``work`` is that and further arguments, from `dumps`."""
     try:
         function, arguments = pickle.loads(work)
         return call(_unpickled(problem), function, arguments)
@@ -115,7 +77,7 @@ def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Paths:
 
 
 def check(wanted: Mapping[str, str]) -> str:
-    """Say in what Flexor differs here from the one that asks; empty if in nothing."""
+    """Return in what Flexor differs here from the one that asks; empty if in nothing."""
     here = decisive()
     if here["flexor"] != wanted["flexor"]:
         return f"runs Flexor {here['flexor']}, this is {wanted['flexor']}: install the same version"
@@ -139,18 +101,11 @@ def one_line(error: BaseException) -> str:
     return " ".join(str(error).split()).rstrip(".") or type(error).__name__
 
 
+@lru_cache(maxsize=64)  # a process may serve many studies before it ends
 def _unpickled(pickled: PickledProblem) -> Problem:
-    with _lock:
-        if pickled.token in _problems:
-            _problems.move_to_end(pickled.token)
-            return _problems[pickled.token]
-    if differs := check(pickled.versions):
+    if differs := check(dict(pickled.versions)):
         raise InputError(f"a worker {differs}.")
     problem: Problem = pickle.loads(pickled.content)
-    with _lock:
-        _problems[pickled.token] = problem
-        while len(_problems) > _KEPT:
-            _problems.popitem(last=False)
     return problem
 
 

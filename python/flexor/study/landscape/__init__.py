@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.study.landscape.evaluate import grid_over, landscape
-from flexor.study.landscape.result import Landscape
-from flexor.study.landscape.search_path import SearchPath
+from flexor.study.landscape.evaluate import landscape
+from flexor.study.landscape.result import Landscape, SearchPath
 
-__all__ = ["Landscape", "SearchPath", "grid_over", "landscape"]
+__all__ = ["Landscape", "SearchPath", "landscape"]

@@ -16,7 +16,7 @@ from flexor.optimizers import Grid
 from flexor.study.executors import AnyExecutor
 from flexor.study.landscape.result import Landscape
 from flexor.study.optimization import optimize
-from flexor.study.progress import StudyCallback
+from flexor.study.study import StudyCallback
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -42,27 +42,15 @@ def landscape(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
-    parameters : str or ParameterSet
-        What may be changed, for example ``"R01"``.
-    objective : str or Objective
-        What is evaluated, for example ``"bending"`` (f_b).
+    model, parameters, objective : Model, str or ParameterSet, str or Objective
+        As for `flexor.optimize`.
     grid : int
         Points along each axis, both bounds included.
     axes : sequence of str, optional
-        Labels of the one or two parameters to vary; needed if the set has more than two.
+        Labels of the one or two parameters to vary; required if the set has more than two.
     start : (k,) array, optional
-        Where the other parameters stay, SI; the set's own start by default.
-    bounds : dict, optional
-        Other bounds by label, SI.
-    force : (steps,) array, optional
-        Actuation forces [N], of which the last counts.
-    folder : path, optional
-        Where to keep the study; in memory by default.
-    resume : bool
-        Resume the landscape in ``folder``, whose settings must be these.
-    progress, executor, engine_options : optional
+        Values of the other parameters, SI; the set's own start by default.
+    bounds, force, folder, resume, progress, executor, engine_options : optional
         As for `flexor.optimize`.
 
     Returns
@@ -81,7 +69,7 @@ def landscape(
         model,
         chosen,
         objective,
-        grid_over(chosen, grid, axes),
+        _grid(chosen, grid, axes),
         start=start,
         bounds=bounds,
         force=force,
@@ -94,23 +82,7 @@ def landscape(
     return Landscape.of(study)
 
 
-def grid_over(chosen: ParameterSet, points: int, axes: Sequence[str] | None = None) -> Grid:
-    """Make the grid of a landscape.
-
-    Parameters
-    ----------
-    chosen : ParameterSet
-        Whose parameters vary.
-    points : int
-        Along each axis.
-    axes : sequence of str, optional
-        Labels of the one or two parameters; all by default.
-
-    Raises
-    ------
-    InputError
-        If they are not one or two different parameters of the set.
-    """
+def _grid(chosen: ParameterSet, points: int, axes: Sequence[str] | None) -> Grid:
     if axes is None:
         if chosen.size > 2:
             raise InputError(

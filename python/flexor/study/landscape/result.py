@@ -1,4 +1,4 @@
-"""A landscape: the objective on a grid over one or two parameters."""
+"""A landscape: the objective on a grid over one or two parameters, and searches on it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter
 
 from flexor.errors import InputError
-from flexor.optimizers import grid_axes, grid_designs
+from flexor.optimizers import SearchResult, grid_axes, grid_designs
 from flexor.store import csv_text, replaced, write_text
 from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
@@ -27,27 +28,21 @@ class Landscape:
     Attributes
     ----------
     study : Study
-        Where every design of it is recorded.
+        The study that records its designs.
     columns : tuple of int
-        Which of the parameters vary, by their place in the set.
+        Indices of the parameters that vary.
     axes : tuple of (n,) arrays
         Their values, SI.
     designs : (..., k) array
         Whole designs, SI.
-    value : array
-        Of the objective; +inf where the design failed.
-    shown : array
-        The objective's quantity for display; NaN where failed.
-    joint_angles : (..., j) array
-        At the last load [rad]; NaN where failed.
-    tip_force : array
-        At the last load [N].
-    touching : array
-        Spheres of the exosuit that touch, at the last load.
-    events : array of int
-        Snaps along the path.
+    value, shown : arrays
+        The objective, +inf where the design failed, and its quantity for display, NaN there.
+    joint_angles, tip_force : (..., j) array, array
+        At the last load [rad], [N]; NaN where the design failed.
+    touching, events : arrays of int
+        Spheres of the exosuit in contact at the last load, and snaps along the path.
     reason : array of str
-        Empty, or why the design failed.
+        Reason of the failure; empty if there is none.
     """
 
     study: Study
@@ -66,14 +61,10 @@ class Landscape:
     def of(cls, study: Study) -> Landscape:
         """Read a landscape in the record of its study.
 
-        Raises
-        ------
-        InputError
-            If the study is not a grid over one or two parameters, or is not finished.
+        InputError if that is not a grid over one or two parameters, or is not finished.
         """
-        values = study.settings.values
+        values, chosen = study.settings.values, study.problem.parameters
         options = values["method"]["options"]
-        chosen = study.problem.parameters
         where = f'the study "{study.folder}"' if study.folder else "the study"
         if values["method"]["name"] != "grid" or not values["start"]:
             raise InputError(f"{where} is not a landscape.")
@@ -84,9 +75,8 @@ class Landscape:
         designs = grid_designs(chosen.lower, chosen.upper, start, points, columns)
         recorded, outcomes = study.record.designs(), study.record.outcomes()
         if len(recorded) < len(designs):
-            raise InputError(
-                f"{where} has {len(recorded):,} of {len(designs):,} designs: resume it."
-            )
+            done = f"{len(recorded):,} of {len(designs):,} designs"
+            raise InputError(f"{where} has {done}: resume it.")
         if not np.array_equal(recorded, designs + 0.0):
             raise InputError(f"{where} is damaged: its record is not its grid.")
         shape = (points,) * len(columns)
@@ -106,13 +96,7 @@ class Landscape:
 
     @classmethod
     def check(cls, folder: str | Path) -> None:
-        """Refuse a study folder that is not a landscape, finished or not.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
+        """Refuse a study folder that is not a landscape, finished or not."""
         values = Settings.read(Path(folder)).values
         if values["method"]["name"] != "grid":
             method = values["method"]["name"]
@@ -120,13 +104,7 @@ class Landscape:
 
     @classmethod
     def open(cls, folder: str | Path) -> Landscape:
-        """Read a finished landscape from its folder.
-
-        Raises
-        ------
-        InputError
-            If the folder holds no landscape, or one that is not finished.
-        """
+        """Read a finished landscape from its folder; InputError if there is none."""
         return cls.of(Study.open(folder))
 
     @property
@@ -136,28 +114,25 @@ class Landscape:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Of the parameters that vary."""
+        """Labels of the parameters that vary."""
         return tuple(self.problem.parameters.labels[i] for i in self.columns)
 
     @property
     def failed(self) -> NDArray[np.bool_]:
-        """Where the design failed."""
+        """Which designs failed."""
         return ~np.isfinite(self.value)
 
     @property
     def minimum(self) -> Design:
-        """Best design of the grid, the global minimum to the resolution of the grid.
+        """Best design of the grid, the global minimum to its resolution.
 
-        Raises
-        ------
-        InputError
-            If every design failed.
+        InputError if every design failed.
         """
         return self.study.best
 
     @property
     def minimum_index(self) -> tuple[int, ...]:
-        """Where it is."""
+        """Indices of the best design."""
         return tuple(int(i) for i in np.unravel_index(int(np.argmin(self.value)), self.value.shape))
 
     def local_minima(self) -> NDArray[np.intp]:
@@ -166,79 +141,89 @@ class Landscape:
         A measure of how rough the landscape is; it grows as the grid shows finer bumps. A failed
         neighbour counts as higher.
         """
-        padded = np.pad(self.value, 1, constant_values=np.inf)
-        inner = tuple(slice(1, -1) for _ in self.axes)
-        lower = np.isfinite(self.value)
-        for shift in np.ndindex(*(3,) * len(self.axes)):
-            if any(step != 1 for step in shift):
-                rolled = np.roll(padded, [1 - step for step in shift], tuple(range(padded.ndim)))
-                lower &= self.value < rolled[inner]
-        return np.argwhere(lower)
+        neighbours = np.ones((3,) * len(self.axes), dtype=bool)
+        neighbours[(1,) * len(self.axes)] = False
+        lowest = minimum_filter(self.value, footprint=neighbours, mode="constant", cval=np.inf)
+        return np.argwhere(self.value < lowest)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``landscape.npz`` (every array) and ``landscape.csv`` (a row for each design).
 
-        Parameters
-        ----------
-        folder : path
-            Where to; must exist.
-
-        Returns
-        -------
-        list of Path
-            The files.
-
-        Raises
-        ------
-        InputError
-            If they cannot be written.
+        Returns the files; InputError if they cannot be written into the folder.
         """
-        place = Path(folder)
-        arrays: dict[str, Any] = {
-            name: getattr(self, name)
-            for name in ("designs", "value", "shown", "joint_angles", "tip_force", "touching")
-        }
+        npz, csv = (Path(folder) / f"landscape.{ending}" for ending in ("npz", "csv"))
+        names = ("designs", "value", "shown", "joint_angles", "tip_force", "touching", "events")
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         arrays |= {f"axis_{i}": axis for i, axis in enumerate(self.axes)}
+        arrays |= {"labels": self.problem.parameters.labels, "columns": self.columns}
+        arrays |= {"reason": self.reason.astype(str), "force": self.problem.force}
         try:
-            with replaced(place / "landscape.npz") as draft:
-                np.savez_compressed(
-                    draft,
-                    labels=np.array(self.problem.parameters.labels),
-                    columns=np.array(self.columns),
-                    **arrays,
-                    events=self.events,
-                    reason=self.reason.astype(str),
-                    force=self.problem.force,
-                )
-            write_text(place / "landscape.csv", self._csv())
+            with replaced(npz) as draft:
+                np.savez_compressed(draft, **arrays)
+            write_text(csv, self._csv())
         except OSError as error:
             why = (error.strerror or str(error)).lower()
-            raise InputError(f'the landscape cannot be written into "{place}": {why}.') from error
-        return [place / "landscape.npz", place / "landscape.csv"]
+            raise InputError(f'the landscape cannot be written into "{folder}": {why}.') from error
+        return [npz, csv]
 
     def _csv(self) -> str:
         chosen, objective = self.problem.parameters, self.problem.objective
-        units = [_SI.get(unit, unit) for unit in chosen.units]
-        heads = [
-            label if unit == "1" else f"{label} [{unit}]"
-            for label, unit in zip(chosen.labels, units, strict=True)
-        ]
+        units = ["" if unit == "1" else f" [{_SI.get(unit, unit)}]" for unit in chosen.units]
+        heads = [f"{label}{unit}" for label, unit in zip(chosen.labels, units, strict=True)]
         heads += [f"objective {objective.name}", f"{objective.quantity} [{objective.unit}]"]
         heads += [f"{joint} [rad]" for joint in self.problem.model.joints]
         heads += ["tip force [N]", "touching", "events", "failure"]
         rows: list[list[object]] = [[*heads]]
         for i in np.ndindex(*self.value.shape):
-            failed = bool(self.failed[i])
-            rows.append(
-                [
-                    *self.designs[i].tolist(),
-                    "" if failed else float(self.value[i]),
-                    "" if failed else float(self.shown[i]),
-                    *self.joint_angles[i].tolist(),
-                    float(self.tip_force[i]),
-                    int(self.touching[i]),
-                    int(self.events[i]),
-                    self.reason[i],
-                ]
-            )
+            values = ["", ""] if self.failed[i] else [float(self.value[i]), float(self.shown[i])]
+            counts = self.touching[i], self.events[i]
+            path = *self.joint_angles[i], self.tip_force[i], *counts
+            rows.append([*self.designs[i], *values, *path, self.reason[i]])
         return csv_text(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchPath:
+    """The best design of a search whenever it improved.
+
+    Attributes
+    ----------
+    label, method : str
+        Label in figures, for example ``"L_1"`` (may be empty), and name of the method.
+    designs : (m, k) array
+        From the start (the first design that succeeded) to the end, SI.
+    values, evaluations : (m,) arrays
+        Their values, and the number of evaluations until each was found.
+    """
+
+    label: str
+    method: str
+    designs: FloatArray
+    values: FloatArray
+    evaluations: FloatArray
+
+    @classmethod
+    def of(cls, result: SearchResult, method: str, label: str = "") -> SearchPath:
+        """Read the history of a search from its result."""
+        return cls(
+            label=label,
+            method=method,
+            designs=result.improvement_designs,
+            values=result.improvement_values,
+            evaluations=result.improvement_evaluations.astype(np.float64),
+        )
+
+    @classmethod
+    def from_study(cls, study: Study, label: str = "") -> SearchPath:
+        """Read the history of a study's search from its record."""
+        values = study.record.outcomes().value
+        best = np.minimum.accumulate(values) if values.size else values
+        better = np.isfinite(values) & (values < np.append(np.inf, best[:-1]))
+        rows = np.flatnonzero(better)
+        return cls(
+            label=label,
+            method=str(study.settings.values["method"]["name"]),
+            designs=study.record.designs()[rows],
+            values=values[rows],
+            evaluations=(rows + 1).astype(np.float64),
+        )

@@ -1,0 +1,65 @@
+//! What one load step may cost, and the request to stop.
+
+use super::options::ContinuationOptions;
+use super::status::Status;
+use std::fmt::Debug;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A request to end a solve, looked at in every iteration, by all threads that solve.
+pub trait Cancel: Debug + Sync {
+    /// Whether the solve is to end.
+    fn is_requested(&self) -> bool;
+}
+
+impl Cancel for AtomicBool {
+    fn is_requested(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
+
+/// Counts the iterations of a load step against its limits.
+#[derive(Clone, Debug)]
+pub(super) struct Budget<'a> {
+    max_iterations: usize,
+    max_time: Option<Duration>,
+    /// Set from outside when the solve is to end.
+    cancel: Option<&'a dyn Cancel>,
+    iterations: usize,
+    deadline: Option<Instant>,
+}
+
+impl<'a> Budget<'a> {
+    pub fn new(options: &ContinuationOptions, cancel: Option<&'a dyn Cancel>) -> Self {
+        let max_time = Duration::try_from_secs_f64(options.max_seconds).ok();
+        Self { max_iterations: options.max_iterations, max_time, cancel, iterations: 0, deadline: None }
+    }
+
+    /// A load step begins.
+    pub fn restart(&mut self) {
+        self.iterations = 0;
+        self.deadline = self.max_time.and_then(|time| Instant::now().checked_add(time));
+    }
+
+    pub fn count(&mut self) {
+        self.iterations += 1;
+    }
+
+    /// Iterations of this load step.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Why the load step has to end now, if it has to.
+    pub fn exhausted(&self) -> Option<Status> {
+        if self.cancel.is_some_and(Cancel::is_requested) {
+            Some(Status::Cancelled)
+        } else if self.iterations > self.max_iterations {
+            Some(Status::IterationLimit)
+        } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            Some(Status::TimeLimit)
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,26 @@
+"""Ending what other threads compute when this one is interrupted."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from concurrent.futures import Future, wait
+from typing import Any
+
+from flexor._engine import cancel
+
+# A thread may be about to begin a solve when it is told to stop: it is told again after this [s].
+_AGAIN = 0.05
+
+
+def end_all(futures: Collection[Future[Any]]) -> None:
+    """Cancel what waits, end every solve that runs (it raises KeyboardInterrupt), and wait.
+
+    Parameters
+    ----------
+    futures
+        Work of threads of this process, which stops by itself between solves.
+    """
+    for future in futures:
+        future.cancel()
+    while wait(futures, _AGAIN).not_done:
+        cancel()

@@ -1,0 +1,241 @@
+"""Snaps and bifurcations: their kind, their load and their number, whatever the load steps."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor import _engine
+from flexor.model import Model, Path, parse
+
+COLUMN = """
+name = "column"
+[bodies.rod]
+kind = "rod"
+length = "10 cm"
+radius = "5 mm"
+young_modulus = "1 MPa"
+poisson_ratio = 0.5
+elements = 8
+gauss_points = 3
+strain = { bend_y = "nodal_linear", bend_z = "nodal_linear", twist_x = "nodal_linear" }
+[wrenches.press]
+body = "rod"
+at = "tip"
+force = { x = "-1 N" }
+input = true
+"""
+"""A round column: once buckled, it may turn about its axis."""
+
+FLAG = """
+[bodies.flag]
+kind = "link"
+length = "1 cm"
+radius = "2 mm"
+joint = { kind = "revolute", stiffness = "1 N*m/rad" }
+[wrenches.breeze]
+body = "flag"
+at = "tip"
+frame = "body"
+force = { z = "1e-6 N" }
+"""
+"""A follower load without a potential, too small to matter."""
+
+EULER = np.pi**2 * 1e6 * np.pi / 4 * 0.005**4 / 4 / 0.1**2
+
+STRIP = """
+name = "strip"
+[bodies.rod]
+kind = "rod"
+length = "500 mm"
+radius = "2 mm"
+section = { kind = "rectangular", ratio = 2.0 }
+young_modulus = "1 MPa"
+poisson_ratio = 0.5
+strain = { twist_x = "nodal_quadratic", bend_y = "nodal_quadratic", bend_z = "nodal_quadratic" }
+elements = 8
+gauss_points = 3
+[wrenches.p]
+body = "rod"
+at = "tip"
+force = { x = "-1 N" }
+input = true
+[wrenches.m]
+body = "rod"
+at = "tip"
+moment = { x = "1e-12 N*m" }
+frame = "body"
+"""
+
+
+def kinds(path: Path) -> list[str]:
+    """Return the kinds of all events."""
+    return [event.kind for event in path.events]
+
+
+@pytest.mark.parametrize("flag", ["", FLAG])
+@pytest.mark.parametrize("steps", [2, 61, 241])
+def test_a_buckled_column_that_turns_about_its_axis_has_no_event(flag: str, steps: int) -> None:
+    path = Model(parse(COLUMN + flag)).equilibrium(np.linspace(0.0, 3.0 * EULER, steps))
+    assert path.converged.all()
+    assert kinds(path) == ["bifurcation"]
+    assert path.events[0].force == pytest.approx(EULER, rel=1e-3)
+
+
+@pytest.mark.parametrize("steps", [2, 101])
+def test_a_bifurcation_within_the_smallest_sub_step_is_seen_at_its_load(steps: int) -> None:
+    path = Model(parse(STRIP)).equilibrium(np.linspace(0.0, 1.0, steps))
+    euler = np.pi**2 * 1e6 * (8e-3 * 4e-3**3 / 12) / 4 / 0.5**2
+    assert path.converged.all()
+    assert kinds(path) == ["bifurcation"]
+    assert path.events[0].force == pytest.approx(euler, rel=2e-2)
+
+
+ANGLE = """
+name = "angle"
+[bodies.one]
+kind = "rod"
+length = "24 cm"
+radius = "5 mm"
+section = { kind = "rectangular", ratio = 5.0 }
+young_modulus = "10 MPa"
+poisson_ratio = 0.3
+strain = { twist_x = "nodal_linear", bend_y = "nodal_linear", bend_z = "nodal_linear" }
+elements = 8
+gauss_points = 3
+[bodies.two]
+kind = "rod"
+parent = "one"
+length = "24 cm"
+radius = "5 mm"
+section = { kind = "rectangular", ratio = 5.0 }
+young_modulus = "10 MPa"
+poisson_ratio = 0.3
+placement = { rotation = { z = "90 deg" } }
+strain = { twist_x = "nodal_linear", bend_y = "nodal_linear", bend_z = "nodal_linear" }
+elements = 8
+gauss_points = 3
+[wrenches.p]
+body = "two"
+at = "tip"
+force = { x = "-1 N" }
+input = true
+"""
+
+
+def test_a_right_angle_frame_buckles_out_of_its_plane_at_one_load() -> None:
+    model = Model(parse(ANGLE))
+    loads = []
+    for steps in (2, 11, 51):
+        path = model.equilibrium(np.linspace(0.0, 2.0, steps))
+        assert path.converged.all()
+        assert kinds(path) == ["bifurcation"]
+        loads.append(path.events[0].force)
+    assert np.ptp(loads) < 1e-4 * loads[0]
+
+
+ARCH = """
+name = "arch"
+planar = true
+[bodies.arch]
+kind = "rod"
+length = "{length} m"
+radius = "1 cm"
+young_modulus = "1 GPa"
+poisson_ratio = 0.3
+placement = {{ rotation = {{ y = "-107.5 deg" }} }}
+strain = {{ bend_y = "nodal_quadratic" }}
+reference_strain = {{ bend_y = "1 rad/m" }}
+elements = 16
+gauss_points = 3
+[springs.hinge]
+first = {{ body = "arch", at = "tip" }}
+second = {{ world = {{ x = "{span} m" }} }}
+stiffness = "1e6 N/m"
+[wrenches.crown]
+body = "arch"
+at = 0.5
+force = {{ z = "-1 N" }}
+input = true
+"""
+
+
+@pytest.mark.parametrize("steps", [2, 21])
+def test_a_deep_arch_snaps_once(steps: int) -> None:
+    # Clamped at one end, hinged at the other, half angle 107.5°: 8.97 EI/R² (DaDeppo and Schmidt).
+    half = np.radians(107.5)
+    model = Model(parse(ARCH.format(length=float(2 * half), span=float(2 * np.sin(half)))))
+    stiffness = 1e9 * np.pi / 4 * 1e-8
+    path = model.equilibrium(np.linspace(0.0, 9.6 * stiffness, steps))
+    assert path.converged.all()
+    assert kinds(path) == ["snap"]
+    assert path.events[0].force / stiffness == pytest.approx(8.97, abs=0.02)
+
+
+@pytest.mark.parametrize("constants", ["surface", "calibrated"])
+@pytest.mark.parametrize("stiffness", [1e8, 1e10, 1e11])
+def test_stiff_contact_is_solved_as_far_as_rounding_allows(
+    constants: str, stiffness: float
+) -> None:
+    model = flexor.load("finger", constants)
+    slot = model.engine.slots["skin.stiffness"][0]
+    found = model.engine.path([slot], [[stiffness]], np.arange(6.0)[:, None], 1)
+    assert (found["status"] == _engine.STATUS.index("converged")).all()
+    assert (found["residual"] <= found["tolerance"]).all()
+    assert (found["tolerance"] < 1e-3).all()
+    assert (found["touching"][0, 2:] > 0).all()
+    softer = model.engine.path([slot], [[stiffness / 10.0]], np.arange(6.0)[:, None], 1)
+    assert found["q"] == pytest.approx(softer["q"], abs=3e-2)
+
+
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e3])
+@pytest.mark.parametrize("force", [1e-9, 1.0, 1e9])
+def test_a_path_scales_with_length_and_force(length: float, force: float) -> None:
+    # Lengths times L and forces times F: moduli times F/L²; angles and events stay.
+    text = ANGLE
+    for number, unit in (("24 cm", 0.24 * length), ("5 mm", 0.005 * length)):
+        text = text.replace(f'"{number}"', f'"{unit!r} m"')
+    text = text.replace('"10 MPa"', f'"{1e7 * force / length**2!r} Pa"')
+    scaled = Model(parse(text)).equilibrium(force * np.linspace(0.0, 2.0, 5))
+    plain = Model(parse(ANGLE)).equilibrium(np.linspace(0.0, 2.0, 5))
+    assert scaled.converged.all()
+    assert kinds(scaled) == kinds(plain)
+    assert scaled.events[0].force / force == pytest.approx(plain.events[0].force, rel=1e-6)
+    assert scaled.q == pytest.approx(plain.q, abs=1e-6)
+
+
+BRICK = """
+[bodies.brick]
+kind = "rod"
+length = "10 cm"
+radius = "5 cm"
+young_modulus = "200 GPa"
+poisson_ratio = 0.3
+elements = 1
+gauss_points = 2
+placement = { x = "-1 m" }
+strain = { extend_x = "nodal_linear" }
+[actuators.other]
+kind = "chamber"
+rod = "brick"
+"""
+
+
+def test_what_another_input_is_held_at_changes_no_bit() -> None:
+    text = resources.files("flexor.examples").joinpath("finger.toml").read_text("utf-8")
+    engine = Model(parse(text + BRICK, use="calibrated")).engine
+    slot = engine.slots["exosuit.length"][0]
+    values = np.linspace(0.065, 0.135, 40)[:, None]
+    paths = []
+    for held in (0.0, 100.0, 1e4):
+        loads = np.array([[load, held] for load in (0.0, 2.5, 5.0)])
+        paths.append(engine.path([slot], values, loads, 1))
+    own = [i for i, name in enumerate(engine.coordinates) if not name.startswith("brick")]
+    assert len(paths[0]["events"]["design"]) > 5
+    for other in paths[1:]:
+        assert np.array_equal(paths[0]["q"][..., own], other["q"][..., own])
+        for key in ("design", "step", "kind"):
+            assert np.array_equal(paths[0]["events"][key], other["events"][key])

@@ -1,0 +1,133 @@
+"""Contacts that spheres too far apart would miss are warned of, once for each model."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.cli.app import main
+from flexor.errors import ModelWarning
+
+ROD = """
+[bodies.{name}]
+kind = "rod"
+length = "100 mm"
+radius = "1 mm"
+young_modulus = "1 GPa"
+poisson_ratio = 0.3
+placement = {{ {place} }}
+strain = {{ bend_y = "nodal_quadratic", bend_z = "nodal_quadratic", twist_x = "nodal_linear" }}
+elements = 10
+gauss_points = 3
+[spheres.{name}]
+bodies = ["{name}"]
+"""
+ACROSS = 'x = "83.7 mm", y = "-46.3 mm", rotation = { z = "90 deg" }'
+CROSSING = (
+    'name = "cross"\n'
+    + ROD.format(name="a", place='z = "2.5 mm"')
+    + ROD.format(name="b", place=ACROSS)
+    + """
+[contacts.ab]
+first = "a"
+second = "b"
+stiffness = "1e4 N/m"
+[wrenches.p]
+body = "a"
+at = "tip"
+force = { z = "-1 N" }
+input = true
+"""
+)
+LINK = """
+name = "gap"
+planar = true
+[bodies.base]
+kind = "link"
+length = "20 cm"
+radius = "1 cm"
+[bodies.ball]
+kind = "link"
+length = "1 cm"
+radius = "5 mm"
+placement = { z = "3 cm" }
+joint = { kind = "prismatic", axis = "z", stiffness = "1 N/m" }
+[spheres.base]
+bodies = ["base"]
+[spheres.ball]
+points = [{ body = "ball", at = "base" }]
+[contacts.c]
+first = "ball"
+second = "base"
+stiffness = "100 N/m"
+"""
+
+
+def warned(file: Path, changes: Any = None) -> list[str]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        flexor.load(file, changes=changes)
+    assert all(each.category is ModelWarning for each in caught)
+    assert all(each.filename == __file__ for each in caught)
+    return [str(each.message) for each in caught]
+
+
+@pytest.fixture
+def crossing(tmp_path: Path) -> Path:
+    file = tmp_path / "cross.toml"
+    file.write_text(CROSSING)
+    return file
+
+
+def test_spheres_further_apart_than_they_are_wide(crossing: Path) -> None:
+    (said,) = warned(crossing)
+    each = 'of the rod "{}" stand 3.87 mm apart and are 2 mm wide: 20 elements would do (it has 10)'
+    assert said == (
+        f'contact "ab" may be missed: spheres {each.format("a")}; spheres {each.format("b")}.'
+    )
+    assert issubclass(flexor.ModelWarning, UserWarning)
+
+
+def test_the_elements_named_would_do_and_one_less_would_not(crossing: Path) -> None:
+    for elements, count in ((19, 1), (20, 0)):
+        changes = {"a.elements": elements, "b.elements": elements}
+        assert len(warned(crossing, changes)) == count
+    loads = [0.0, 0.02]
+    with pytest.warns(ModelWarning):
+        coarse = flexor.load(crossing).equilibrium(loads)
+    fine = flexor.load(crossing, changes={"a.elements": 20, "b.elements": 20}).equilibrium(loads)
+    assert coarse.pairs[-1] == 0
+    assert fine.pairs[-1] > 0
+    # By beam theory, rods of equal stiffness that cross at their ends share the load.
+    force = fine.contact_forces()
+    assert np.linalg.norm(np.sum(force.force, axis=0)) == pytest.approx(0.02038, rel=0.05)
+
+
+def test_a_sphere_that_fits_between_those_of_a_link(tmp_path: Path) -> None:
+    file = tmp_path / "gap.toml"
+    file.write_text(LINK)
+    (said,) = warned(file)
+    assert 'spheres of the link "base" stand 100 mm apart and are 20 mm wide' in said
+    assert "one of the other group fits between them" in said
+    assert warned(file, {"ball.radius": "5 cm"}) == []
+    assert warned(file, {"contacts.c.shape": "round-cones"}) == []
+
+
+@pytest.mark.parametrize("name", ["finger", "finger-2-links", "tendon-arm", "exosuit-alone"])
+def test_presets_have_no_gaps(name: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        flexor.load(name)
+
+
+def test_commands_print_a_line(crossing: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["simulate", str(crossing), "--force", "0"])
+    said = capsys.readouterr().err
+    assert said.startswith('warning: contact "ab" may be missed: spheres of the rod "a" stand')
+    assert said.count("\n") == 1
