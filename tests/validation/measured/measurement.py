@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +92,6 @@ class Measurement:
     draw: Callable[[Figure], None]
     caption: str
     panels: int = 1
-    notes: Sequence[str] = field(default=())
 
 
 def read(folder: str, name: str) -> list[Row]:
