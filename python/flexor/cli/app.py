@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexor.cli import calibrate, compare, landscape, listings, optimize, rerun, simulate
+from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
 from flexor.cli.console import print_error, print_warnings, spell_what_streams_lack
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
@@ -62,6 +62,7 @@ app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("materials", cls=Command)(materials.materials)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)
 app.command("methods")(listings.methods)

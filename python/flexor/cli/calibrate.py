@@ -14,6 +14,7 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.folders import INTERRUPTED, new_folder, save_figure
+from flexor.cli.materials import Law, Strains, calibrate_material
 from flexor.cli.progress import CalibrationBar, duration
 from flexor.cli.table import number, show
 from flexor.cli.values import load_changed
@@ -27,10 +28,17 @@ CALIBRATIONS = FilePath("calibrations")
 
 
 def calibrate(
-    model: options.Model,
-    targets: Annotated[
-        str, typer.Argument(metavar="TARGETS", help="A targets file (see docs/calibration.md).")
+    model: Annotated[
+        str,
+        typer.Argument(metavar="MODEL", help="Model file or preset; or the CSV of a tensile test."),
     ],
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="TARGETS",
+            help="A targets file (see docs/calibration.md); or tensile tests of more specimens.",
+        ),
+    ] = None,
     folder: Annotated[
         FilePath | None,
         typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
@@ -42,14 +50,16 @@ def calibrate(
     samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
     name: Annotated[
-        str, typer.Option(help="What to call the set of constants that is written.")
+        str, typer.Option(help="What to call the set of constants, or the material.")
     ] = "calibrated",
     threads: options.Threads = 0,
     constants: options.Constants = None,
     changes: options.Set = None,
+    law: Law = None,
+    strains: Strains = None,
     as_json: options.Json = False,
 ) -> int:
-    """Fit constants of a model to measured or published values.
+    """Fit constants of a model to measured values, or of a material to tensile tests.
 
     TARGETS says which fields of the model may vary within which ranges, and the values to fit:
     angles, forces, positions. The folder gets the constants, ready to be pasted into the model
@@ -61,9 +71,21 @@ def calibrate(
     * `flexor calibrate finger examples/bench-targets.toml`
     * `flexor calibrate finger examples/bench-targets.toml --out bench`
     * `flexor calibrate finger examples/bench-targets.toml --out bench --resume`
+    * `flexor calibrate specimen-1.csv specimen-2.csv --name silicone --strains 0:1.5`
+
+    With CSV files of tensile tests instead of a model, one per specimen, hyperelastic laws are
+    fitted to their mean, and the one that predicts best is printed as the table `[materials.NAME]`
+    of a model file; `--out` writes it with a figure (see docs/materials.md).
 
     Exit code 1: hard targets were not met.
     """
+    if model.lower().endswith(".csv"):
+        return calibrate_material([model, *(inputs or [])], name, law, strains, folder, as_json)
+    if law is not None or strains is not None:
+        raise InputError("--law and --strains are for tensile tests: give their CSV files.")
+    if inputs is None or len(inputs) != 1:
+        raise InputError("expected MODEL and one file TARGETS, or the CSV files of tensile tests.")
+    targets = inputs[0]
     from flexor import calibration
     from flexor.calibration import figure, report
 

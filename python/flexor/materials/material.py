@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.materials import laws
 
-Array = NDArray[np.float64]
 Constant = float | tuple[float, ...]
 
 # Constants of each kind [Pa; Poisson's ratio and the exponents α are numbers], and their defaults.
