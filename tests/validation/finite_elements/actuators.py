@@ -18,7 +18,7 @@ from .surfaces import Bars, Cavity, Fibres, Plane
 
 SHEAR = 0.314  # MPa, of the silicone
 BULK = 600.0  # MPa
-FIBRES = 2000.0  # N/mm, stiffness per width of windings and of strain-limiting layers
+FIBRES = 2000.0  # N/mm, stiffness per width of windings and, if not given, of layers
 BARS = 2000.0  # N, of the bars of a frame
 CONTACT = 200.0  # N/mm, of a node on a plane
 CAP = 4.0  # mm, of the same silicone
@@ -46,6 +46,8 @@ class Actuator:
     layer
         Half the width [mm] of the strain-limiting layer on the underside; on a tube, half its angle
         [°] about the axis.
+    layer_stiffness
+        Of the strain-limiting layer per width [N/mm].
     taper
         Size of the last section over that of the first.
     pressures
@@ -62,6 +64,7 @@ class Actuator:
     outside: Literal["wound", "frames", "bare"] = "wound"
     flat: bool = True
     layer: float = np.inf
+    layer_stiffness: float = FIBRES
     taper: float = 1.0
     plane: float | None = None
 
@@ -96,7 +99,7 @@ def build(actuator: Actuator, fineness: Fineness) -> Model:
     solid, cavity = Solid(mesh, SHEAR, BULK), Cavity(mesh.cavity)
     below = _below(mesh, actuator)
     covered = below[mesh.outside].all(axis=(1, 2))
-    fibres = [Fibres(mesh.points, mesh.outside[covered], "along", FIBRES)]
+    fibres = [Fibres(mesh.points, mesh.outside[covered], "along", actuator.layer_stiffness)]
     if actuator.outside == "wound":
         # A flat underside has no need of fibres.
         faces = mesh.outside[~covered] if actuator.flat else mesh.outside
@@ -172,9 +175,11 @@ FRAMED = Actuator(
 )
 TAPERED = Actuator(
     "Tube, tapered to 60 %, wound outside, with a strain-limiting strip",
-    *("tube", TUBE, 120.0, RISING),
+    *("tube", TUBE, 160.0, RISING),
     flat=False,
+    # Stiffer, a strip on an arc bends as a shell, and its middle buckles under compression.
     layer=15.0,
+    layer_stiffness=200.0,
     taper=0.6,
 )
 BLOCKED = "The same, its tip blocked by a plane"

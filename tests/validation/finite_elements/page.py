@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,31 @@ def exponent(name: str) -> float:
     return float(np.log(angles[1] / angles[0]) / np.log(pressures[1] / pressures[0]))
 
 
+def rods() -> dict[str, list[dict[str, float]]]:
+    """Return what Flexor's rods do at the pressures of the finite elements."""
+    if find_spec("flexor.sections") is None:  # rods are still solid
+        return {}
+    from . import rod
+
+    rows = {}
+    for name in rod.NAMES:
+        states = results.read(name).get("coarse", {"pressure": []})
+        if states["pressure"]:
+            actuator = ACTUATORS[name]
+            angles, forces = rod.bend(rod.model(actuator), actuator, states["pressure"])
+            rows[name] = [
+                {
+                    "pressure": states["pressure"][i],
+                    "angle": states["angle"][i],
+                    "rod_angle": angles[i],
+                    "force": states["force"][i],
+                    "rod_force": forces[i],
+                }
+                for i in range(len(angles))
+            ]
+    return rows
+
+
 def write(page: Path) -> None:
     """Write the page."""
     found = {name: results.read(name) for name in ACTUATORS}
@@ -55,6 +81,7 @@ def write(page: Path) -> None:
         right_angle=results.pressure_at(found["half-round"], 90.0),
         less=less,
         exponent=exponent,
+        rods=rods(),
         deviation=deviation,
         constants={
             "shear": SHEAR,

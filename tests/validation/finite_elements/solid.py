@@ -9,7 +9,6 @@ own in Newton's method, which therefore converges over large steps.
 
 from __future__ import annotations
 
-import felupe
 import numpy as np
 
 from .mesh import Indices, Mesh
@@ -24,6 +23,8 @@ class Solid:
     """Energy terms of a mesh with shear modulus and bulk modulus in MPa."""
 
     def __init__(self, mesh: Mesh, shear: float, bulk: float) -> None:
+        import felupe  # an extra; the committed results are read without it
+
         element = felupe.TriQuadraticHexahedron()
         order = np.ravel_multi_index((element.points.T + 1).astype(int), (3, 3, 3))
         self.cells: Indices = mesh.cells.reshape(-1, 27)[:, order]
