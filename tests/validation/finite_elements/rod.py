@@ -50,7 +50,7 @@ def model(actuator: Actuator, elements: int = 20) -> Model:
             },
             "fabric": {
                 "kind": "linear",
-                "young_modulus": si(1e3 * actuator.layer_stiffness / LAYER, "Pa"),
+                "young_modulus": si(fabric, "Pa"),
             },
         },
         "actuators": {"chamber": {"kind": "pressure", "rod": "rod", "cavity": "bore"}},
