@@ -12,7 +12,6 @@ from .finite_elements import results
 from .finite_elements.actuators import ACTUATORS, BULK, FIBRES, MESHES, SHEAR, SYMMETRY, build
 from .finite_elements.equilibrium import Equilibrium
 from .finite_elements.mesh import sweep
-from .finite_elements.page import exponent
 from .finite_elements.sections import Array, Fineness, tube
 from .finite_elements.solid import Solid
 from .finite_elements.states import Path
@@ -78,18 +77,21 @@ def test_results_belong_to_their_settings_and_have_converged(name: str) -> None:
         listed = ACTUATORS[name].pressures[0 if mesh == "coarse" else 1 :: 1 + (mesh == "fine")]
         assert states["pressure"] == list(listed[: len(states["pressure"])])
         assert max(states["error"]) < 1e-5
-        assert max(states["fibre_strain"]) < 6e-3
+        assert max(states["fibre_strain"]) * ACTUATORS[name].layer_stiffness < 12.0  # N/mm
         assert np.all(np.diff([0.0, *states["volume"]]) > 0.0)
 
 
 @pytest.mark.parametrize("name", WOUND)
-def test_what_is_wound_bends_more_with_pressure_and_keeps_its_refinement(name: str) -> None:
+def test_what_is_wound_moves_more_with_pressure_and_keeps_its_refinement(name: str) -> None:
     found = results.read(name)
-    assert np.all(np.diff([0.0, *found["coarse"]["angle"]]) > 0.0)
+    assert np.all(np.diff([1.0, *found["coarse"]["top"]]) > 0.0)
     if "fine" in found:
-        for column in ("angle", "middle_angle", "volume"):
+        for column in ("top", "volume"):
             coarse, fine = results.common(found, column)
-            assert coarse == pytest.approx(fine, rel=0.01), column
+            assert coarse == pytest.approx(fine, rel=0.005), column
+        for column, least in (("angle", 1.0), ("force", 0.05)):
+            coarse, fine = results.common(found, column)
+            assert coarse == pytest.approx(fine, rel=0.01, abs=0.01 * least), column
 
 
 @pytest.mark.parametrize("name", ["half-round", "box-framed", "tube-tapered"])
@@ -99,10 +101,13 @@ def test_bending_reaches_180_degrees(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in SOLVED if ACTUATORS[name].plane is not None])
 def test_a_blocked_tip_rests_on_the_plane(name: str) -> None:
-    states = results.read(name)["coarse"]
+    states, actuator = results.read(name)["coarse"], ACTUATORS[name]
+    rise = (1.0 - actuator.taper) * (
+        actuator.sizes[0] + actuator.sizes[1]
+    )  # of the tube's underside
     touching = np.array(states["force"]) > 0.0
     assert touching.sum() >= 2
-    gap = np.array(states["tip_z"])[touching] + ACTUATORS[name].plane
+    gap = np.array(states["tip_z"])[touching] + actuator.plane + rise
     assert np.abs(gap).max() < 0.02
     assert np.all(np.diff(np.array(states["force"])[touching]) > 0.0)
 
@@ -112,9 +117,15 @@ def test_the_half_round_chamber() -> None:
     assert results.pressure_at(results.read("half-round"), 90.0) == pytest.approx(47.8, rel=0.015)
 
 
-@pytest.mark.parametrize("name", ["box-bare"])
-def test_an_unwound_box_starts_with_the_square_of_the_pressure(name: str) -> None:
-    assert exponent(name) == pytest.approx(2.0, abs=0.25)
+@pytest.mark.parametrize(
+    ("bare", "wound"), [("half-round-bare", "half-round"), ("box-bare", "box-framed")]
+)
+def test_an_unwound_chamber_balloons_instead_of_bending(bare: str, wound: str) -> None:
+    found, reference = (results.read(name)["coarse"] for name in (bare, wound))
+    angle = reference["angle"][reference["pressure"].index(20.0)]
+    assert found["pressure"][-1] == 20.0
+    assert abs(found["angle"][-1]) < 0.25 * angle
+    assert found["height"][-1] > 1.05 > 1.01 > reference["height"][-1]
 
 
 BOX = pytest.mark.xfail(
@@ -123,23 +134,20 @@ BOX = pytest.mark.xfail(
 
 
 @pytest.mark.parametrize(
-    ("name", "bending", "force"),
+    ("name", "column", "tolerance"),
     [
-        ("half-round", 0.06, 0.0),
-        ("half-round-blocked", 0.06, 0.10),
-        ("tube-tapered", 0.06, 0.0),
-        ("tube-tapered-blocked", 0.10, 0.10),
-        pytest.param("box-framed", 0.06, 0.0, marks=BOX),
-        pytest.param("box-framed-blocked", 0.10, 0.10, marks=BOX),
+        ("half-round", "angle", 0.06),
+        ("half-round-blocked", "force", 0.10),
+        ("tube-stretched", "tip_x", 0.05),
+        pytest.param("box-framed", "angle", 0.06, marks=BOX),
+        pytest.param("box-framed-blocked", "force", 0.10, marks=BOX),
     ],
 )
-def test_rods_of_wound_sections(name: str, bending: float, force: float) -> None:
+def test_rods_of_wound_sections(name: str, column: str, tolerance: float) -> None:
     """Every state up to 190°, with nothing fitted."""
     pytest.importorskip("flexor.sections", reason="rods are still solid")
     from .finite_elements import rod
 
     states, actuator = results.read(name)["coarse"], ACTUATORS[name]
-    angles, forces = rod.bend(rod.model(actuator), actuator, states["pressure"])
-    assert angles == pytest.approx(states["angle"], rel=bending)
-    if actuator.plane is not None:
-        assert forces == pytest.approx(states["force"], rel=force)
+    found = rod.follow(rod.model(actuator), actuator, states["pressure"])
+    assert found[column] == pytest.approx(states[column], rel=tolerance)

@@ -45,7 +45,7 @@ class Actuator:
         Whether the underside is kept flat across.
     layer
         Half the width [mm] of the strain-limiting layer on the underside; on a tube, half its angle
-        [°] about the axis.
+        [°] about the axis; negative for none.
     layer_stiffness
         Of the strain-limiting layer per width [N/mm].
     taper
@@ -99,7 +99,10 @@ def build(actuator: Actuator, fineness: Fineness) -> Model:
     solid, cavity = Solid(mesh, SHEAR, BULK), Cavity(mesh.cavity)
     below = _below(mesh, actuator)
     covered = below[mesh.outside].all(axis=(1, 2))
-    fibres = [Fibres(mesh.points, mesh.outside[covered], "along", actuator.layer_stiffness)]
+    fibres = []
+    if covered.any():
+        layer = mesh.outside[covered]
+        fibres.append(Fibres(mesh.points, layer, "along", actuator.layer_stiffness))
     if actuator.outside == "wound":
         # A flat underside has no need of fibres.
         faces = mesh.outside[~covered] if actuator.flat else mesh.outside
@@ -191,6 +194,13 @@ ACTUATORS = {
     "box-framed-blocked": replace(FRAMED, about=BLOCKED, pressures=LISTED, plane=10.0),
     "tube-tapered": TAPERED,
     "tube-tapered-blocked": replace(TAPERED, about=BLOCKED, pressures=LISTED, plane=10.0),
+    "tube-stretched": replace(
+        TAPERED,
+        about="Tube, tapered to 60 %, wound outside, without a strip",
+        pressures=(20.0, 40.0, 60.0, 80.0, 100.0),
+        layer=-1.0,
+        layer_stiffness=FIBRES,
+    ),
     "half-round-free-floor": replace(
         HALF_ROUND,
         about="Half-round chamber, wound all around, floor free to bulge, layer in its middle",

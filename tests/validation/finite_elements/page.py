@@ -19,15 +19,15 @@ def deviation(found: Results, column: str) -> float | None:
         return None
     coarse, fine = results.common(found, column)
     largest = np.abs(fine).max(initial=0.0)
-    return float(np.abs(coarse - fine).max() / largest) if largest > 0.0 else None
+    return float(np.abs(coarse - fine).max() / largest) if largest > 1e-3 else None
 
 
-def less(name: str) -> tuple[float, float]:
-    """Return by how much [%] a half-round chamber bends less than that with a flat floor.
+def less(name: str, held_name: str) -> tuple[float, float]:
+    """Return by how much [%] a chamber bends less than another.
 
     The least and the most over the pressures that both reached.
     """
-    held, free = (results.read(key)["coarse"] for key in ("half-round", name))
+    held, free = (results.read(key)["coarse"] for key in (held_name, name))
     _, i, j = np.intersect1d(held["pressure"], free["pressure"], return_indices=True)
     ratio = np.array(free["middle_angle"])[j] / np.array(held["middle_angle"])[i]
     return float(100.0 * (1.0 - ratio.max())), float(100.0 * (1.0 - ratio.min()))
@@ -51,16 +51,12 @@ def rods() -> dict[str, list[dict[str, float]]]:
         states = results.read(name).get("coarse", {"pressure": []})
         if states["pressure"]:
             actuator = ACTUATORS[name]
-            angles, forces = rod.bend(rod.model(actuator), actuator, states["pressure"])
+            found = rod.follow(rod.model(actuator), actuator, states["pressure"])
             rows[name] = [
-                {
-                    "pressure": states["pressure"][i],
-                    "angle": states["angle"][i],
-                    "rod_angle": angles[i],
-                    "force": states["force"][i],
-                    "rod_force": forces[i],
-                }
-                for i in range(len(angles))
+                {"pressure": pressure}
+                | {f"fe_{key}": states[key][i] for key in found}
+                | {f"rod_{key}": values[i] for key, values in found.items()}
+                for i, pressure in enumerate(states["pressure"])
             ]
     return rows
 

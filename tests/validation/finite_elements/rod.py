@@ -19,9 +19,9 @@ EDGE = 1e-4  # m, radius of the sphere that touches the plane
 
 NAMES = (
     *("half-round", "half-round-blocked", "box-framed", "box-framed-blocked"),
-    *("tube-tapered", "tube-tapered-blocked", "half-round-bare"),
+    *("tube-stretched", "half-round-bare"),
 )
-"""Actuators that a rod is compared with."""
+"""Actuators that a rod is compared with; no section of Flexor has a strip outside its winding."""
 
 
 def model(actuator: Actuator, elements: int = 20) -> Model:
@@ -82,17 +82,7 @@ def _section(actuator: Actuator) -> tuple[float, Json]:
     layer = {"thickness": si(LAYER, "m"), "material": "fabric"}
     if actuator.kind == "tube":
         bore, wall = actuator.sizes
-        outer = bore + wall
-        strip = {
-            "shape": "rectangle",
-            "width": 2.0 * np.radians(actuator.layer),
-            "height": si(LAYER, "m"),
-            "z": -1.001,
-            "material": "fabric",
-        }
-        ring = {"shape": "ring", "radius": 1.0, "wall": wall / outer, "material": "silicone"}
-        cavity = {"shape": "disc", "radius": bore / outer, "cavity": "bore"}
-        return 2.0 * outer, {"kind": "composite", "parts": [ring, cavity, strip]}
+        return 2.0 * (bore + wall), {"kind": "tube", "wall": wall / (bore + wall)}
     *first, wall, floor = actuator.sizes
     walls = {"wall": si(MM * wall, "m"), "floor": si(MM * floor, "m"), "layer": layer}
     if actuator.kind == "box":
@@ -101,15 +91,23 @@ def _section(actuator: Actuator) -> tuple[float, Json]:
     return first[0] + wall + floor, {"kind": "half-round", **walls}
 
 
-def bend(rod: Model, actuator: Actuator, pressures: Sequence[float]) -> tuple[Array, Array]:
-    """Return bending angles [°] and forces on the plane [N] at rising pressures [kPa]."""
+def follow(rod: Model, actuator: Actuator, pressures: Sequence[float]) -> dict[str, Array]:
+    """Return a rod's states at rising pressures [kPa], in the units of the finite elements.
+
+    `angle`, `tip_x` and `force`, (n,) each.
+    """
     path = rod.equilibrium([0.0, *(1e3 * np.asarray(pressures))])
-    frames = [path.frames(step) for step in range(1, len(pressures) + 1)]
+    frames = [path.frames(step) for step in range(len(pressures) + 1)]
     tips = np.array([at["rod"][-1] for at in frames])
     angles = np.degrees(np.unwrap(np.arctan2(tips[:, 0, 2], tips[:, 0, 0])))
-    if actuator.plane is None:
-        return angles, np.zeros(len(angles))
-    edges = np.array([at["cap"][-1] for at in frames])[:, 2, 3]
-    height, _ = _section(actuator)
-    depth = EDGE - MM * (height / 2.0 + actuator.plane) - edges
-    return angles, 2e3 * CONTACT * np.maximum(depth, 0.0)
+    found = {
+        "angle": angles[1:],
+        "tip_x": (tips[1:, 0, 3] - tips[0, 0, 3]) / MM,
+        "force": np.zeros(len(pressures)),
+    }
+    if actuator.plane is not None:
+        edges = np.array([at["cap"][-1] for at in frames[1:]])[:, 2, 3]
+        height, _ = _section(actuator)
+        depth = EDGE - MM * (height / 2.0 + actuator.plane) - edges
+        found["force"] = 2e3 * CONTACT * np.maximum(depth, 0.0)
+    return found
