@@ -84,8 +84,6 @@ def sweep(
         (ring == 2 * len(caps)) | (ring == len(rings) - 1 - 2 * len(caps))
     )
     cavity = ((bore & inside) | lid)[faces].all(axis=(1, 2))
-    if not caps:
-        cavity = (bore & inside)[faces].all(axis=(1, 2))
     symmetric = (np.abs(points[:, 1]) < MERGED)[faces].all(axis=(1, 2))
     flat = np.ptp(ring[faces], axis=(1, 2)) == 0
     return Mesh(
