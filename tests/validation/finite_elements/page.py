@@ -1,0 +1,90 @@
+"""docs/finite-elements.md from the committed results."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from . import results
+from .actuators import ACTUATORS, BULK, CAP, CONTACT, FIBRES, MESHES, SHEAR
+from .results import Results
+
+
+def deviation(found: Results, column: str) -> float | None:
+    """Return the largest difference between the meshes over the largest value, or none."""
+    if not set(MESHES) <= set(found):
+        return None
+    coarse, fine = results.common(found, column)
+    largest = np.abs(fine).max(initial=0.0)
+    return float(np.abs(coarse - fine).max() / largest) if largest > 1e-3 else None
+
+
+def less(name: str, held_name: str) -> tuple[float, float]:
+    """Return by how much [%] a chamber bends less than another.
+
+    The least and the most over the pressures that both reached.
+    """
+    held, free = (results.read(key)["coarse"] for key in (held_name, name))
+    _, i, j = np.intersect1d(held["pressure"], free["pressure"], return_indices=True)
+    ratio = np.array(free["middle_angle"])[j] / np.array(held["middle_angle"])[i]
+    return float(100.0 * (1.0 - ratio.max())), float(100.0 * (1.0 - ratio.min()))
+
+
+def exponent(name: str) -> float:
+    """Return d ln(angle)/d ln(pressure) between the first two states."""
+    found = results.read(name)["coarse"]
+    angles, pressures = (np.abs(found[key][:2]) for key in ("middle_angle", "pressure"))
+    return float(np.log(angles[1] / angles[0]) / np.log(pressures[1] / pressures[0]))
+
+
+def rods() -> dict[str, list[dict[str, float]]]:
+    """Return what Flexor's rods do at the pressures of the finite elements."""
+    if find_spec("flexor.sections") is None:  # rods are still solid
+        return {}
+    from . import rod
+
+    rows = {}
+    for name in rod.NAMES:
+        states = results.read(name).get("coarse", {"pressure": []})
+        if states["pressure"]:
+            actuator = ACTUATORS[name]
+            found = rod.follow(rod.model(actuator), actuator, states["pressure"])
+            rows[name] = [
+                {"pressure": pressure}
+                | {f"fe_{key}": states[key][i] for key in found}
+                | {f"rod_{key}": values[i] for key, values in found.items()}
+                for i, pressure in enumerate(states["pressure"])
+            ]
+    return rows
+
+
+def write(page: Path) -> None:
+    """Write the page."""
+    found = {name: results.read(name) for name in ACTUATORS}
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    text = environment.get_template("page.md.jinja").render(
+        actuators=ACTUATORS,
+        results={name: meshes for name, meshes in found.items() if "coarse" in meshes},
+        right_angle=results.pressure_at(found["half-round"], 90.0),
+        less=less,
+        exponent=exponent,
+        rods=rods(),
+        deviation=deviation,
+        constants={
+            "shear": SHEAR,
+            "bulk": BULK,
+            "fibres": FIBRES,
+            "contact": CONTACT,
+            "cap": CAP,
+        },
+    )
+    page.write_text(text, encoding="utf-8")
