@@ -281,7 +281,7 @@ options! {
         poor_ratio: f64 = 0.25, Interval::from(0.0).to(1.0);
         /// this share of the step's length.
         shrinkage: f64 = 0.4, Interval::above(0.0).to(1.0);
-        /// After a rejected step shorter than this, rejected steps are mended before they are shortened:
+        /// After a rejected step shorter than this, rejected steps are improved before they are shortened:
         stiff_radius: f64 = 0.05, Interval::from(0.0).to(10.0);
         /// by so many corrections of second order, which follow the curved valley of a stiff energy,
         max_corrections: usize = 3, Interval::from(0.0).to(100.0);

@@ -89,11 +89,11 @@ impl TrustRegion {
             let lost = step.decrease <= rounding;
             let mut actual = self.gain(system, energy, stiff && lost);
             let poor = !(actual > self.options.poor_ratio * step.decrease);
-            let mut mended = false;
+            let mut searched = false;
             if stiff && poor {
-                (trial_size, mended) = self.mend(system, step, &mut actual, energy, lost);
+                (trial_size, searched) = self.improve(system, step, &mut actual, energy, lost);
             }
-            let accepted = if stiff && step.definite && (mended || lost) {
+            let accepted = if stiff && step.definite && (searched || lost) {
                 actual > 0.0
             } else {
                 self.accepts(step, actual, rounding, trial_size < size)
@@ -112,7 +112,7 @@ impl TrustRegion {
                 break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
-            if !mended {
+            if !searched {
                 radius = self.next_radius(radius, length, ratio);
             }
             let before = std::mem::replace(&mut size, trial_size);
@@ -151,10 +151,10 @@ impl TrustRegion {
         -0.5 * forces.zip(&self.moved).map(|((a, b), x)| (a + b) * x).sum::<f64>()
     }
 
-    /// Mends a step that lowers the energy too little, by corrections of second order or by a line search.
+    /// Improves a step that lowers the energy too little, by corrections of second order or by a line search.
     /// Leaves the best state found and in `actual` what it gained; returns its residual and whether it is
     /// that of the line search.
-    fn mend<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn improve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         step: TrustStep,
