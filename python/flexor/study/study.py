@@ -179,35 +179,18 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class StudyProgress:
-    """Progress of a running study.
+    """Progress of a running study."""
 
-    Attributes
-    ----------
-    best : Design or None
-        Best design so far; None while every design has failed.
-    evaluations : int
-        Distinct designs the search has asked for.
-    evaluated, replayed : int
-        Designs evaluated in this run, and designs known from an earlier one.
-    iteration : int
-        Iterations of the method.
-    seconds : float
-        Time since the study began or was resumed [s].
-    remaining : int or None
-        Evaluations to the end of the budget, or to convergence without further improvement,
-        whichever is fewer; None if neither is known.
-    detail : str
-        Status message of the method.
-    """
-
-    best: Design | None
-    evaluations: int
-    evaluated: int
-    replayed: int
-    iteration: int
-    seconds: float
+    best: Design | None  # best design so far; None while every design has failed
+    evaluations: int  # distinct designs the search has asked for
+    evaluated: int  # in this run
+    replayed: int  # known from an earlier run
+    iteration: int  # of the method
+    seconds: float  # time since the study began or was resumed [s]
+    # Evaluations to the end of the budget, or to convergence without further improvement,
+    # whichever is fewer; None if neither is known.
     remaining: int | None
-    detail: str
+    detail: str  # status message of the method
 
     @property
     def rate(self) -> float:
