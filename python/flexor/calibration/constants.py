@@ -20,28 +20,14 @@ _NAMED = tuple(ModelFile.named_tables())
 
 @dataclass(frozen=True)
 class Constant:
-    """A constant with its range.
+    """A constant with its range."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called in tables.
-    fields : tuple of str
-        Dotted fields of model files that it sets.
-    low, high : float
-        Range, SI.
-    log : bool
-        Whether equal steps of the search are equal factors.
-    unit : Unit
-        The unit for display.
-    """
-
-    name: str
-    fields: tuple[str, ...]
-    low: float
-    high: float
-    log: bool
-    unit: Unit
+    name: str  # what it is called in tables
+    fields: tuple[str, ...]  # dotted fields of model files that it sets
+    low: float  # of the range, SI
+    high: float  # of the range, SI
+    log: bool  # whether equal steps of the search are equal factors
+    unit: Unit  # the unit for display
 
     @classmethod
     def of(cls, table: Table, source: str) -> Constant:
