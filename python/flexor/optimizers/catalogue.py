@@ -24,24 +24,12 @@ from flexor.optimizers.surrogate import Surrogate
 
 @dataclass(frozen=True)
 class Entry:
-    """A registered method.
+    """A registered method."""
 
-    Attributes
-    ----------
-    factory : type
-        A frozen dataclass whose fields are the method's options.
-    title : str
-        Display name, for figures and tables.
-    aliases : tuple of str
-        Alternative names.
-    description : str
-        One-line description.
-    """
-
-    factory: Callable[..., Search]
-    title: str
+    factory: Callable[..., Search]  # a frozen dataclass whose fields are the method's options
+    title: str  # for figures and tables
     aliases: tuple[str, ...]
-    description: str
+    description: str  # in one line
 
     @property
     def options(self) -> dict[str, Any]:
