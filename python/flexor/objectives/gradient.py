@@ -16,17 +16,10 @@ class PathGradient:
 
     `chained` takes it to the design parameters, with the engine's derivatives of the state. What is
     not listed (the number of touching spheres) is constant between its jumps.
-
-    Attributes
-    ----------
-    joint_angles : (n, ..., steps, j) array
-        [1/rad].
-    tip_force : (n, ..., steps) array
-        [1/N].
     """
 
-    joint_angles: Array
-    tip_force: Array
+    joint_angles: Array  # (n, ..., steps, j), [1/rad]
+    tip_force: Array  # (n, ..., steps), [1/N]
 
     def chained(self, derivatives: Array) -> Array:
         """Return the derivative of the values with respect to k parameters.
