@@ -35,39 +35,19 @@ class Comparison:
     best: float
 
 
+@dataclass(eq=False, repr=False)
 class Study:
     """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
     is opened again for reading where it is, and one in memory takes its record along.
-
-    Attributes
-    ----------
-    problem : Problem
-        Model, parameter set and objective.
-    settings : Settings
-        Everything that determines the results.
-    record : Record
-        Every evaluation.
-    folder : Path or None
-        The study folder; None in memory.
-    result : SearchResult or None
-        Result of the search, if it was completed in this process.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        settings: Settings,
-        record: Record,
-        folder: Path | None = None,
-        result: SearchResult | None = None,
-    ) -> None:
-        self.problem = problem
-        self.settings = settings
-        self.record = record
-        self.folder = folder
-        self.result = result
+    problem: Problem  # model, parameter set and objective
+    settings: Settings  # everything that determines the results
+    record: Record  # every evaluation
+    folder: Path | None = None  # of the study; None in memory
+    result: SearchResult | None = None  # of the search, if it was completed in this process
 
     @classmethod
     def open(
