@@ -74,12 +74,7 @@ def available() -> tuple[str, ...]:
 def canonical(name: str) -> str:
     """Return the canonical name of a method, given its name or an alias.
 
-    Case, underscores and spaces are ignored.
-
-    Raises
-    ------
-    InputError
-        If the method is unknown; the closest match is suggested.
+    Case, underscores and spaces are ignored. InputError, with the closest match, if it is unknown.
     """
     key = name.strip().casefold().replace("_", "-").replace(" ", "-")
     key = _ALIASES.get(key, key)

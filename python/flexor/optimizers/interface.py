@@ -30,10 +30,7 @@ class VectorFunction(_Values, Protocol):
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Map n designs (n, k) to their residual vectors (n, r); NaN for designs that fail.
 
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector.
+        InputError if the objective is not the norm of a vector.
         """
         ...
 
