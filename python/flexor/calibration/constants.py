@@ -31,13 +31,7 @@ class Constant:
 
     @classmethod
     def of(cls, table: Table, source: str) -> Constant:
-        """Read a ``[[constant]]``.
-
-        Raises
-        ------
-        InputError
-            If the range has no unit or different ones, or is reversed.
-        """
+        """Read a ``[[constant]]``; InputError if the ends of its range have different units."""
         place = f'{source}: constant "{table.name}"'
         high, unit = infer_quantity(table.range[1], f"{place}.range[1]")
         low, other = infer_quantity(table.range[0], f"{place}.range[0]")
