@@ -60,13 +60,7 @@ class DesignSpace:
 
     @classmethod
     def of(cls, file: ModelFile) -> DesignSpace:
-        """Read the design space of a model file.
-
-        Raises
-        ------
-        InputError
-            If it has no ``[design]``.
-        """
+        """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
             raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
         rod = file.rod(file.design.rod)
@@ -87,10 +81,7 @@ class DesignSpace:
     def checked(self, geometry: Geometry) -> Geometry:
         """Return a geometry, any object with its three arrays, as arrays of numbers.
 
-        Raises
-        ------
-        InputError
-            If it is not given at the rod's sample points.
+        InputError if it is not given at the rod's sample points.
         """
         if not all(hasattr(geometry, name) for name in ("length", "radius", "slope")):
             raise InputError(
