@@ -54,13 +54,10 @@ class Profile:
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """A combination of constants: unit vector `weights` (c,) and standard deviation along it.
+    """A combination of constants, in parts of their ranges."""
 
-    Both in parts of the ranges.
-    """
-
-    weights: Array
-    deviation: float
+    weights: Array  # (c,), a unit vector
+    deviation: float  # standard deviation along it
 
 
 @dataclass(frozen=True, eq=False)
