@@ -11,7 +11,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, one_line
-from flexor.store import check_writable, replaced
+from flexor.store.files import check_writable, reason, replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,8 +96,7 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
         with style(), replaced(target) as draft:
             figure.savefig(draft, metadata=metadata)
     except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError(f'cannot write the figure "{target}": {why}.') from None
+        raise InputError(f'cannot write the figure "{target}": {reason(error)}.') from None
     return target
 
 
