@@ -103,12 +103,14 @@ STUDY = Kind(
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a study, as plain JSON values."""
+    """Settings of a study, as plain JSON values; numbers are SI and read back exactly.
 
-    # ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
-    # system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels,
-    # units, bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``,
-    # ``seed``, ``engine`` (options) and ``budget``. Numbers are SI and read back exactly.
+    They are ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
+    system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels, units,
+    bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``, ``seed``,
+    ``engine`` (options) and ``budget``.
+    """
+
     values: Mapping[str, Any]
 
     @classmethod

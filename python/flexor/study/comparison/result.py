@@ -41,9 +41,9 @@ class Summary:
     parameters: str
     method: str
     searches: int  # their number
-    best: float  # best final value
-    median: float  # final value
-    worst: float  # final value
+    best: float  # of the final values
+    median: float
+    worst: float
     success: float  # fraction that reached the target
     # Median evaluations to the target among successful searches; +inf if there are none.
     evaluations: float

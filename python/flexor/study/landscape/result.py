@@ -12,7 +12,7 @@ from scipy.ndimage import minimum_filter
 
 from flexor.errors import InputError
 from flexor.optimizers import SearchResult, grid_axes, grid_designs
-from flexor.store import csv_text, replaced, write_text
+from flexor.store.files import csv_text, reason, replaced, write_text
 from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import Settings
@@ -142,8 +142,8 @@ class Landscape:
                 np.savez_compressed(draft, **arrays)
             write_text(csv, self._csv())
         except OSError as error:
-            why = (error.strerror or str(error)).lower()
-            raise InputError(f'the landscape cannot be written into "{folder}": {why}.') from error
+            what = f'the landscape cannot be written into "{folder}"'
+            raise InputError(f"{what}: {reason(error)}.") from error
         return [npz, csv]
 
     def _csv(self) -> str:
