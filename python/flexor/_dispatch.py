@@ -26,18 +26,8 @@ _VARIABLE = "FLEXOR_ENGINE"
 def load_engine() -> ModuleType:
     """Import the build of the engine that suits this processor, or the one asked for.
 
-    Returns
-    -------
-    module
-        The compiled module.
-
-    Raises
-    ------
-    InputError
-        If ``FLEXOR_ENGINE`` names no build, one that is not installed, or one that this processor
-        cannot run.
-    ImportError
-        If no build is installed.
+    InputError if ``FLEXOR_ENGINE`` names no build, one that is not installed, or one that this
+    processor cannot run; ImportError if no build is installed.
     """
     there = [name for name in ENGINES if find_spec(f"flexor._engine_{name}") is not None]
     runs = _running(there)

@@ -43,26 +43,14 @@ class ClusterError(RuntimeError):
 
 
 class InputError(ValueError):
-    """Invalid input, explained in one sentence.
-
-    Parameters
-    ----------
-    sentence
-        The explanation; non-printable characters are replaced by spaces.
-    """
+    """Invalid input, explained in one sentence; what is not printable becomes a space."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(one_line(sentence))
 
 
 class ModelWarning(UserWarning):
-    """A model that can be used, but whose results may not be what was meant.
-
-    Parameters
-    ----------
-    sentence
-        The explanation; non-printable characters are replaced by spaces.
-    """
+    """A model that can be used, but whose results may not be what was meant."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(one_line(sentence))
@@ -76,17 +64,7 @@ def one_line(text: str) -> str:
 def alternatives(name: str, allowed: Iterable[str]) -> str:
     """Quote an unknown name, with the closest match and all allowed names.
 
-    Parameters
-    ----------
-    name
-        The unknown name.
-    allowed
-        All allowed names.
-
-    Returns
-    -------
-    str
-        For example ``"bendng" (did you mean "bending"?): expected one of "bending", "force"``.
+    For example ``"bendng" (did you mean "bending"?): expected one of "bending", "force"``.
     """
     name = shortened(name)
     names = [shortened(choice) for choice in allowed]
@@ -105,36 +83,12 @@ def alternatives(name: str, allowed: Iterable[str]) -> str:
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Truncate a text for use in a message.
-
-    Parameters
-    ----------
-    text
-        The text.
-    most
-        Maximum length.
-    """
+    """Truncate a text to a maximum length, for use in a message."""
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> str:
-    """Describe an unknown name, with the closest match.
-
-    Parameters
-    ----------
-    kind
-        What the name refers to, such as ``"objective"``.
-    name
-        The unknown name.
-    allowed
-        All allowed names.
-
-    Returns
-    -------
-    str
-        For example ``unknown objective "bendng" (did you mean "bending"?): expected one of
-        "bending", "force"``, without a full stop.
-    """
+    """Say that a name of a kind such as ``"objective"`` is unknown; see `alternatives`."""
     return f"unknown {kind} {alternatives(name, allowed)}"
 
 

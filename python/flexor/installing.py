@@ -16,15 +16,7 @@ __all__ = ["install_command"]
 def install_command(package: str) -> str:
     """Return the shell command that installs a package into the current environment.
 
-    Parameters
-    ----------
-    package
-        Such as ``"egobox"`` or ``"flexor[validate]"``.
-
-    Returns
-    -------
-    str
-        Uses pip if the environment has it, else uv, as in the environment of `./dev setup`.
+    It uses pip if the environment has it, else uv, as in the environment of `./dev setup`.
     """
     if find_spec("pip") is not None:
         words = ["pip", "install"]
@@ -32,13 +24,8 @@ def install_command(package: str) -> str:
         if shutil.which("pip", path=str(beside)) != shutil.which("pip"):  # another environment's
             words = [_relative(sys.executable), "-m", *words]
     else:
-        words = [
-            _relative(next(_uvs(), "uv")),
-            "pip",
-            "install",
-            "--python",
-            _relative(sys.executable),
-        ]
+        uv, python = next(_uvs(), "uv"), sys.executable
+        words = [_relative(uv), "pip", "install", "--python", _relative(python)]
     words.append(package)
     return subprocess.list2cmdline(words) if sys.platform == "win32" else _quoted(words)
 

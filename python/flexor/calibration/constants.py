@@ -20,38 +20,18 @@ _NAMED = tuple(ModelFile.named_tables())
 
 @dataclass(frozen=True)
 class Constant:
-    """A constant with its range.
+    """A constant with its range."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called in tables.
-    fields : tuple of str
-        Dotted fields of model files that it sets.
-    low, high : float
-        Range, SI.
-    log : bool
-        Whether equal steps of the search are equal factors.
-    unit : Unit
-        The unit for display.
-    """
-
-    name: str
-    fields: tuple[str, ...]
-    low: float
-    high: float
-    log: bool
-    unit: Unit
+    name: str  # what it is called in tables
+    fields: tuple[str, ...]  # dotted fields of model files that it sets
+    low: float  # of the range, SI
+    high: float  # of the range, SI
+    log: bool  # whether equal steps of the search are equal factors
+    unit: Unit  # the unit for display
 
     @classmethod
     def of(cls, table: Table, source: str) -> Constant:
-        """Read a ``[[constant]]``.
-
-        Raises
-        ------
-        InputError
-            If the range has no unit or different ones, or is reversed.
-        """
+        """Read a ``[[constant]]``; InputError if the ends of its range have different units."""
         place = f'{source}: constant "{table.name}"'
         high, unit = infer_quantity(table.range[1], f"{place}.range[1]")
         low, other = infer_quantity(table.range[0], f"{place}.range[0]")

@@ -28,21 +28,11 @@ THRESHOLD = 3.841  # 95 % quantile of chi-squared with one degree of freedom
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """Profile likelihood of one constant: the misfit with all other constants fitted again.
+    """Profile likelihood of one constant: the misfit with all other constants fitted again."""
 
-    Attributes
-    ----------
-    u : (p,) array
-        The constant, as a fraction of its range, increasing.
-    rise : (p,) array
-        Misfit above that of the fit.
-    lowest : Minimum
-        The best of the fits along the profile.
-    """
-
-    u: Array
-    rise: Array
-    lowest: Minimum
+    u: Array  # (p,), the constant as a fraction of its range, increasing
+    rise: Array  # (p,), misfit above that of the fit
+    lowest: Minimum  # best of the fits along the profile
 
     def interval(self) -> tuple[float, float]:
         """Return the 95 % confidence interval as fractions of the range, (low, high)."""
@@ -64,44 +54,24 @@ class Profile:
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """A combination of constants: unit vector `weights` (c,) and standard deviation along it.
+    """A combination of constants, in parts of their ranges."""
 
-    Both in parts of the ranges.
-    """
-
-    weights: Array
-    deviation: float
+    weights: Array  # (c,), a unit vector
+    deviation: float  # standard deviation along it
 
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """How well the constants of a fit are identified.
+    """How well the constants of a fit are identified."""
 
-    Attributes
-    ----------
-    constants : tuple of Constant
-        The c constants.
-    u : (c,) array
-        The fit, in parts of their ranges.
-    jacobian : (r, c) array
-        Of the residuals, by parts of the ranges.
-    deviation : (c,) array
-        Standard deviation of each constant, in parts of its range, all others being free.
-    conditional_deviation : (c,) array
-        The same with all others fixed.
-    directions : tuple of Direction
-        Eigenvectors of the information matrix, the best identified first.
-    profiles : tuple of Profile
-        One for each constant, or none.
-    """
-
-    constants: tuple[Constant, ...]
-    u: Array
-    jacobian: Array
-    deviation: Array
-    conditional_deviation: Array
+    constants: tuple[Constant, ...]  # c of them
+    u: Array  # (c,), the fit, in parts of their ranges
+    jacobian: Array  # (r, c), of the residuals, by parts of the ranges
+    deviation: Array  # (c,), standard deviations in parts of the ranges, all others free
+    conditional_deviation: Array  # (c,), with all others fixed
+    # Eigenvectors of the information matrix, the best identified first.
     directions: tuple[Direction, ...]
-    profiles: tuple[Profile, ...] = ()
+    profiles: tuple[Profile, ...] = ()  # one for each constant, or none
 
     def verdict(self, i: int) -> Verdict:
         """Say in words how well a constant is identified."""

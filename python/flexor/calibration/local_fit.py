@@ -18,14 +18,11 @@ _GOOD = 0.01  # misfit at which a fit with optima ends: a tenth of a standard de
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where a local fit ended: point u (c,) of the unit cube, residuals (r,) and number of starts.
+    """Where a local fit ended."""
 
-    `hits` is the number of starts that ended here.
-    """
-
-    u: Array
-    residuals: Array
-    hits: int = 1
+    u: Array  # (c,), in the unit cube
+    residuals: Array  # (r,)
+    hits: int = 1  # how many starts ended here
 
     @property
     def misfit(self) -> float:

@@ -20,15 +20,7 @@ _ENTRY = re.compile(r"(?P<kind>target|constant)\[(?P<index>\d+)\]")
 def read(path: str | pathlib.Path) -> tuple[TargetsFile, str]:
     """Read and check a targets file; ``examples/NAME.toml`` also finds one that comes with Flexor.
 
-    Returns
-    -------
-    TargetsFile, str
-        Its content, and its text.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is not TOML, or is not a valid targets file.
+    Return its content and its text; InputError if it cannot be read, is not TOML, or is not valid.
     """
     place = locate(path)
     text = read_text(place, "targets file")
@@ -47,10 +39,7 @@ def locate(path: str | pathlib.Path) -> pathlib.Path:
 def parse(text: str, source: str) -> TargetsFile:
     """Read and check the text of a targets file; messages begin with `source`.
 
-    Raises
-    ------
-    InputError
-        If it is not TOML or not a valid targets file.
+    InputError if it is not TOML or not a valid targets file.
     """
     document = tables(text, source)
     try:

@@ -22,14 +22,11 @@ CONSTANTS, TARGETS, REPORT = "constants.toml", "targets.csv", "calibration.json"
 
 @dataclass(frozen=True)
 class Row:
-    """One value of one target, in the unit in which it was written; NaN where there is none.
-
-    `force` is that of the first input [N], None for optima.
-    """
+    """One value of one target, in the unit in which it was written; NaN where there is none."""
 
     target: str
     weight: str
-    force: float | None
+    force: float | None  # of the first input [N]; None for optima
     unit: str
     wanted: float
     found: float

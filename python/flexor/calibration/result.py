@@ -17,21 +17,11 @@ from flexor.model import Model
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Fitted constants.
-
-    Attributes
-    ----------
-    problem : Problem
-        What was fitted.
-    minimum : Minimum
-        Where the local fit ended.
-    values : tuple of (m,) arrays
-        Values of each target, SI; NaN for held-out ones that were not evaluated.
-    """
+    """Fitted constants."""
 
     problem: Problem
-    minimum: Minimum
-    values: tuple[Array, ...]
+    minimum: Minimum  # where the local fit ended
+    values: tuple[Array, ...]  # of each target, SI; NaN for held-out ones not evaluated
 
     @cached_property
     def x(self) -> Array:
@@ -65,28 +55,14 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The result of a calibration.
+    """The result of a calibration."""
 
-    Attributes
-    ----------
-    title, source : str
-        Title and name of the targets file.
-    fits : tuple of Fit
-        The best first: those that meet every hard target before the others, then by misfit.
-    identifiability : Identifiability
-        Of the constants of the best fit.
-    seed, evaluations : int
-        The random seed; how many paths and optima were evaluated.
-    folder : Path or None
-        Where it is kept.
-    """
-
-    title: str
-    source: str
-    fits: tuple[Fit, ...]
-    identifiability: Identifiability
+    title: str  # of the targets file
+    source: str  # name of the targets file
+    fits: tuple[Fit, ...]  # the best first: those that meet every hard target before the others
+    identifiability: Identifiability  # of the constants of the best fit
     seed: int
-    evaluations: int
+    evaluations: int  # of paths and optima
     folder: Path | None
 
     @property

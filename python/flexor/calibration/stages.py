@@ -35,26 +35,14 @@ _APART = 0.02  # parts of a range by which reported fits differ
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a running calibration.
-
-    Attributes
-    ----------
-    stage : str
-        The current stage.
-    done, total : int
-        How much of it is done.
-    misfit : float
-        The lowest so far.
-    evaluated, replayed : int
-        Paths and optima evaluated now, and taken from the record of an earlier run.
-    """
+    """Progress of a running calibration."""
 
     stage: str
-    done: int
+    done: int  # of the stage
     total: int
-    misfit: float
-    evaluated: int
-    replayed: int
+    misfit: float  # the lowest so far
+    evaluated: int  # paths and optima evaluated now
+    replayed: int  # those taken from the record of an earlier run
 
 
 ProgressCallback = Callable[[Progress], None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
@@ -27,7 +27,9 @@ LINE_EVERY = 30.0
 class LiveLine:
     """A transient progress line in terminals; elsewhere a line every half minute."""
 
-    def __init__(self, first: str) -> None:
+    first: ClassVar[str]  # what is said before there is any progress
+
+    def __init__(self) -> None:
         self._bar = Progress(
             SpinnerColumn(finished_text="●"),
             TextColumn("{task.description}", markup=False),
@@ -38,7 +40,7 @@ class LiveLine:
         )
         self._shown = False
         self._next = time.monotonic() + LINE_EVERY
-        self._task = self._bar.add_task(first, total=None, left="")
+        self._task = self._bar.add_task(self.first, total=None, left="")
 
     def __enter__(self) -> Self:
         return self
@@ -65,8 +67,7 @@ class LiveLine:
 class SearchProgress(LiveLine):
     """Shows the best value, evaluations, designs per second and the remaining time."""
 
-    def __init__(self) -> None:
-        super().__init__("first designs")
+    first = "first designs"
 
     def __call__(self, at: StudyProgress) -> None:
         """Update the line with the state of the search."""
@@ -82,9 +83,8 @@ class SearchProgress(LiveLine):
 class ComparisonBar(LiveLine):
     """Shows completed searches, designs per second and the remaining time."""
 
-    def __init__(self) -> None:
-        super().__init__("first searches")
-        self._before: int | None = None
+    first = "first searches"
+    _before: int | None = None
 
     def __call__(self, at: ComparisonProgress) -> None:
         """Update the line with the state of the comparison."""
@@ -103,8 +103,7 @@ class ComparisonBar(LiveLine):
 class CalibrationBar(LiveLine):
     """Shows the stage of a calibration, its evaluations and its misfit."""
 
-    def __init__(self) -> None:
-        super().__init__("reading")
+    first = "reading"
 
     def __call__(self, at: FitProgress) -> None:
         """Update the line with the state of the calibration."""

@@ -122,15 +122,7 @@ class ParameterSet:
     def jacobian(self, p: ArrayLike, X: ArrayLike) -> GeometryJacobian:
         """Differentiate `geometry` with respect to the parameters.
 
-        Returns
-        -------
-        GeometryJacobian
-            Length (n, k), radius (n, m, k) and slope (n, m, k).
-
-        Raises
-        ------
-        InputError
-            If ``p`` does not have k columns.
+        InputError if ``p`` does not have k columns.
         """
         p, X = self._designs(p), np.asarray(X, dtype=np.float64)
         length = np.zeros(p.shape)
@@ -146,10 +138,7 @@ class ParameterSet:
     def with_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> ParameterSet:
         """Return the set with other bounds, given per label in SI.
 
-        Raises
-        ------
-        InputError
-            If a label is unknown or a lower bound is not below the upper one.
+        InputError if a label is unknown or a lower bound is not below the upper one.
         """
         lower, upper = self.lower.copy(), self.upper.copy()
         for label, (low, high) in bounds.items():
@@ -163,19 +152,9 @@ class ParameterSet:
         return replace(self, start=np.asarray(start, dtype=np.float64))
 
     def check_inside(self, p: ArrayLike, what: str = "start") -> None:
-        """Raise an error if a design is outside the bounds.
+        """Raise InputError if one of the designs, (k,) or (n, k), SI, is outside the bounds.
 
-        Parameters
-        ----------
-        p : (k,) or (n, k) array
-            Designs, SI.
-        what : str
-            What the designs are, for the message.
-
-        Raises
-        ------
-        InputError
-            Names the first parameter out of bounds, its value and its bounds in display units.
+        It says ``what`` the design is, the first parameter out of bounds, and its bounds.
         """
         designs = self._designs(p)
         for design in designs:

@@ -14,20 +14,8 @@ from flexor.errors import InputError
 def union(*sets: ParameterSet) -> ParameterSet:
     """Combine sets into one that has the parameters of all, in order.
 
-    Parameters
-    ----------
-    *sets : ParameterSet
-        At most one may change the length and at most one the surface.
-
-    Returns
-    -------
-    ParameterSet
-        Named ``"first+second+..."``, for the rod of the first set.
-
-    Raises
-    ------
-    InputError
-        If no set is given or two sets change the same part of the geometry.
+    It is named ``"first+second+..."`` and is for the rod of the first set. At most one may change
+    the length and at most one the surface; InputError otherwise, or if no set is given.
     """
     if not sets:
         raise InputError("a union of parameter sets needs at least one set.")

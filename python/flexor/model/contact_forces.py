@@ -16,25 +16,13 @@ class ContactForces:
 
     Where two round cones meet in a hollow, and a sphere touches both, the sphere that they share is
     taken off again: an entry whose force pulls.
-
-    Attributes
-    ----------
-    first, second : (m,) arrays
-        Indices of the spheres, counted through all groups; of a round cone that is touched between
-        its ends, ``second`` is the nearer one; -1 is a fixed obstacle.
-    cone : (m,) array
-        Whether the second is a round cone.
-    force : (m, 3) array
-        Force on the first sphere [N]; the second feels its opposite.
-    point : (m, 3) array
-        Middle of the overlap [m].
-    depth : (m,) array
-        Overlap d of (8) [m].
     """
 
-    first: NDArray[np.uint32]
+    first: NDArray[np.uint32]  # (m,), index of the sphere, counted through all groups
+    # (m,), index of the other, -1 for a fixed obstacle; of a round cone that is touched between
+    # its ends, the nearer one
     second: NDArray[np.int64]
-    cone: NDArray[np.bool_]
-    force: Array
-    point: Array
-    depth: Array
+    cone: NDArray[np.bool_]  # (m,), whether the second is a round cone
+    force: Array  # (m, 3), force on the first sphere [N]; the second feels its opposite
+    point: Array  # (m, 3), middle of the overlap [m]
+    depth: Array  # (m,), overlap d of (8) [m]

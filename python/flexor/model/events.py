@@ -19,25 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """A branch of equilibria that ended on the way, and where the model went.
+    """A branch of equilibria that ended on the way, and where the model went."""
 
-    Attributes
-    ----------
-    kind : str
-        What happened, one of `flexor._engine.EVENTS`.
-    step : int
-        The step of the path during which it happened, or 0 if before it.
-    force : float
-        The force of the first input at that moment [N].
-    angles_before, angles_after : (joints,) arrays
-        Coordinates of the joints on both sides [rad; m for translations].
-    """
-
-    kind: str
-    step: int
-    force: float
-    angles_before: Array
-    angles_after: Array
+    kind: str  # what happened, one of `flexor._engine.EVENTS`
+    step: int  # the step of the path during which it happened, or 0 if before it
+    force: float  # the force of the first input at that moment [N]
+    angles_before: Array  # (joints,), coordinates of the joints [rad; m for translations]
+    angles_after: Array  # (joints,), the same afterwards
 
 
 def event_table(

@@ -15,20 +15,11 @@ from flexor.model.validation import describe
 
 @dataclass(frozen=True)
 class Geometry:
-    """Length and surface S(X) of the exosuit for n designs at m points X in [0, 1].
+    """Length and surface S(X) of the exosuit for n designs at m points X in [0, 1]."""
 
-    Attributes
-    ----------
-    length : (n,) array
-        Length L [m].
-    radius : (n, m) array
-        Surface S(X) [m], the distance from the rod's axis.
-    slope : (n, m) array
-        dS/dX [m]; X is the fraction of the length, so the slope per metre is this over L.
-    """
-
-    length: Array
-    radius: Array
+    length: Array  # (n,), L [m]
+    radius: Array  # (n, m), surface S(X) [m], the distance from the rod's axis
+    # (n, m), dS/dX [m]; X is the fraction of the length, so the slope per metre is this over L
     slope: Array
 
     def __len__(self) -> int:
@@ -40,21 +31,11 @@ class Geometry:
 
 @dataclass(frozen=True)
 class GeometryJacobian:
-    """Exact derivative of a `Geometry` with respect to the k parameters of its set.
+    """Exact derivative of a `Geometry` with respect to the k parameters of its set."""
 
-    Attributes
-    ----------
-    length : (n, k) array
-        dL/dp.
-    radius : (n, m, k) array
-        dS/dp.
-    slope : (n, m, k) array
-        d(dS/dX)/dp.
-    """
-
-    length: Array
-    radius: Array
-    slope: Array
+    length: Array  # (n, k), dL/dp
+    radius: Array  # (n, m, k), dS/dp
+    slope: Array  # (n, m, k), d(dS/dX)/dp
 
 
 @dataclass(frozen=True)
@@ -65,41 +46,21 @@ class DesignSpace:
     section II-B and the radius bounds from Fig. 4. The paper states no bounds of the length; 6-14
     cm includes the default (10), all published optima (7.97-10.8) and the length of the finger
     (9.5).
-
-    Attributes
-    ----------
-    length : float
-        Length L [m].
-    radius_base, radius_tip : float
-        R_0 = S(0) and R_1 = S(1) [m].
-    length_bounds, radius_bounds : tuple of float
-        Lower and upper bound of the search [m].
-    minimum_radius : float
-        Lower limit of S(X) [m].
-    rod : str
-        Name of the rod.
-    points : (P,) array
-        Sample points X in [0, 1] at which geometries are given.
     """
 
-    length: float = 0.10
-    radius_base: float = 0.0116
-    radius_tip: float = 0.008
-    length_bounds: tuple[float, float] = (0.06, 0.14)
-    radius_bounds: tuple[float, float] = (0.004, 0.012)
-    minimum_radius: float = 0.005
-    rod: str = ""
+    length: float = 0.10  # L [m]
+    radius_base: float = 0.0116  # R_0 = S(0) [m]
+    radius_tip: float = 0.008  # R_1 = S(1) [m]
+    length_bounds: tuple[float, float] = (0.06, 0.14)  # of the search [m]
+    radius_bounds: tuple[float, float] = (0.004, 0.012)  # of the search [m]
+    minimum_radius: float = 0.005  # lower limit of S(X) [m]
+    rod: str = ""  # its name
+    # (P,), sample points X in [0, 1] at which geometries are given
     points: Array = field(default_factory=lambda: np.zeros(0), compare=False)
 
     @classmethod
     def of(cls, file: ModelFile) -> DesignSpace:
-        """Read the design space of a model file.
-
-        Raises
-        ------
-        InputError
-            If it has no ``[design]``.
-        """
+        """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
             raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
         rod = file.rod(file.design.rod)
@@ -120,10 +81,7 @@ class DesignSpace:
     def checked(self, geometry: Geometry) -> Geometry:
         """Return a geometry, any object with its three arrays, as arrays of numbers.
 
-        Raises
-        ------
-        InputError
-            If it is not given at the rod's sample points.
+        InputError if it is not given at the rod's sample points.
         """
         if not all(hasattr(geometry, name) for name in ("length", "radius", "slope")):
             raise InputError(

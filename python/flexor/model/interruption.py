@@ -15,10 +15,7 @@ _AGAIN = 0.05
 def end_all(futures: Collection[Future[Any]]) -> None:
     """Cancel what waits, end every solve that runs (it raises KeyboardInterrupt), and wait.
 
-    Parameters
-    ----------
-    futures
-        Work of threads of this process, which stops by itself between solves.
+    The futures are work of threads of this process, which stops by itself between solves.
     """
     for future in futures:
         future.cancel()

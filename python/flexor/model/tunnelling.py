@@ -7,28 +7,18 @@ import warnings
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexor.arrays import Array
 from flexor.errors import ModelWarning
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.structure import Structure
-
-Array = NDArray[np.float64]
 
 
 def warn_of_gaps(model: Structure) -> None:
     """Warn, in one sentence for each contact, where it may be missed.
 
-    Parameters
-    ----------
-    model
-        A model, whose spheres are looked at in the reference state.
-
-    Warns
-    -----
-    ModelWarning
-        If neighbouring spheres of a rod stand further apart than they are wide, or if a sphere of
-        the other group fits between those of a link.
+    That is where, in the reference state, neighbouring spheres of a rod stand further apart than
+    they are wide, or a sphere of the other group fits between those of a link.
     """
     if model.file.contacts:
         for sentence in _gaps(model):

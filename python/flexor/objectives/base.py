@@ -43,13 +43,7 @@ class Objective(ABC):
         """Quantity for display, (n,), in `unit`."""
 
     def residual(self, paths: Paths) -> Array:
-        """Vector (n, r) whose norm is the value, for least squares.
-
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector.
-        """
+        """Vector (n, r) whose norm is the value, for least squares; InputError without one."""
         raise InputError(
             f'objective "{self.name}" is not the norm of a vector, which least squares needs.'
         )
@@ -67,20 +61,14 @@ class Objective(ABC):
     def gradient(self, paths: Paths) -> PathGradient:
         """Differentiate the value: joint angles (n, steps, j), tip force (n, steps).
 
-        Raises
-        ------
-        InputError
-            If the objective has no derivative.
+        InputError if the objective has no derivative.
         """
         raise InputError(f'objective "{self.name}" has no gradient.')
 
     def residual_gradient(self, paths: Paths) -> PathGradient:
         """Differentiate the residual: joint angles (n, r, steps, j), tip force (n, r, steps).
 
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector with a derivative.
+        InputError if the objective is not the norm of a vector with a derivative.
         """
         raise InputError(f'objective "{self.name}" has no gradient of a residual vector.')
 

@@ -22,10 +22,7 @@ def names() -> tuple[str, ...]:
 def objective(name: str | Objective) -> Objective:
     """Find an objective by its name or the paper's symbol for it; one that is ready is returned.
 
-    Raises
-    ------
-    InputError
-        If it is not known (the nearest name is suggested) or neither name nor objective.
+    InputError if it is not known (the nearest name is suggested) or neither name nor objective.
     """
     if isinstance(name, Objective):
         return name

@@ -16,36 +16,17 @@ class PathGradient:
 
     `chained` takes it to the design parameters, with the engine's derivatives of the state. What is
     not listed (the number of touching spheres) is constant between its jumps.
-
-    Attributes
-    ----------
-    joint_angles : (n, ..., steps, j) array
-        [1/rad].
-    tip_force : (n, ..., steps) array
-        [1/N].
     """
 
-    joint_angles: Array
-    tip_force: Array
+    joint_angles: Array  # (n, ..., steps, j), [1/rad]
+    tip_force: Array  # (n, ..., steps), [1/N]
 
     def chained(self, derivatives: Array) -> Array:
-        """Return the derivative of the values with respect to k parameters.
+        """Return the derivative of the values with respect to k parameters, (n, ..., k).
 
-        Parameters
-        ----------
-        derivatives : (n, j + 1, k) array
-            Of the joint angles and, last, of the tip force at the last load, as
-            `flexor.model.Paths.chained` gives them.
-
-        Returns
-        -------
-        (n, ..., k) array
-            NaN where the derivatives are.
-
-        Raises
-        ------
-        InputError
-            If the values depend on loads before the last.
+        It is made of ``derivatives`` (n, j + 1, k), of the joint angles and last of the tip force
+        at the last load, as `flexor.model.Paths.chained` gives them; NaN where those are.
+        InputError if the values depend on loads before the last.
         """
         if self.joint_angles[..., :-1, :].any() or self.tip_force[..., :-1].any():
             raise InputError(

@@ -27,13 +27,7 @@ class TipForce(Objective):
     unit: str = "N"
 
     def value(self, paths: Paths) -> Array:
-        """-F_t [N], (n,).
-
-        Raises
-        ------
-        InputError
-            If the model has no contact.
-        """
+        """-F_t [N], (n,); InputError if the model has no contact."""
         if paths.sphere_count < 1:
             raise InputError(
                 f'objective "{self.name}" is a contact force, but the model has no contact.'

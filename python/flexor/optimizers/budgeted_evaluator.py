@@ -67,10 +67,7 @@ class BudgetedEvaluator:
     def __call__(self, designs: FloatArray) -> FloatArray:
         """Values (n,) of designs (n, k).
 
-        Raises
-        ------
-        BudgetExhausted
-            Before the batch if no budget is left; after as much of it as the budget allows.
+        BudgetExhausted before the batch if no budget is left, or after as much as it allows.
         """
         designs = normalized(designs)
         fresh = first_rows(designs, self._asked)
@@ -82,17 +79,8 @@ class BudgetedEvaluator:
     def stream(self, designs: FloatArray, part: int) -> Generator[int, None, None]:
         """Evaluate designs (n, k) in order; yield now and then how many of them are done.
 
-        Parameters
-        ----------
-        designs : (n, k) array
-            Designs.
-        part : int
-            How many to evaluate between two yields, if the function does not choose that itself.
-
-        Raises
-        ------
-        BudgetExhausted
-            As for values.
+        Between two yields are ``part`` of them, if the function does not choose that itself.
+        BudgetExhausted as for values.
         """
         designs = normalized(designs)
         fresh = first_rows(designs, self._asked)
@@ -104,12 +92,7 @@ class BudgetedEvaluator:
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Vectors (n, r) of designs (n, k), each design counted as it is for its value.
 
-        Raises
-        ------
-        InputError
-            If the function has no vector.
-        BudgetExhausted
-            As for values.
+        InputError if the function has no vector; BudgetExhausted as for values.
         """
         if not isinstance(self._function, VectorFunction):
             raise InputError(

@@ -21,19 +21,14 @@ class CachedEvaluator:
         From n designs (n, k) to values (n,).
     known : dict of float, optional
         Values from an earlier run, by the bytes of the design.
-
-    Attributes
-    ----------
-    evaluated, replayed : int
-        Designs evaluated now, and designs answered from what was known before.
     """
 
     def __init__(self, function: BatchFunction, known: Mapping[bytes, float] | None = None) -> None:
         self._function = function
         self._values = dict(known or {})
         self._earlier = set(self._values)
-        self.evaluated = 0
-        self.replayed = 0
+        self.evaluated = 0  # designs, now
+        self.replayed = 0  # designs answered from what was known before
 
     def __call__(self, designs: FloatArray) -> FloatArray:
         """Values of designs (n, k); +inf for those that failed."""
@@ -44,13 +39,7 @@ class CachedEvaluator:
     ) -> Generator[FloatArray, None, None]:
         """Yield values of designs (n, k) in order, some of them at a time.
 
-        Parameters
-        ----------
-        designs : (n, k) array
-            Designs.
-        part : int, optional
-            How many to evaluate at a time, if the function does not choose that itself; all by
-            default.
+        That is ``part`` of them, all by default, if the function does not choose that itself.
         """
         designs = normalized(designs)
         keys = [row.tobytes() for row in designs]

@@ -24,24 +24,12 @@ from flexor.optimizers.surrogate import Surrogate
 
 @dataclass(frozen=True)
 class Entry:
-    """A registered method.
+    """A registered method."""
 
-    Attributes
-    ----------
-    factory : type
-        A frozen dataclass whose fields are the method's options.
-    title : str
-        Display name, for figures and tables.
-    aliases : tuple of str
-        Alternative names.
-    description : str
-        One-line description.
-    """
-
-    factory: Callable[..., Search]
-    title: str
+    factory: Callable[..., Search]  # a frozen dataclass whose fields are the method's options
+    title: str  # for figures and tables
     aliases: tuple[str, ...]
-    description: str
+    description: str  # in one line
 
     @property
     def options(self) -> dict[str, Any]:
@@ -86,12 +74,7 @@ def available() -> tuple[str, ...]:
 def canonical(name: str) -> str:
     """Return the canonical name of a method, given its name or an alias.
 
-    Case, underscores and spaces are ignored.
-
-    Raises
-    ------
-    InputError
-        If the method is unknown; the closest match is suggested.
+    Case, underscores and spaces are ignored. InputError, with the closest match, if it is unknown.
     """
     key = name.strip().casefold().replace("_", "-").replace(" ", "-")
     key = _ALIASES.get(key, key)

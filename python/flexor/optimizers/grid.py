@@ -61,24 +61,9 @@ def grid_designs(
 ) -> FloatArray:
     """Return the designs of a grid; the last column varies fastest.
 
-    Parameters
-    ----------
-    lower, upper, start : (k,) arrays
-        Bounds, and the values of the fixed parameters.
-    points : int
-        Number of points per column.
-    columns : tuple of int
-        Indices of the parameters to vary; all if empty.
-
-    Returns
-    -------
-    (points ** len(columns), k) array
-        Designs.
-
-    Raises
-    ------
-    InputError
-        If the grid is too large.
+    The parameters of ``columns``, or all if it is empty, take ``points`` values each; the others
+    are those of the ``start`` (k,). Of shape (points ** len(columns), k); InputError if that is too
+    large.
     """
     dimensions = len(columns) or lower.size
     count = points**dimensions

@@ -30,10 +30,7 @@ class VectorFunction(_Values, Protocol):
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Map n designs (n, k) to their residual vectors (n, r); NaN for designs that fail.
 
-        Raises
-        ------
-        InputError
-            If the objective is not the norm of a vector.
+        InputError if the objective is not the norm of a vector.
         """
         ...
 
@@ -73,18 +70,10 @@ class StreamingFunction(_Values, Protocol):
 
 @dataclass(frozen=True)
 class Budget:
-    """Limits of a search.
+    """Limits of a search."""
 
-    Attributes
-    ----------
-    evaluations : int or None
-        Maximum number of distinct designs.
-    seconds : float or None
-        Maximum wall time [s]. Unlike a limit on evaluations, it makes a search irreproducible.
-    """
-
-    evaluations: int | None = None
-    seconds: float | None = None
+    evaluations: int | None = None  # distinct designs
+    seconds: float | None = None  # wall time [s]; makes a search irreproducible
 
     def __post_init__(self) -> None:
         """Raise InputError if a limit is not positive."""
@@ -96,29 +85,14 @@ class Budget:
 
 @dataclass(frozen=True)
 class Progress:
-    """State of a running search.
+    """State of a running search."""
 
-    Attributes
-    ----------
-    iteration : int
-        Iterations completed.
-    evaluations : int
-        Distinct designs evaluated.
-    design : (k,) array
-        Best design so far.
-    value : float
-        Its value; +inf if every design has failed.
-    detail : str
-        Method-specific state, for example ``"mesh 0.0625"``.
-    remaining : int or None
-        Remaining evaluations if no further improvement is found, where the method knows.
-    """
-
-    iteration: int
-    evaluations: int
-    design: FloatArray
-    value: float
-    detail: str
+    iteration: int  # iterations completed
+    evaluations: int  # distinct designs evaluated
+    design: FloatArray  # (k,), best design so far
+    value: float  # its value; +inf if every design has failed
+    detail: str  # method-specific state, for example ``"mesh 0.0625"``
+    # Remaining evaluations if no further improvement is found, where the method knows.
     remaining: int | None = None
 
 
@@ -127,34 +101,16 @@ ProgressCallback = Callable[[Progress], None]
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Result of a search.
+    """Result of a search."""
 
-    Attributes
-    ----------
-    design : (k,) array
-        Best design evaluated.
-    value : float
-        Its value; +inf if every design failed.
-    evaluations, iterations : int
-        Distinct designs evaluated, and iterations of the method.
-    reason : str
-        Why it stopped.
-    improvement_evaluations : (i,) int array
-        Number of evaluations at each improvement of the best value.
-    improvement_values : (i,) array
-        Best value after each improvement.
-    improvement_designs : (i, k) array
-        Best design after each improvement.
-    """
-
-    design: FloatArray
-    value: float
-    evaluations: int
-    iterations: int
-    reason: str
-    improvement_evaluations: NDArray[np.int64]
-    improvement_values: FloatArray
-    improvement_designs: FloatArray
+    design: FloatArray  # (k,), best design evaluated
+    value: float  # its value; +inf if every design failed
+    evaluations: int  # distinct designs
+    iterations: int  # of the method
+    reason: str  # why it stopped
+    improvement_evaluations: NDArray[np.int64]  # (i,), evaluations at each improvement
+    improvement_values: FloatArray  # (i,), best value after each
+    improvement_designs: FloatArray  # (i, k), best design after each
 
 
 class Search(Protocol):

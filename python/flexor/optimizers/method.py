@@ -31,19 +31,6 @@ class Run:
     """One run of a method: designs scaled to the unit box, their evaluation, progress reports.
 
     In the unit box [0, 1]^k, 0 is the lower bound and 1 the upper bound.
-
-    Attributes
-    ----------
-    function : BudgetedEvaluator
-        Function to minimise, of designs in SI units.
-    lower, upper : (k,) arrays
-        Bounds.
-    seed : int
-        Random seed.
-    random : numpy Generator
-        Random generator of further starts, and of the method.
-    iteration : int
-        Iterations completed.
     """
 
     def __init__(
@@ -55,12 +42,12 @@ class Run:
         seed: int,
         progress: ProgressCallback | None,
     ) -> None:
-        self.function = function
+        self.function = function  # of designs in SI units
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
         self.seed = seed
-        self.random = np.random.default_rng(seed)
-        self.iteration = 0
+        self.random = np.random.default_rng(seed)  # of further starts, and of the method
+        self.iteration = 0  # how many are completed
         self._start = start
         self._start_designs: dict[bytes, FloatArray] = {}
         self._progress = progress
@@ -74,10 +61,7 @@ class Run:
     def starts(self, count: int) -> FloatArray:
         """Return the given starts, completed to ``count`` with a Latin hypercube, (s, k).
 
-        Raises
-        ------
-        InputError
-            If a given start is outside the bounds.
+        InputError if a given start is outside the bounds.
         """
         designs = starting_designs(self._start, count, self.lower, self.upper, self.random)
         points = self.points(designs)
@@ -123,17 +107,8 @@ class Run:
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.
 
-        Parameters
-        ----------
-        detail : str
-            Method-specific state.
-        remaining : int, optional
-            Remaining evaluations if no further improvement is found.
-
-        Raises
-        ------
-        Stagnated
-            If no new design was requested in the last ``STAGNATION_LIMIT`` iterations.
+        ``detail`` is the state of the method, ``remaining`` how many evaluations follow if nothing
+        improves. Stagnated if no new design was requested in `STAGNATION_LIMIT` iterations.
         """
         self.report(detail, remaining)
         self.iteration += 1

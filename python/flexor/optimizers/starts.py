@@ -18,26 +18,8 @@ def starting_designs(
 ) -> FloatArray:
     """Complete the given starts to ``count`` with a Latin hypercube sample.
 
-    Parameters
-    ----------
-    start : (k,) or (s, k) array or None
-        The given starts; all of them are kept.
-    count : int
-        Total number of starts.
-    lower, upper : (k,) arrays
-        Bounds.
-    random : numpy Generator
-        Random generator of the sample.
-
-    Returns
-    -------
-    (max(s, count), k) array
-        The given starts first.
-
-    Raises
-    ------
-    InputError
-        If a start is outside the bounds.
+    All given ones, (k,) or (s, k), are kept and come first in the result, (max(s, count), k).
+    InputError if one is outside the bounds ``lower`` and ``upper`` (k,).
     """
     k = lower.size
     given: FloatArray = np.empty((0, k))

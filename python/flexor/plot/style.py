@@ -11,7 +11,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, one_line
-from flexor.store import check_writable, replaced
+from flexor.store.files import check_writable, reason, replaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,22 +85,7 @@ def literal(text: str) -> str:
 def save(figure: Figure, file: str | FilePath) -> FilePath:
     """Save a figure as PNG, SVG or PDF, according to the file name's extension.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    file : str or pathlib.Path
-        The file.
-
-    Returns
-    -------
-    pathlib.Path
-        The file written.
-
-    Raises
-    ------
-    InputError
-        If the extension is not supported, or the file cannot be written.
+    Return its path; InputError if the extension is not supported, or it cannot be written.
     """
     target = writable(file)
     # Without a date, so that the file is reproducible.
@@ -111,23 +96,14 @@ def save(figure: Figure, file: str | FilePath) -> FilePath:
         with style(), replaced(target) as draft:
             figure.savefig(draft, metadata=metadata)
     except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError(f'cannot write the figure "{target}": {why}.') from None
+        raise InputError(f'cannot write the figure "{target}": {reason(error)}.') from None
     return target
 
 
 def writable(file: str | FilePath) -> FilePath:
     """Return the path of a figure, checked before it is drawn.
 
-    Parameters
-    ----------
-    file : str or pathlib.Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If the extension is not supported, or the file cannot be written.
+    InputError if the extension is not supported, or the file cannot be written.
     """
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:

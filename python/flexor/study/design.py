@@ -17,36 +17,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A design and its results.
-
-    Attributes
-    ----------
-    problem : Problem
-        The design problem.
-    vector : (k,) array
-        Parameters, SI, in the order of the set's labels.
-    value, shown : float
-        The objective, +inf if the design failed, and its quantity for display, NaN then.
-    reason : str
-        Reason of the failure; empty if there is none.
-    joint_angles : (steps, j) array
-        Along the path [rad].
-    tip_force, touching : (steps,) arrays
-        Tip force along the path [N], and spheres of the exosuit in contact.
-    events, iterations : int
-        Snaps and Newton iterations along the path.
-    """
+    """A design and its results."""
 
     problem: Problem
-    vector: FloatArray
-    value: float
-    shown: float
-    reason: str
-    joint_angles: FloatArray
-    tip_force: FloatArray
-    touching: FloatArray
-    events: int
-    iterations: int
+    vector: FloatArray  # (k,), SI, in the order of the set's labels
+    value: float  # the objective; +inf if the design failed
+    shown: float  # its quantity for display; NaN if the design failed
+    reason: str  # of the failure; empty if there is none
+    joint_angles: FloatArray  # (steps, j), along the path [rad]
+    tip_force: FloatArray  # (steps,), along the path [N]
+    touching: FloatArray  # (steps,), spheres of the exosuit in contact
+    events: int  # snaps along the path
+    iterations: int  # Newton iterations along the path
 
     @classmethod
     def of(cls, problem: Problem, vector: FloatArray, paths: Paths, row: int = 0) -> Design:

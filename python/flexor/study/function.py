@@ -20,24 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ObjectiveGradients:
-    """Objective values of n designs with their gradients, and how far these hold.
+    """Objective values of n designs with their gradients, and how far these hold."""
 
-    Attributes
-    ----------
-    value : (n,) array
-        Value of the objective; +inf where the design failed.
-    gradient : (n, k) array
-        Its derivative with respect to the parameters, per SI unit; NaN where the design failed.
-    regularity : (n,) array of str
-        ``"regular"``, or why the gradient is less than that; see `flexor.model.Paths`.
-    reason : (n,) array of str
-        Reason of the failure; empty if there is none.
-    """
-
-    value: FloatArray
-    gradient: FloatArray
+    value: FloatArray  # (n,); +inf where the design failed
+    gradient: FloatArray  # (n, k), per SI unit; NaN where the design failed
+    # (n,), ``"regular"`` or why the gradient is less; see `flexor.model.Paths`
     regularity: NDArray[np.object_]
-    reason: NDArray[np.object_]
+    reason: NDArray[np.object_]  # (n,), of the failure; empty if there is none
 
     @property
     def meaningful(self) -> NDArray[np.bool_]:
@@ -54,17 +43,10 @@ class ObjectiveFunction:
     """From parameters to value and gradient, as ``scipy.optimize`` takes it with ``jac=True``.
 
     Made by `objective_function`.
-
-    Attributes
-    ----------
-    problem : Problem
-        Model, parameter set and objective.
-    failed : float
-        Value returned for designs that fail, with a gradient of zero.
     """
 
     problem: Problem
-    failed: float
+    failed: float  # value of designs that fail, with a gradient of zero
 
     def __call__(self, p: ArrayLike) -> tuple[float, FloatArray]:
         """Value and gradient (k,) at parameters (k,), SI; InputError if there are not k."""

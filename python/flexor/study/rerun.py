@@ -41,51 +41,24 @@ class Changed:
 
 @dataclass(frozen=True)
 class Difference:
-    """The first difference between a study and its repetition.
+    """The first difference between a study and its repetition."""
 
-    Attributes
-    ----------
-    evaluation : int
-        Number of the evaluation, from 1; 0 for the study as a whole.
-    what : str
-        ``design`` if the search proposed another, or the name of the result.
-    then, now : str
-        Recorded and new value.
-    """
-
-    evaluation: int
-    what: str
-    then: str
+    evaluation: int  # from 1; 0 for the study as a whole
+    what: str  # ``design`` if the search proposed another, or the name of the result
+    then: str  # as recorded
     now: str
 
 
 @dataclass(frozen=True)
 class Rerun:
-    """A repeated study.
+    """A repeated study."""
 
-    Attributes
-    ----------
-    study : Study
-        The repetition, in memory or in a folder of its own.
-    evaluations : int
-        Number of recorded evaluations.
-    difference : Difference or None
-        The first difference; None if every bit is the same.
-    common : int
-        Number of designs that both evaluated.
-    deviation : float
-        Largest difference of the objective's value among these; +inf if a design failed in one
-        study only.
-    changed : tuple of Changed
-        Versions and system that have changed.
-    """
-
-    study: Study
-    evaluations: int
-    difference: Difference | None
-    common: int
-    deviation: float
-    changed: tuple[Changed, ...]
+    study: Study  # the repetition, in memory or in a folder of its own
+    evaluations: int  # that were recorded
+    difference: Difference | None  # the first; None if every bit is the same
+    common: int  # designs that both evaluated
+    deviation: float  # largest difference of their values; +inf if one failed in one study only
+    changed: tuple[Changed, ...]  # versions and system that have changed
 
     @property
     def same(self) -> bool:

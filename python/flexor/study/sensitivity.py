@@ -21,37 +21,21 @@ STEPS = {
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Exact derivatives at a design, and its performance if a parameter is off.
+    """Exact derivatives at a design, and its performance if a parameter is off."""
 
-    Attributes
-    ----------
-    labels : tuple of k str
-        The parameters.
-    steps, step : tuple of k str, (k,) array
-        Changes of the parameters in workshop units, for example ``"1 mm"``, and in SI.
-    joint_angles, tip_force : (j, k) array, (k,) array
-        Derivatives of the joint angles and the tip force at the last load [rad, N per SI unit].
-    value : (k,) array or None
-        Of the objective; None if it has no gradient.
-    regularity : str
-        Whether the derivatives hold; see `flexor.model.Paths`. The designs of `off` were evaluated
-        and hold in any case.
-    off : (k, 2) array
-        The sum of the joint angles [rad] if one parameter is smaller, and if it is greater, by its
-        step; NaN where that design fails.
-    bending : float
-        The same for the design itself [rad].
-    """
-
-    labels: tuple[str, ...]
-    steps: tuple[str, ...]
-    step: FloatArray
-    joint_angles: FloatArray
-    tip_force: FloatArray
-    value: FloatArray | None
+    labels: tuple[str, ...]  # of the k parameters
+    steps: tuple[str, ...]  # changes in workshop units, for example ``"1 mm"``
+    step: FloatArray  # (k,), the same in SI
+    joint_angles: FloatArray  # (j, k), derivatives at the last load [rad per SI unit]
+    tip_force: FloatArray  # (k,), derivative at the last load [N per SI unit]
+    value: FloatArray | None  # (k,), of the objective; None if it has no gradient
+    # Whether the derivatives hold; see `flexor.model.Paths`. The designs of `off` were evaluated
+    # and hold in any case.
     regularity: str
+    # (k, 2), the sum of the joint angles [rad] if one parameter is smaller, and if it is greater,
+    # by its step; NaN where that design fails
     off: FloatArray
-    bending: float
+    bending: float  # the same for the design itself [rad]
 
     @classmethod
     def of(cls, problem: Problem, design: FloatArray) -> Sensitivity:

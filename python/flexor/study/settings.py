@@ -103,15 +103,12 @@ STUDY = Kind(
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a study, as plain JSON values.
+    """Settings of a study, as plain JSON values; numbers are SI and read back exactly.
 
-    Attributes
-    ----------
-    values : dict
-        ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
-        system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels,
-        units, bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``,
-        ``seed``, ``engine`` (options) and ``budget``. Numbers are SI and read back exactly.
+    They are ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
+    system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels, units,
+    bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``, ``seed``,
+    ``engine`` (options) and ``budget``.
     """
 
     values: Mapping[str, Any]

@@ -35,39 +35,19 @@ class Comparison:
     best: float
 
 
+@dataclass(eq=False, repr=False)
 class Study:
     """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
     is opened again for reading where it is, and one in memory takes its record along.
-
-    Attributes
-    ----------
-    problem : Problem
-        Model, parameter set and objective.
-    settings : Settings
-        Everything that determines the results.
-    record : Record
-        Every evaluation.
-    folder : Path or None
-        The study folder; None in memory.
-    result : SearchResult or None
-        Result of the search, if it was completed in this process.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        settings: Settings,
-        record: Record,
-        folder: Path | None = None,
-        result: SearchResult | None = None,
-    ) -> None:
-        self.problem = problem
-        self.settings = settings
-        self.record = record
-        self.folder = folder
-        self.result = result
+    problem: Problem  # model, parameter set and objective
+    settings: Settings  # everything that determines the results
+    record: Record  # every evaluation
+    folder: Path | None = None  # of the study; None in memory
+    result: SearchResult | None = None  # of the search, if it was completed in this process
 
     @classmethod
     def open(
@@ -179,35 +159,18 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class StudyProgress:
-    """Progress of a running study.
+    """Progress of a running study."""
 
-    Attributes
-    ----------
-    best : Design or None
-        Best design so far; None while every design has failed.
-    evaluations : int
-        Distinct designs the search has asked for.
-    evaluated, replayed : int
-        Designs evaluated in this run, and designs known from an earlier one.
-    iteration : int
-        Iterations of the method.
-    seconds : float
-        Time since the study began or was resumed [s].
-    remaining : int or None
-        Evaluations to the end of the budget, or to convergence without further improvement,
-        whichever is fewer; None if neither is known.
-    detail : str
-        Status message of the method.
-    """
-
-    best: Design | None
-    evaluations: int
-    evaluated: int
-    replayed: int
-    iteration: int
-    seconds: float
+    best: Design | None  # best design so far; None while every design has failed
+    evaluations: int  # distinct designs the search has asked for
+    evaluated: int  # in this run
+    replayed: int  # known from an earlier run
+    iteration: int  # of the method
+    seconds: float  # time since the study began or was resumed [s]
+    # Evaluations to the end of the budget, or to convergence without further improvement,
+    # whichever is fewer; None if neither is known.
     remaining: int | None
-    detail: str
+    detail: str  # status message of the method
 
     @property
     def rate(self) -> float:

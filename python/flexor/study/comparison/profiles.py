@@ -12,21 +12,11 @@ from flexor.study.problem import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """An increasing step function: the fraction of problems solved at each cost.
+    """An increasing step function: the fraction of problems solved at each cost."""
 
-    Attributes
-    ----------
-    method : str
-        Label of the method.
-    cost : (n,) array
-        Positions of the steps, ascending.
-    solved : (n,) array
-        Fraction solved from there on.
-    """
-
-    method: str
-    cost: FloatArray
-    solved: FloatArray
+    method: str  # its label
+    cost: FloatArray  # (n,), of the steps, ascending
+    solved: FloatArray  # (n,), fraction solved from there on
 
     def at(self, cost: float) -> float:
         """Return the fraction solved at a cost."""

@@ -20,25 +20,13 @@ WITHIN = 0.01
 
 @dataclass(frozen=True, eq=False)
 class SearchRun:
-    """One search of a comparison.
+    """One search of a comparison."""
 
-    Attributes
-    ----------
-    parameters, method : str
-        Name of the parameter set and label of the method.
-    seed : int
-        Random seed of start and method.
-    result : SearchResult
-        Its result with every improvement.
-    seconds : float
-        Time on one thread (or on the executor) [s]; NaN if it was interrupted.
-    """
-
-    parameters: str
-    method: str
-    seed: int
+    parameters: str  # name of the set
+    method: str  # its label
+    seed: int  # of start and method
     result: SearchResult
-    seconds: float
+    seconds: float  # time on one thread (or on the executor) [s]; NaN if it was interrupted
 
     def evaluations_to(self, target: float) -> float:
         """Return after how many evaluations a value was reached; +inf if it was not."""
@@ -48,73 +36,38 @@ class SearchRun:
 
 @dataclass(frozen=True)
 class Summary:
-    """Statistics of the searches of one method on one set.
-
-    Attributes
-    ----------
-    parameters, method : str
-        The parameter set and the method.
-    searches : int
-        Number of searches.
-    best, median, worst : float
-        Best, median and worst final value.
-    success : float
-        Fraction that reached the target.
-    evaluations : float
-        Median evaluations to the target among successful searches; +inf if there are none.
-    expected_evaluations : float
-        Expected evaluations to the target if unsuccessful searches are restarted (total of all
-        searches, up to the target, per success); +inf without success.
-    spent : float
-        Median total evaluations.
-    seconds : float
-        Median time [s]; NaN if every search was interrupted.
-    """
+    """Statistics of the searches of one method on one set."""
 
     parameters: str
     method: str
-    searches: int
-    best: float
+    searches: int  # their number
+    best: float  # of the final values
     median: float
     worst: float
-    success: float
+    success: float  # fraction that reached the target
+    # Median evaluations to the target among successful searches; +inf if there are none.
     evaluations: float
+    # Expected evaluations to the target if unsuccessful searches are restarted (total of all
+    # searches, up to the target, per success); +inf without success.
     expected_evaluations: float
-    spent: float
-    seconds: float
+    spent: float  # median total evaluations
+    seconds: float  # median time [s]; NaN if every search was interrupted
 
 
 @dataclass(frozen=True, eq=False)
 class MethodComparison:
-    """Every method from the same starts, seeds and budget on each parameter set.
+    """Every method from the same starts, seeds and budget on each parameter set."""
 
-    Attributes
-    ----------
-    model, objective : str, Objective
-        Name of the model, and the objective.
-    budget : int
-        Maximum number of evaluations per search.
-    sets : dict of int
-        Number of parameters of each set.
-    methods, seeds : tuple of str, tuple of int
-        Labels of the methods, and a seed per search, in the given order.
-    reference : dict of float
-        Value of each set's own start, the model's own exosuit, against which gains are measured.
-    runs : tuple of SearchRun
-        All searches.
-    known : dict of float
-        Best values known from elsewhere.
-    """
-
-    model: str
+    model: str  # its name
     objective: Objective
-    budget: int
-    sets: Mapping[str, int]
-    methods: tuple[str, ...]
-    seeds: tuple[int, ...]
+    budget: int  # evaluations of each search
+    sets: Mapping[str, int]  # number of parameters of each
+    methods: tuple[str, ...]  # labels, in the given order
+    seeds: tuple[int, ...]  # one for each search
+    # Value of each set's own start, against which gains are measured.
     reference: Mapping[str, float]
     runs: tuple[SearchRun, ...]
-    known: Mapping[str, float] = field(default_factory=dict)
+    known: Mapping[str, float] = field(default_factory=dict)  # best values known from elsewhere
 
     def of(self, parameters: str, method: str | None = None) -> list[SearchRun]:
         """Return the searches of a set, by one method or all; InputError if unknown."""

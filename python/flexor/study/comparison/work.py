@@ -55,25 +55,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class ComparisonProgress:
-    """Progress of a running comparison.
+    """Progress of a running comparison."""
 
-    Attributes
-    ----------
-    done, total : int
-        Searches.
-    evaluations : int
-        Designs evaluated now.
-    seconds : float
-        Time since it began or was resumed [s].
-    last : str
-        Description of the search that ended last.
-    """
-
-    done: int
-    total: int
-    evaluations: int
-    seconds: float
-    last: str
+    done: int  # searches
+    total: int  # searches
+    evaluations: int  # designs evaluated now
+    seconds: float  # time since it began or was resumed [s]
+    last: str  # description of the search that ended last
 
     @property
     def rate(self) -> float:

@@ -31,20 +31,9 @@ class Executor(ABC):
     ) -> Generator[Paths, None, None]:
         """Evaluate designs, part after part.
 
-        Parameters
-        ----------
-        problem : Problem
-            Problem that the designs belong to.
-        designs : (n, k) array
-            Designs, SI.
-        gradient : bool
-            Whether to differentiate them as well.
-
-        Yields
-        ------
-        Paths
-            Of the first designs, the next, and so on, at most `flexor.model.chunks.SIZE` of them
-            each. Later parts may be evaluated before they are asked for.
+        Yields the paths of the first designs (n, k), SI, of the next, and so on, of at most
+        `flexor.model.chunks.SIZE` each, and with derivatives if ``gradient``. Later parts may be
+        evaluated before they are asked for.
         """
 
     @property
@@ -89,15 +78,9 @@ class Executor(ABC):
 
 @dataclass(frozen=True)
 class Threads(Executor):
-    """Evaluates in this process.
+    """Evaluates in this process; InputError if the number of threads is not useful."""
 
-    Attributes
-    ----------
-    threads : int
-        Threads of the engine; 0 for one per core. InputError if it is not a useful number.
-    """
-
-    threads: int = 0
+    threads: int = 0  # of the engine; 0 for one per core
 
     def __post_init__(self) -> None:
         useful_threads(self.threads)

@@ -12,7 +12,7 @@ from scipy.ndimage import minimum_filter
 
 from flexor.errors import InputError
 from flexor.optimizers import SearchResult, grid_axes, grid_designs
-from flexor.store import csv_text, replaced, write_text
+from flexor.store.files import csv_text, reason, replaced, write_text
 from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import Settings
@@ -23,39 +23,19 @@ _SI = {"cm": "m", "mm": "m", "deg": "rad"}
 
 @dataclass(frozen=True, eq=False)
 class Landscape:
-    """Values on a grid; every array has the grid's shape (n,) or (n, n), first axis first.
+    """Values on a grid; every array has the grid's shape (n,) or (n, n), first axis first."""
 
-    Attributes
-    ----------
-    study : Study
-        The study that records its designs.
-    columns : tuple of int
-        Indices of the parameters that vary.
-    axes : tuple of (n,) arrays
-        Their values, SI.
-    designs : (..., k) array
-        Whole designs, SI.
-    value, shown : arrays
-        The objective, +inf where the design failed, and its quantity for display, NaN there.
-    joint_angles, tip_force : (..., j) array, array
-        At the last load [rad], [N]; NaN where the design failed.
-    touching, events : arrays of int
-        Spheres of the exosuit in contact at the last load, and snaps along the path.
-    reason : array of str
-        Reason of the failure; empty if there is none.
-    """
-
-    study: Study
-    columns: tuple[int, ...]
-    axes: tuple[FloatArray, ...]
-    designs: FloatArray
-    value: FloatArray
-    shown: FloatArray
-    joint_angles: FloatArray
-    tip_force: FloatArray
-    touching: NDArray[np.int32]
-    events: NDArray[np.int64]
-    reason: NDArray[np.object_]
+    study: Study  # its record has the designs
+    columns: tuple[int, ...]  # indices of the parameters that vary
+    axes: tuple[FloatArray, ...]  # their values, (n,) each, SI
+    designs: FloatArray  # (..., k), whole, SI
+    value: FloatArray  # the objective; +inf where the design failed
+    shown: FloatArray  # its quantity for display; NaN where the design failed
+    joint_angles: FloatArray  # (..., j), at the last load [rad]; NaN where the design failed
+    tip_force: FloatArray  # at the last load [N]; NaN where the design failed
+    touching: NDArray[np.int32]  # spheres of the exosuit in contact at the last load
+    events: NDArray[np.int64]  # snaps along the path
+    reason: NDArray[np.object_]  # of the failure; empty if there is none
 
     @classmethod
     def of(cls, study: Study) -> Landscape:
@@ -162,8 +142,8 @@ class Landscape:
                 np.savez_compressed(draft, **arrays)
             write_text(csv, self._csv())
         except OSError as error:
-            why = (error.strerror or str(error)).lower()
-            raise InputError(f'the landscape cannot be written into "{folder}": {why}.') from error
+            what = f'the landscape cannot be written into "{folder}"'
+            raise InputError(f"{what}: {reason(error)}.") from error
         return [npz, csv]
 
     def _csv(self) -> str:
@@ -184,23 +164,13 @@ class Landscape:
 
 @dataclass(frozen=True, eq=False)
 class SearchPath:
-    """The best design of a search whenever it improved.
+    """The best design of a search whenever it improved."""
 
-    Attributes
-    ----------
-    label, method : str
-        Label in figures, for example ``"L_1"`` (may be empty), and name of the method.
-    designs : (m, k) array
-        From the start (the first design that succeeded) to the end, SI.
-    values, evaluations : (m,) arrays
-        Their values, and the number of evaluations until each was found.
-    """
-
-    label: str
-    method: str
-    designs: FloatArray
-    values: FloatArray
-    evaluations: FloatArray
+    label: str  # in figures, for example ``"L_1"``; may be empty
+    method: str  # its name
+    designs: FloatArray  # (m, k), from the first that succeeded to the end, SI
+    values: FloatArray  # (m,)
+    evaluations: FloatArray  # (m,), until each was found
 
     @classmethod
     def of(cls, result: SearchResult, method: str, label: str = "") -> SearchPath:
