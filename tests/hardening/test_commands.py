@@ -39,7 +39,7 @@ def test_searches_tell_where_they_are(
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
     shown = io.StringIO()
     monkeypatch.setattr(progress.err, "_file", shown)  # its property would pin the stream of now
-    line = progress.LiveLine("begin")
+    line = progress.LiveLine()
     line.show(["best 1 [red]rad", "5 designs"], 5, 10, "1 s left")
     assert shown.getvalue() == "best 1 [red]rad · 5 designs · 1 s left\n"
 

@@ -27,7 +27,7 @@ LINE_EVERY = 30.0
 class LiveLine:
     """A transient progress line in terminals; elsewhere a line every half minute."""
 
-    first: ClassVar[str]  # what is said before there is any progress
+    first: ClassVar[str] = ""  # what is said before there is any progress
 
     def __init__(self) -> None:
         self._bar = Progress(
