@@ -65,6 +65,7 @@ _PACKAGES = (
     "objectives",
     "plot",
     "optimizers",
+    "sections",
     "store",
     "study",
 )

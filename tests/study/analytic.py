@@ -9,12 +9,13 @@ import sys
 import time
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from flexor.design import DesignSpace, Geometry, GeometryJacobian
 from flexor.model import Paths
+from flexor.model.units import FORCE
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class AnalyticModel:
     name = "analytic"
     joints = ("a", "b", "c")
     inputs = ("chamber",)
+    input_dimensions: ClassVar = {"chamber": FORCE}
     first_spheres = 42
 
     def __init__(self, pause: float = 0.0, hash: str = "0123") -> None:
