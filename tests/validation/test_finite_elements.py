@@ -145,7 +145,6 @@ BOX = pytest.mark.xfail(
 )
 def test_rods_of_wound_sections(name: str, column: str, tolerance: float) -> None:
     """Every state up to 190°, with nothing fitted."""
-    pytest.importorskip("flexor.sections", reason="rods are still solid")
     from .finite_elements import rod
 
     states, actuator = results.read(name)["coarse"], ACTUATORS[name]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -42,8 +41,6 @@ def exponent(name: str) -> float:
 
 def rods() -> dict[str, list[dict[str, float]]]:
     """Return what Flexor's rods do at the pressures of the finite elements."""
-    if find_spec("flexor.sections") is None:  # rods are still solid
-        return {}
     from . import rod
 
     rows = {}

@@ -29,8 +29,6 @@ BOUNDS = {
 
 @cache
 def run(name: str) -> Measurement:
-    if name == "composite_strips":
-        pytest.importorskip("flexor.model.schema.section", reason="needs sections by stiffness")
     found = import_module(f"{__package__}.{name}").run()
     assert isinstance(found, Measurement)
     return found

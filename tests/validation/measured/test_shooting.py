@@ -43,6 +43,5 @@ def shoot(beam: int, angle: float, grams: float) -> Array:
     ("beam", "angle", "grams"), [(1, 45, 400.0), (2, 0, 400.0), (2, 45, 300.0), (3, 45, 500.0)]
 )
 def test_strips_solve_the_rod_equations(beam: int, angle: float, grams: float) -> None:
-    pytest.importorskip("flexor.model.schema.section", reason="needs sections by stiffness")
     found = displacements(strip(beam, angle), np.array([grams]))[0]
     np.testing.assert_allclose(found, shoot(beam, angle, grams), atol=1e-7)
