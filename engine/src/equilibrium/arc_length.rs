@@ -127,14 +127,17 @@ fn runs<'a>(loads: &[&'a [f64]]) -> Vec<Run<'a>> {
             let along = run.rate.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>();
             if along > 0.0 && along * along > (1.0 - 1e-12) * length(&run.rate) * length(&change) {
                 let whole = difference(&run.start, after);
-                let ratio = (length(&run.rate) / length(&whole)).sqrt();
-                run.listed.iter_mut().for_each(|l| *l *= ratio);
-                run.listed.push(1.0);
+                run.listed.push(length(&whole).sqrt());
                 (run.rate, run.target) = (whole, after);
                 continue;
             }
         }
-        runs.push(Run { start: before.to_vec(), rate: change, listed: vec![0.0, 1.0], target: after });
+        let listed = vec![0.0, length(&change).sqrt()];
+        runs.push(Run { start: before.to_vec(), rate: change, listed, target: after });
+    }
+    for run in &mut runs {
+        let whole = run.listed[run.listed.len() - 1];
+        run.listed.iter_mut().for_each(|l| *l /= whole);
     }
     runs
 }
@@ -360,12 +363,16 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         reports: &mut Reports<S>,
     ) -> Result<bool, Status> {
         let (a, b) = (from.multiplier, to.multiplier);
-        let passed = |l: &f64| (l - a) * (l - b) < 0.0 || (b == 1.0 && *l == 1.0);
-        let mut between: Vec<f64> = run.listed.iter().copied().filter(passed).collect();
+        let first = run.listed.partition_point(|l| *l <= a.min(b));
+        let last = run.listed.partition_point(|l| *l < a.max(b) || b == 1.0);
+        let mut between = run.listed[first..last.max(first)].to_vec();
         if b < a {
             between.reverse();
         }
         for listed in between {
+            if let Some(status) = self.system.budget.exhausted() {
+                return Err(status);
+            }
             let found = self.solve_listed(run, from, to, listed);
             if found {
                 let stability = stability(self.system);
