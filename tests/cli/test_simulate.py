@@ -50,6 +50,12 @@ def test_a_model_without_joints_shows_where_its_tip_is(flexor) -> None:
     assert "10.00, 0.00," in ran.out
 
 
+def test_a_branch_by_arc_length_has_a_table(flexor) -> None:
+    ran = flexor("simulate", "finger", "--force", "0:2:1", "--follow", "arc-length")
+    assert ran.code == 0, ran.err
+    assert "stable" in ran.out
+
+
 SLIDES = """
 name = "slides"
 planar = true
