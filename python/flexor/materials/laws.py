@@ -86,16 +86,7 @@ def uniaxial(terms: Array, stretch: ArrayLike) -> Energy:
     Energy
         Arrays of the shape of `stretch`.
     """
-    x = np.asarray(stretch, dtype=float)
-    log = np.log(x)
-    total = np.zeros((3, *x.shape))
-    for alpha, *k in terms:
-        along, across = np.exp(alpha * log), np.exp(-0.5 * alpha * log)
-        value = np.expm1(alpha * log) + 2.0 * np.expm1(-0.5 * alpha * log)
-        first = alpha * (along - across) / x
-        second = alpha * ((alpha - 1.0) * along + (0.5 * alpha + 1.0) * across) / x**2
-        total += _polynomial(k, value, first, second)
-    return Energy(*total)
+    return _fibre(terms, stretch, 0.5)
 
 
 def wound(terms: Array, stretch: ArrayLike) -> Energy:
@@ -113,16 +104,7 @@ def wound(terms: Array, stretch: ArrayLike) -> Energy:
     Energy
         Arrays of the shape of `stretch`.
     """
-    x = np.asarray(stretch, dtype=float)
-    log = np.log(x)
-    total = np.zeros((3, *x.shape))
-    for alpha, *k in terms:
-        along, across = np.exp(alpha * log), np.exp(-alpha * log)
-        value = 4.0 * np.sinh(0.5 * alpha * log) ** 2
-        first = alpha * (along - across) / x
-        second = alpha * ((alpha - 1.0) * along + (alpha + 1.0) * across) / x**2
-        total += _polynomial(k, value, first, second)
-    return Energy(*total)
+    return _fibre(terms, stretch, 1.0)
 
 
 def biaxial(terms: Array, stretch: ArrayLike, hoop: ArrayLike) -> SheetEnergy:
@@ -143,7 +125,7 @@ def biaxial(terms: Array, stretch: ArrayLike, hoop: ArrayLike) -> SheetEnergy:
     a, h = np.broadcast_arrays(np.asarray(stretch, dtype=float), np.asarray(hoop, dtype=float))
     log_a, log_h = np.log(a), np.log(h)
     total = np.zeros((6, *a.shape))
-    for alpha, k_1, k_2, k_3 in terms:
+    for alpha, *k in terms:
         along, around = np.exp(alpha * log_a), np.exp(alpha * log_h)
         through = np.exp(-alpha * (log_a + log_h))
         value = np.expm1(alpha * log_a) + np.expm1(alpha * log_h)
@@ -152,9 +134,8 @@ def biaxial(terms: Array, stretch: ArrayLike, hoop: ArrayLike) -> SheetEnergy:
         by_aa = alpha * ((alpha - 1.0) * along + (alpha + 1.0) * through) / a**2
         by_hh = alpha * ((alpha - 1.0) * around + (alpha + 1.0) * through) / h**2
         by_ah = alpha**2 * through / (a * h)
-        slope = k_1 + value * (2.0 * k_2 + 3.0 * k_3 * value)
-        curvature = 2.0 * k_2 + 6.0 * k_3 * value
-        total[0] += value * (k_1 + value * (k_2 + value * k_3))
+        energy, slope, curvature = _polynomial(k, value)
+        total[0] += energy
         total[1] += slope * by_a
         total[2] += slope * by_h
         total[3] += slope * by_aa + curvature * by_a**2
@@ -211,14 +192,26 @@ def linear_sheet(
     )
 
 
-def _polynomial(k: list[float], value: Array, first: Array, second: Array) -> Array:
+def _fibre(terms: Array, stretch: ArrayLike, contraction: float) -> Energy:
+    """Return the energy of a fibre that contracts to λ^-contraction where it is free to."""
+    x = np.asarray(stretch, dtype=float)
+    log = np.log(x)
+    total = np.zeros((3, *x.shape))
+    for alpha, *k in terms:
+        along, across = np.exp(alpha * log), np.exp(-contraction * alpha * log)
+        value = np.expm1(alpha * log) + np.expm1(-contraction * alpha * log) / contraction
+        first = alpha * (along - across) / x
+        second = alpha * ((alpha - 1.0) * along + (contraction * alpha + 1.0) * across) / x**2
+        energy, slope, curvature = _polynomial(k, value)
+        total += np.stack([energy, slope * first, slope * second + curvature * first**2])
+    return Energy(*total)
+
+
+def _polynomial(k: list[float], value: Array) -> tuple[Array, Array, Array]:
+    """Return k_1 v + k_2 v² + k_3 v³ and its first two derivatives."""
     k_1, k_2, k_3 = k
-    slope = k_1 + value * (2.0 * k_2 + 3.0 * k_3 * value)
-    curvature = 2.0 * k_2 + 6.0 * k_3 * value
-    return np.stack(
-        [
-            value * (k_1 + value * (k_2 + value * k_3)),
-            slope * first,
-            slope * second + curvature * first**2,
-        ]
+    return (
+        value * (k_1 + value * (k_2 + value * k_3)),
+        k_1 + value * (2.0 * k_2 + 3.0 * k_3 * value),
+        2.0 * k_2 + 6.0 * k_3 * value,
     )
