@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from flexor.installing import install_command
-from flexor.plot.style import PAGE, save, style
 
 from .comparison import Comparison
+from .page import draw_figure, write_page
 
 FAMILIES = ("Closed forms", "Other libraries", "Convergence", "The toolbox of the paper")
 LIBRARIES = ("pin", "pyelastica", "soromox")
@@ -70,26 +69,16 @@ def load(package: str, module: str) -> Any:
 
 def write(cases: Sequence[Case], folder: Path) -> Path:
     """Write ``validation.md`` and ``images/validation/`` into a folder; return the page."""
-    (folder / IMAGES).mkdir(parents=True, exist_ok=True)
     figures = {}
     for case in cases:
         if case.draw is not None:
             figures[case.name] = (IMAGES / f"{case.name}.png").as_posix()
-            with style():
-                size = (4.8, 3.2) if case.panels == 1 else (PAGE, 0.4 * PAGE)
-                figure = Figure(figsize=size, layout="constrained")
-                case.draw(figure)
-            save(figure, folder / figures[case.name])
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+            draw_figure(case.draw, case.panels, 0.4, folder / figures[case.name])
     families = {name: [case for case in cases if case.family == name] for name in FAMILIES}
     page = folder / "validation.md"
-    text = environment.get_template("validation.md.jinja").render(
+    write_page(
+        Path(__file__).with_name("validation.md.jinja"),
+        page,
         families={name: members for name, members in families.items() if members},
         figures=figures,
         date=date.today().isoformat(),
@@ -97,7 +86,6 @@ def write(cases: Sequence[Case], folder: Path) -> Path:
         python=platform.python_version(),
         versions=[f"{name} {version}" for name, version in _versions().items()],
     )
-    page.write_text(text, encoding="utf-8")
     return page
 
 

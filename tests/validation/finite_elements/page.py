@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ..page import write_page
 from . import results
 from .actuators import ACTUATORS, BULK, CAP, CONTACT, FIBRES, MESHES, SHEAR
 from .results import Results
@@ -61,14 +61,9 @@ def rods() -> dict[str, list[dict[str, float]]]:
 def write(page: Path) -> None:
     """Write the page."""
     found = {name: results.read(name) for name in ACTUATORS}
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    text = environment.get_template("page.md.jinja").render(
+    write_page(
+        Path(__file__).with_name("page.md.jinja"),
+        page,
         actuators=ACTUATORS,
         results={name: meshes for name, meshes in found.items() if "coarse" in meshes},
         right_angle=results.pressure_at(found["half-round"], 90.0),
@@ -84,4 +79,3 @@ def write(page: Path) -> None:
             "cap": CAP,
         },
     )
-    page.write_text(text, encoding="utf-8")
