@@ -185,6 +185,8 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
     capsys: Any,
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    # In two parts, the last may have come back before the scheduler is killed.
+    monkeypatch.setattr("flexor.model.chunks.SIZE", 20)
     monkeypatch.setattr(
         "flexor.cli.progress.SearchProgress.__call__", lambda *_: processes.scheduler.kill()
     )
