@@ -337,6 +337,7 @@ impl Model {
         out.set_item("q", found.q.into_pyarray(py).reshape([points, dof])?)?;
         out.set_item("status", found.status.into_pyarray(py))?;
         out.set_item("stability", found.stability.into_pyarray(py))?;
+        out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 2])?)?;
         out.set_item("iterations", found.iterations.into_pyarray(py))?;
         out.set_item("residual", found.residual.into_pyarray(py))?;
         out.set_item("tolerance", found.tolerance.into_pyarray(py))?;

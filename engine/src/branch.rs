@@ -15,6 +15,8 @@ pub struct Branch {
     pub status: Vec<u8>,
     /// Stability codes.
     pub stability: Vec<u8>,
+    /// Point and coordinate of each motion that nothing holds.
+    pub free: Vec<[usize; 2]>,
     /// Iterations used.
     pub iterations: Vec<u32>,
     /// Largest residuals.
@@ -36,7 +38,7 @@ pub struct Branch {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Branch {
-    fn step(&mut self, _index: usize, report: StepReport, system: &System<G, D, P>) {
+    fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
         let found = report.status.is_equilibrium();
         let contact = system.data().contact_summary(system.model());
         let (pairs, touching, tip_force) =
@@ -46,6 +48,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
         self.q.extend(report.q.iter().map(|x| number(*x)));
         self.status.push(report.status as u8);
         self.stability.push(report.stability as u8);
+        self.free.extend(report.free.iter().map(|coordinate| [index, *coordinate]));
         self.iterations.push(report.iterations as u32);
         self.residual.push(number(report.accuracy.residual));
         self.tolerance.push(number(report.accuracy.tolerance));

@@ -65,6 +65,7 @@ class Branch(TypedDict):
     q: NDArray[np.float64]
     status: NDArray[np.uint8]
     stability: NDArray[np.uint8]
+    free: NDArray[np.uint64]  # (m, 2): point, coordinate
     iterations: NDArray[np.uint32]
     residual: NDArray[np.float64]
     tolerance: NDArray[np.float64]

@@ -228,6 +228,13 @@ def test_what_nothing_holds_is_named(tmp_path: Path) -> None:
     assert path.total_iterations < 1000
 
 
+def test_a_branch_by_arc_length_names_what_nothing_holds(tmp_path: Path) -> None:
+    path = made(tmp_path, HINGE).equilibrium([0.0, 1.0], follow="arc-length")
+    assert path.stability[0] == "neutral"
+    assert path.free[0] == ("a.theta",)
+    assert path.free.shape == path.status.shape
+
+
 def test_the_limit_of_a_free_hinge_is_no_event(tmp_path: Path) -> None:
     text = HINGE.replace('"revolute" }', '"revolute", lower = "0 deg", upper = "90 deg" }')
     model = made(tmp_path, text)

@@ -168,8 +168,9 @@ impl<S> Reports<'_, S> {
         if found.is_ok() {
             system.is_balanced(self.tolerance);
         }
+        let free = if stability == Stability::Neutral { system.free_coordinates() } else { vec![] };
         let (q, accuracy) = (system.state(), system.accuracy());
-        let report = StepReport { status, q, iterations, stability, accuracy, free: &[] };
+        let report = StepReport { status, q, iterations, stability, accuracy, free: &free };
         self.sink.step(self.index, report, system);
         self.index += 1;
         self.iterations = system.budget.iterations();

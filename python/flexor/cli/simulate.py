@@ -145,7 +145,7 @@ def report(path: Path) -> None:
     failed = path.status[~path.converged]
     if len(failed):
         say(explained(failed[0]))
-    free = dict.fromkeys(name for names in path.free or () for name in names)
+    free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")
     for warning in path.warnings:

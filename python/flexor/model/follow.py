@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, get_args
 
@@ -72,7 +72,7 @@ def follow(
         codes, events = found["status"][:, lead:], found["events"]
         arrays["status"], arrays["converged"] = _STATUS[codes], codes == _CONVERGED
         arrays["stability"] = _STABILITY[found["stability"][:, lead:]]
-        arrays["free"] = _free(found["free"], codes.shape, lead, model)
+        arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
         arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
         arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
         arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
@@ -96,13 +96,13 @@ def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
 
 
 def _free(
-    found: NDArray[np.uint64], shape: tuple[int, ...], lead: int, model: Structure
+    found: Iterable[Iterable[int]], shape: tuple[int, ...], lead: int, model: Structure
 ) -> NDArray[np.object_]:
     """Name, for each design and step, the coordinates of motions that nothing holds."""
     names = np.empty(shape, dtype=object)
     names.fill(())
     coordinates = model.engine.coordinates
-    for design, step, coordinate in found.tolist():
+    for design, step, coordinate in found:
         if step >= lead:
             names[design, step - lead] += (coordinates[coordinate],)
     return names
@@ -128,6 +128,7 @@ def follow_branch(
         found: dict[str, Any] = dict(model.engine.branch(parameters, steps, **settings))
     codes, found_loads = found.pop("status"), found.pop("loads")
     stability = _STABILITY[found.pop("stability")]
+    free = [(0, *each) for each in found.pop("free").tolist()]
     arrays = {name: array[None] for name, array in found.items()}
     return Paths(
         model=model,
@@ -136,6 +137,7 @@ def follow_branch(
         converged=np.isin(codes, [_CONVERGED, _UNSTABLE])[None],
         stable=(stability == "stable")[None],
         stability=stability[None],
+        free=_free(free, (1, len(codes)), 0, model),
         joint_angles=arrays["q"][:, :, model.joint_columns],
         event_table=no_events(1, len(model.joints)),
         event_count=np.zeros(1, dtype=np.int64),
