@@ -90,30 +90,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         let q = at.q;
         let mut energy = 0.0;
         for (&(i, j), &k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
-            out.gradient[i] += k * q[j];
-            if i == j {
-                energy += 0.5 * k * q[i] * q[i];
-            } else {
-                energy += k * q[i] * q[j];
-                out.gradient[j] += k * q[i];
-            }
+            energy += out.add_quadratic(i, j, k, q);
         }
         out.energy += energy;
     }
 
     fn add_tangent(&self, at: &State<G, D, P>, stiffness: &Vec<f64>, _: &(), out: &mut Terms<D>) {
-        let n = at.tree.dof;
         for (&(i, j), &k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
-            out.coordinates.half_tangent[j * n + i] += if i == j { 0.5 * k } else { k };
+            out.coordinates.add_stiffness(i, j, k);
         }
     }
 
     fn add_magnitudes(&self, at: &State<G, D, P>, stiffness: &Vec<f64>, _: &(), out: &mut Magnitudes<P>) {
-        for (&(i, j), k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
-            out.add(i, k * at.q[j]);
-            if i != j {
-                out.add(j, k * at.q[i]);
-            }
+        for (&(i, j), &k) in at.tree.stiffness_pattern.iter().zip(stiffness) {
+            out.add_quadratic(i, j, k, at.q);
         }
     }
 

@@ -38,6 +38,14 @@ impl<const P: usize> Magnitudes<P> {
         self.coordinates[coordinate] += force.abs();
     }
 
+    /// The forces of an entry K_ij, i ≤ j, of a stiffness.
+    pub fn add_quadratic(&mut self, i: usize, j: usize, k: f64, q: &[f64]) {
+        self.add(i, k * q[j]);
+        if i != j {
+            self.add(j, k * q[i]);
+        }
+    }
+
     /// A force of this magnitude at a point of the tree.
     pub fn add_at_point<G: LieGroup<D, P>, const D: usize>(
         &mut self,

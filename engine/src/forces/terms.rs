@@ -47,6 +47,25 @@ impl CoordinateTerms {
         let n = self.gradient.len();
         self.half_tangent[i * n + i] += 0.5 * k;
     }
+
+    /// Adds an entry K_ij, i ≤ j, of the stiffness of neighbours to the tangent.
+    #[inline]
+    pub fn add_stiffness(&mut self, i: usize, j: usize, k: f64) {
+        let n = self.gradient.len();
+        self.half_tangent[j * n + i] += if i == j { 0.5 * k } else { k };
+    }
+
+    /// Adds the forces of an entry K_ij, i ≤ j, to the gradient; returns its part of ½ qᵀKq.
+    #[inline]
+    pub fn add_quadratic(&mut self, i: usize, j: usize, k: f64, q: &[f64]) -> f64 {
+        self.gradient[i] += k * q[j];
+        if i == j {
+            0.5 * k * q[i] * q[i]
+        } else {
+            self.gradient[j] += k * q[i];
+            k * q[i] * q[j]
+        }
+    }
 }
 
 /// A second-order interaction `ζ_rowᵀ form ζ_column` between two frames.

@@ -344,15 +344,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             energy += force * q;
         }
         let q = at.q;
-        self.for_each_linear(&design.stiffness, |i, j, k| {
-            out.gradient[i] += k * q[j];
-            if i == j {
-                energy += 0.5 * k * q[i] * q[i];
-            } else {
-                energy += k * q[i] * q[j];
-                out.gradient[j] += k * q[i];
-            }
-        });
+        self.for_each_linear(&design.stiffness, |i, j, k| energy += out.add_quadratic(i, j, k, q));
         if !design.blocks.is_empty() {
             energy += self.evaluate(at.tree, at.parameters(), q, &design.blocks, points);
             let mut points = points.iter();
@@ -374,9 +366,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         points: &Vec<PointForce>,
         out: &mut Terms<D>,
     ) {
-        let n = at.tree.dof;
-        let half = &mut out.coordinates.half_tangent;
-        let mut add = |i: usize, j: usize, k: f64| half[j * n + i] += if i == j { 0.5 * k } else { k };
+        let mut add = |i: usize, j: usize, k: f64| out.coordinates.add_stiffness(i, j, k);
         self.for_each_linear(&design.stiffness, &mut add);
         if !design.blocks.is_empty() {
             self.for_each_pair(at.tree, points, add);
@@ -391,12 +381,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         out: &mut Magnitudes<P>,
     ) {
         design.force.iter().enumerate().for_each(|(i, force)| out.add(i, *force));
-        self.for_each_linear(&design.stiffness, |i, j, k| {
-            out.add(i, k * at.q[j]);
-            if i != j {
-                out.add(j, k * at.q[i]);
-            }
-        });
+        self.for_each_linear(&design.stiffness, |i, j, k| out.add_quadratic(i, j, k, at.q));
         let mut points = vec![[0.0; 3]; self.rods.iter().map(|rod| rod.of_gauss.len()).sum()];
         self.for_each_block(at.tree, at.parameters(), at.q, &design.blocks, |point, block, energy, _| {
             let force = (block.weight * energy.first).map(f64::abs);

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexor import sections
 from flexor.arrays import Array
-from flexor.errors import InputError
+from flexor.errors import InputError, unknown_name
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
 from flexor.model.schema.profile import interpolated, surface
@@ -88,8 +88,6 @@ def check_section(rod: Rod, path: str, materials: Materials) -> None:
 
 
 def _unknown(name: str, materials: Materials) -> str:
-    from flexor.errors import unknown_name
-
     return f"refers to the {unknown_name('material', name, materials)}"
 
 
