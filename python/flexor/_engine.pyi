@@ -41,12 +41,10 @@ class Events(TypedDict):
     before: NDArray[np.float64]
     after: NDArray[np.float64]
 
-class Paths(TypedDict):
+class Points(TypedDict):
     q: NDArray[np.float64]
     status: NDArray[np.uint8]
-    stable: NDArray[np.bool_]  # whether stability is "stable"
     stability: NDArray[np.uint8]
-    free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     iterations: NDArray[np.uint32]
     residual: NDArray[np.float64]
     tolerance: NDArray[np.float64]
@@ -54,27 +52,23 @@ class Paths(TypedDict):
     pairs: NDArray[np.uint32]
     touching: NDArray[np.uint32]
     tip_force: NDArray[np.float64]
-    volume: NDArray[np.float64]  # (n, s, pressures)
-    stretch: NDArray[np.float64]  # (n, s, materials, 2): least and greatest
+    volume: NDArray[np.float64]  # (…, pressures)
+    stretch: NDArray[np.float64]  # (…, materials, 2): least and greatest
+
+class Paths(Points):
+    """Points of shape (n, s)."""
+
+    stable: NDArray[np.bool_]  # whether stability is "stable"
+    free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events
     gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
     regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
 
-class Branch(TypedDict):
+class Branch(Points):
+    """Points of shape (points,)."""
+
     loads: NDArray[np.float64]  # (points, U), found along the branch
-    q: NDArray[np.float64]
-    status: NDArray[np.uint8]
-    stability: NDArray[np.uint8]
     free: NDArray[np.uint64]  # (m, 2): point, coordinate
-    iterations: NDArray[np.uint32]
-    residual: NDArray[np.float64]
-    tolerance: NDArray[np.float64]
-    energy: NDArray[np.float64]
-    pairs: NDArray[np.uint32]
-    touching: NDArray[np.uint32]
-    tip_force: NDArray[np.float64]
-    volume: NDArray[np.float64]
-    stretch: NDArray[np.float64]
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
