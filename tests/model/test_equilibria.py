@@ -244,6 +244,15 @@ def test_the_limit_of_a_free_hinge_is_no_event(tmp_path: Path) -> None:
     assert np.degrees(path.joint_angles[:, 0]) == pytest.approx([0.0, 93.2, 96.0, 134.0], abs=12.0)
 
 
+@pytest.mark.parametrize("forces", ["0:1000:250", "0,1000", "0:1:0.25"])
+def test_a_limit_met_within_a_sub_step_is_no_event(forces: str, tmp_path: Path) -> None:
+    # It begins at one of its limits: the corner there looks like a tangent that softens.
+    held = '"revolute", stiffness = "0.01 N*m/rad", lower = "0 deg", upper = "90 deg" }'
+    path = made(tmp_path, HINGE.replace('"revolute" }', held)).equilibrium(forces)
+    assert path.converged.all()
+    assert not path.events
+
+
 APEX = """
 name = "apex"
 [bodies.arm]

@@ -184,6 +184,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let jump = self.options.jump;
         let (moved, h) = (max_norm(&self.moved), lambda - from);
         let [before, after] = [0, 1].map(|end| max_norm(&self.velocity[end]));
+        // A corner, such as that of a joint limit, may look like a fold.
+        if moved <= h * before && self.could_be_convex(released, h) {
+            return None;
+        }
         match ahead {
             Lookahead::Neutral { pulled: true } => None,
             Lookahead::Critical(point) if point.distance <= 2.0 * h && !point.bifurcation => {
@@ -212,6 +216,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.load_gradient(&self.rate, &mut self.work);
         let work_rate = dot(&self.work, &self.velocity[1]).abs().max(self.critical.work_rate());
         released > self.options.jump.energy_margin * 0.5 * h * h * work_rate
+    }
+
+    /// Whether no more energy is released than where the energy is convex between both states: there it
+    /// lies above its tangent in `start`, where the load's change over `h` is all that is not balanced.
+    fn could_be_convex(&self, released: f64, h: f64) -> bool {
+        self.system.is_conservative() && released <= h * dot(&self.load_at_start, &self.moved).abs()
     }
 
     /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at
