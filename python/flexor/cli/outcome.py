@@ -139,8 +139,8 @@ def _signed(degrees: float) -> str:
 
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
-    size, unit = study.problem.model.load_unit()
-    force, objective = f"{study.problem.force[-1] / size:g} {unit}", study.problem.objective
+    force = study.problem.model.load_text(study.problem.loads[-1])
+    objective = study.problem.objective
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
     if objective.quantity != "bending":
