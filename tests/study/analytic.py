@@ -53,8 +53,8 @@ class AnalyticModel:
         self.evaluation_forces = np.arange(6.0)
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
-    def load_unit(self) -> tuple[float, str]:
-        return 1.0, "N"
+    def show_load(self, load: float) -> str:
+        return f"{load:g} N"
 
     def evaluate(
         self,

@@ -107,6 +107,10 @@ def _print_sensitivity(found: Sensitivity) -> None:
         rows.append((f"{label} + {step}", _signed(math.degrees(slope)), force, *off))
     names = ("sensitivity", "bending", "tip force / N", "if decreased", "if increased")
     show(names, rows)
+    say(
+        "bending, tip force: slope times the step; if decreased, if increased: change of bending of "
+        "a design that is off by it."
+    )
     if found.regularity != "regular":
         say(_CAVEATS[found.regularity])
 
@@ -139,8 +143,8 @@ def _signed(degrees: float) -> str:
 
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
-    size, unit = study.problem.model.load_unit()
-    force, objective = f"{study.problem.force[-1] / size:g} {unit}", study.problem.objective
+    force = study.problem.model.show_load(study.problem.force[-1])
+    objective = study.problem.objective
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
     if objective.quantity != "bending":

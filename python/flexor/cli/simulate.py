@@ -110,12 +110,17 @@ def report(path: Path) -> None:
     angular = path.model.angular_joints
     columns = [path.model.joints.index(name) for name in angular]
     angles = np.degrees(path.joint_angles[:, columns])
-    inputs = path.model.inputs if len(path.model.inputs) > 1 else (_quantity(path),)
+    several = len(path.model.inputs) > 1
+    inputs = path.model.inputs if several else (path.model.load_name(),)
     units = [path.model.load_unit(i) for i in range(len(inputs))]
-    headings = [f"{name} / {unit}" for name, (_, unit) in zip(inputs, units, strict=True)]
+    headings = [
+        f"{name} / {unit}".removesuffix(" / ")
+        for name, (_, unit) in zip(inputs, units, strict=True)
+    ]
     headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
-    if len(angular) > 1:
-        headings.append("sum / °")
+    axes = {tuple(each["axis"]) for each in path.model.engine.joints if each["name"] in angular}
+    summed = len(angular) > 1 and len(axes) == 1
+    headings += ["sum / °"] if summed else []
     slides = [name for name in path.model.joints if name not in angular]
     travel = 1e3 * path.joint_angles[:, [path.model.joints.index(name) for name in slides]]
     headings += [f"{name} / mm" for name in slides]
@@ -125,12 +130,12 @@ def report(path: Path) -> None:
     headings += [*(["contacts", "tip force / N"] if has_contacts else []), "state", "events"]
     rows = []
     for step in range(len(path)):
-        forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
+        forces = path.loads[step] if several else path.force[step : step + 1]
         cells = [
             number(float(force) / size) for force, (size, _) in zip(forces, units, strict=True)
         ]
         cells += [fixed(angle) for angle in angles[step]]
-        if len(angular) > 1:
+        if summed:
             cells.append(fixed(angles[step].sum()))
         cells += [fixed(length) for length in travel[step]]
         for rod in tips:
@@ -154,10 +159,6 @@ def report(path: Path) -> None:
         say(_describe_event(event, path))
 
 
-def _quantity(path: Path) -> str:
-    return "force" if path.model.load_unit()[1] == "N" else "pressure"
-
-
 def _state(path: Path, step: int) -> str:
     if not path.converged[step]:
         return str(path.status[step]).replace("_", " ")
@@ -165,13 +166,14 @@ def _state(path: Path, step: int) -> str:
 
 
 def _describe_event(event: Event, path: Path) -> str:
-    turns = (
-        f"{name.removesuffix('.theta')} {fixed(degrees(before))}° to {fixed(degrees(after))}°"
-        for name, before, after in zip(
-            path.model.joints, event.angles_before, event.angles_after, strict=True
+    moves = []
+    for name, *values in zip(
+        path.model.joints, event.angles_before, event.angles_after, strict=True
+    ):
+        angle = name in path.model.angular_joints
+        before, after = (
+            f"{fixed(degrees(value))}°" if angle else f"{fixed(1e3 * value)} mm" for value in values
         )
-        if name in path.model.angular_joints
-    )
-    kind = event.kind.replace("_", " ")
-    size, unit = path.model.load_unit()
-    return f"{kind} at {event.force / size:.4g} {unit}: {', '.join(turns) or 'no joint moves'}"
+        moves.append(f"{name.removesuffix('.theta')} {before} to {after}")
+    what = f"{event.kind.replace('_', ' ')} at {path.model.show_load(event.force, '.4g')}"
+    return f"{what}: {', '.join(moves)}" if moves else what

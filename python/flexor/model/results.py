@@ -207,8 +207,7 @@ class State(Results):
 
     def __repr__(self) -> str:
         ends = str(self.stability)
-        size, unit = self.model.load_unit()
-        load = f"{self.force / size:g} {unit}"
+        load = self.model.show_load(float(self.force))
         return f"<State of {self.model.name!r}: {load}, {self.status}, {ends}>"
 
     def frames(self) -> dict[str, Array]:
@@ -274,8 +273,7 @@ class Path(Results):
         worst = failed[0] if len(failed) else ""
         ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
-        size, unit = self.model.load_unit()
-        steps = f"{len(self)} steps to {self.force[-1] / size:g} {unit}"
+        steps = f"{len(self)} steps to {self.model.show_load(self.force[-1])}"
         return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"
 
     def __len__(self) -> int:

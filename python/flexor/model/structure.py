@@ -55,10 +55,14 @@ class Structure:
 
     @cached_property
     def input_dimensions(self) -> dict[str, Dimension]:
-        """Dimension of each load input: a force or a pressure."""
-        actuators = self.file.actuators
-        pressures = {name for name in actuators if actuators[name].kind == "pressure"}
-        return {name: PRESSURE if name in pressures else FORCE for name in self.inputs}
+        """Dimension of each load input: a force, moment or pressure, or the factor of a wrench."""
+        actuators, wrenches = self.file.actuators, self.file.wrenches
+        return {
+            name: wrenches[name].load
+            if name in wrenches
+            else (PRESSURE if actuators[name].kind == "pressure" else FORCE)
+            for name in self.inputs
+        }
 
     @cached_property
     def pressures(self) -> tuple[str, ...]:
@@ -67,9 +71,17 @@ class Structure:
 
     def load_unit(self, index: int = 0) -> tuple[float, str]:
         """Return the unit in which loads of an input are shown, in SI and by name."""
-        dimensions = list(self.input_dimensions.values())
-        force = index >= len(dimensions) or dimensions[index] is FORCE
-        return (1.0, "N") if force else (1e3, "kPa")
+        dimension = [*self.input_dimensions.values(), FORCE][index]
+        return (1e3, "kPa") if dimension is PRESSURE else (1.0, dimension.unit)
+
+    def load_name(self, index: int = 0) -> str:
+        """Return what the loads of an input are, such as ``"force"``."""
+        return [*self.input_dimensions.values(), FORCE][index].name.split(" ", 1)[1]
+
+    def show_load(self, load: float, spec: str = "g", index: int = 0) -> str:
+        """Format a load of an input with its unit, such as ``"60 kPa"``."""
+        size, unit = self.load_unit(index)
+        return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
 
     @cached_property
     def rods(self) -> tuple[str, ...]:

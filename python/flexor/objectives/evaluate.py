@@ -44,8 +44,7 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
             failure = "is unstable"
         else:
             failure = "is not a finite number"
-        size, unit = paths.model.load_unit()
-        reason[i] = f"{failure} at {paths.force[step] / size:g} {unit}{status}"
+        reason[i] = f"{failure} at {paths.model.show_load(paths.force[step])}{status}"
     if evaluated.any():
         chosen = paths if evaluated.all() else paths[evaluated]
         value[evaluated], shown[evaluated] = objective.value(chosen), objective.shown(chosen)

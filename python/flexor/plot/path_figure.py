@@ -90,7 +90,12 @@ def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str)
     every = -(-len(loads) // MAX_LEGEND_ENTRIES)
     chosen = sorted({*range(0, len(loads), every), len(loads) - 1})
     return [
-        Patch(facecolor=colours[i], edgecolor=LINE, linewidth=0.5, label=f"{loads[i]:.4g} {unit}")
+        Patch(
+            facecolor=colours[i],
+            edgecolor=LINE,
+            linewidth=0.5,
+            label=f"{loads[i]:.4g} {unit}".rstrip(),
+        )
         for i in chosen
     ]
 
