@@ -108,8 +108,8 @@ def _print_sensitivity(found: Sensitivity) -> None:
     names = ("sensitivity", "bending", "tip force / N", "if decreased", "if increased")
     show(names, rows)
     say(
-        "bending, tip force: slope times the step; if decreased, if increased: change of bending of "
-        "a design that is off by it."
+        "bending, tip force: slope times the step; if decreased, if increased: change of bending "
+        "when a design is off by it."
     )
     if found.regularity != "regular":
         say(_CAVEATS[found.regularity])
