@@ -93,7 +93,7 @@ def run() -> Measurement:
         about=(
             "A segment of Dragon Skin 10, 100 mm long and 44.4 mm wide, hanging, with one chamber "
             "at 100 to 450 mbar; tilt and displacement of the tip 0.6 s after the onset. Dubied "
-            "et al., arXiv 2201.12560 (MIT). The chamber's shape is not published: the model is a "
+            "et al. (`dubied2022`), arXiv 2201.12560 (MIT). The chamber's shape is not published: the model is a "
             "linear solid square rod with a chamber line 14 mm off the axis, whose area is fitted "
             f"to the tilt at 100 to 200 mbar ({1e6 * area:.0f} mm²)."
         ),
