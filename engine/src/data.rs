@@ -142,7 +142,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
     pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
-        model.forces.contacts.summary(&self.design.geometry.parameters, &self.assembly.forces.contacts)
+        self.summary_and_tip(model).0
+    }
+
+    /// Unit vector of the contact force on the tip, if something touches it.
+    pub(crate) fn tip_direction(&self, model: &Model<G, D, P>) -> Option<Vector<P>> {
+        let (summary, tip) = self.summary_and_tip(model);
+        (summary.tip_force > 0.0).then(|| tip * (1.0 / summary.tip_force))
+    }
+
+    fn summary_and_tip(&self, model: &Model<G, D, P>) -> (ContactSummary, Vector<P>) {
+        let (parameters, states) = (&self.design.geometry.parameters, &self.assembly.forces);
+        let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
+        model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
+        model.forces.foundations.summarise(&states.foundations, &mut summary, &mut tip);
+        summary.tip_force = tip.norm();
+        (summary, tip)
     }
 
     /// Length of each actuator's path [m] at the state `q`.
