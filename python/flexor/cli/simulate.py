@@ -13,6 +13,7 @@ from flexor.cli.table import fixed, number, show
 from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
+    from flexor.arrays import Array
     from flexor.model import Event, Path
 
 
@@ -121,8 +122,10 @@ def report(path: Path) -> None:
     headings += [f"{name} / mm" for name in slides]
     tips = [] if angular else list(path.model.rods)
     headings += [f"{rod} tip x, y, z / cm" for rod in tips]
-    has_contacts = bool(path.model.file.contacts)
-    headings += [*(["contacts", "tip force / N"] if has_contacts else []), "state", "events"]
+    has_contacts = path.model.first_spheres > 0
+    reports = _reports(path)
+    headings += [*(["contacts", "tip force / N"] if has_contacts else []), *reports]
+    headings += ["state", "events"]
     rows = []
     for step in range(len(path)):
         forces = path.loads[step] if len(inputs) > 1 else path.force[step : step + 1]
@@ -138,6 +141,7 @@ def report(path: Path) -> None:
             cells.append(", ".join(fixed(x) for x in tip))
         if has_contacts:
             cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
+        cells += [number(float(values[step])) for values in reports.values()]
         events = [event.kind.replace("_", " ") for event in path.events if event.step == step]
         cells += [_state(path, step), ", ".join(events)]
         rows.append(cells)
@@ -148,10 +152,38 @@ def report(path: Path) -> None:
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")
+    if path.converged[-1]:
+        _say_where(path)
     for warning in path.warnings:
         say(f"warning: {warning}")
     for event in path.events:
         say(_describe_event(event, path))
+
+
+def _reports(path: Path) -> dict[str, Array]:
+    """Return what device and wearer feel at each step, by headings."""
+    import numpy as np
+
+    found: dict[str, Array] = {}
+    if path.model.foundations:
+        found["overlap / mm"] = 1e3 * path.max_overlap
+        found["on the skin / kPa"] = path.max_contact_pressure / 1e3
+    if np.isfinite(path.stretch).any():
+        found["strain / %"] = 100.0 * path.max_strain
+    for name, volume in zip(path.model.pressures, path.volume.T, strict=True):
+        found[f"{name} / mL"] = 1e6 * volume
+    for name, force in path.strap_forces().items():
+        found[f"{name} / N"] = force
+    return found
+
+
+def _say_where(path: Path) -> None:
+    """Say where contact pressure and strain are largest at the last step."""
+    found = path[-1].extremes()
+    for key, what in (("max_contact_pressure", "contact pressure"), ("max_strain", "strain")):
+        if (each := found.get(key)) is not None:
+            on = f" on {each.on}" if each.on else ""
+            say(f"largest {what}: {each.body} at X = {each.X:.3g}{on}")
 
 
 def _quantity(path: Path) -> str:

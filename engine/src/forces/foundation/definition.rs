@@ -3,7 +3,7 @@
 use super::super::contact::RoundConeDescription;
 use super::super::contact::{RoundCone, round_cones};
 use crate::lie::LieGroup;
-use crate::tree::{ModelError, Shape, Tree, finite, not_negative, positive};
+use crate::tree::{ModelError, Shape, SphereRadius, Tree, finite, not_negative, positive};
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub struct FoundationDescription {
     pub name: String,
     /// Spheres of a rod, at the points at which the contact is integrated along it.
     pub first: String,
-    /// Share of the rod's length of each of these.
+    /// Share of the rod's length of each of these; where it is zero, only overlap and pressure are told.
     pub weights: Vec<f64>,
     /// Share of each of these that belongs to the tip.
     pub tip: Vec<f64>,
@@ -48,7 +48,8 @@ pub(crate) struct Foundation {
     pub alignment: f64,
     pub second: Range<usize>,
     pub cones: Vec<RoundCone>,
-    /// Parameters: the rod's length, both parts of the half-widths, stiffness at each end.
+    /// Parameters: S at each point, the rod's length, both parts of the half-widths, stiffness at each end.
+    pub radii: Vec<usize>,
     pub length: usize,
     pub half_width: usize,
     pub half_width_multiple: usize,
@@ -76,7 +77,10 @@ impl Foundation {
                 let problem = format!("found {found} values, the group has {count} spheres");
                 return Err(ModelError::new(field(what), problem));
             }
-            values.iter().try_for_each(|x| not_negative(field(what), *x).map(drop))?;
+            let signed = what.starts_with("half_width");
+            values.iter().try_for_each(|x| {
+                if signed { finite(field(what), &[*x]) } else { not_negative(field(what), *x).map(drop) }
+            })?;
         }
         not_negative(field("roundness"), d.roundness)?;
         not_negative(field("alignment"), d.alignment)?;
@@ -96,6 +100,11 @@ impl Foundation {
             return Err(ModelError::new(field("first"), "the spheres must be those of one rod"));
         };
         let length = tree.rods[*rod].length;
+        let radii = first.clone().filter_map(|s| match tree.spheres[s].radius {
+            SphereRadius::Parameter(k) => Some(k),
+            SphereRadius::Link(..) => None,
+        });
+        let radii = radii.collect();
         for sphere in second.clone() {
             let frame = frame(tree, sphere);
             tree.keep_jacobian(frame);
@@ -110,6 +119,7 @@ impl Foundation {
             alignment: d.alignment,
             second,
             cones,
+            radii,
             length,
             half_width: slot("half_width", &d.half_width),
             half_width_multiple: slot("half_width_multiple", &d.half_width_multiple),
@@ -132,11 +142,11 @@ impl Foundation {
     /// Whether its parameters make physical sense.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
         let stiffness = &parameters[self.stiffness..][..self.second.len()];
-        let widths = |start: usize| parameters[start..][..self.first.len()].iter();
-        stiffness.iter().all(|k| *k >= 0.0)
-            && widths(self.half_width)
-                .zip(widths(self.half_width_multiple))
-                .all(|(b, multiple)| *b >= 0.0 && *multiple >= 0.0 && b + multiple > 0.0)
+        let width = |(point, radius): (usize, &usize)| {
+            let [constant, multiple] = self.width(parameters, point);
+            constant + multiple * parameters[*radius]
+        };
+        stiffness.iter().all(|k| *k >= 0.0) && self.radii.iter().enumerate().map(width).all(|b| b > 0.0)
     }
 
     /// The most couplings that it can report at once.

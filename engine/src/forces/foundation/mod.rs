@@ -53,7 +53,7 @@ impl Foundations {
                 for (c, cone) in foundation.cones.iter().enumerate() {
                     let ends = cone.ends.map(centre);
                     let radii = cone.ends.map(|end| at.geometry.radii[end]);
-                    if weight == 0.0 || is_far(p, ends, surface + radii[0].max(radii[1])) {
+                    if is_far(p, ends, surface + radii[0].max(radii[1])) {
                         continue;
                     }
                     let axis = *ends[1] - *ends[0];
@@ -68,7 +68,7 @@ impl Foundations {
                         }
                     };
                     touch(weight, &closest(p, ends, radii));
-                    if cone.joined {
+                    if cone.joined && weight != 0.0 {
                         let r = *p - *ends[0];
                         let (normal, distance) = direction(r, r.norm(), radii[0]);
                         let (across, radius) = (Vector::ZERO, radii[0]);
@@ -81,6 +81,8 @@ impl Foundations {
     }
 
     /// Adds to the summary, and to the force on the tip, without allocating.
+    ///
+    /// Points without weight only tell overlap and pressure.
     pub fn summarise<const P: usize>(
         &self,
         state: &[Touch<P>],
@@ -91,7 +93,7 @@ impl Foundations {
         for touch in state {
             let this = Some((touch.foundation, touch.first));
             summary.pairs += u32::from(touch.weight > 0.0);
-            summary.touching += u32::from(this != last);
+            summary.touching += u32::from(this != last && touch.weight != 0.0);
             last = this;
             summary.overlap = summary.overlap.max(touch.depth);
             summary.pressure = summary.pressure.max(touch.pressure());
@@ -251,10 +253,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.for_each_touch(at, |touch, _| {
             let [p, ..] = points(&touch, at.tree);
             let [rod, link] = frames(&touch, at);
-            let force = touch.gradient();
-            out.energy += touch.energy();
-            out.add_force::<G, P>(rod, at.point(p), &force);
-            out.add_force::<G, P>(link, at.point(p), &-force);
+            if touch.weight != 0.0 {
+                let force = touch.gradient();
+                out.energy += touch.energy();
+                out.add_force::<G, P>(rod, at.point(p), &force);
+                out.add_force::<G, P>(link, at.point(p), &-force);
+            }
             state.push(touch);
         });
     }
@@ -267,7 +271,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         let origin = G::point_jacobian(&Vector::ZERO);
-        for touch in state {
+        for touch in state.iter().filter(|touch| touch.weight != 0.0) {
             let [p, ..] = points(touch, at.tree);
             let [rod, link] = frames(touch, at);
             let (p, force) = (at.point(p), touch.gradient());
