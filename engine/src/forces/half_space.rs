@@ -222,6 +222,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 cone: false,
                 force: normal * (k * depth),
                 depth,
+                pressure: None,
                 point: *at.point(point) - normal * inward,
             });
         }

@@ -66,7 +66,7 @@ def _angles(target: Target, model: Model, place: str) -> Callable[[ObservedPaths
     if target.of is None:
         columns = list(angular.values())
         return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
-    short = {name.removesuffix(".theta"): column for name, column in angular.items()}
+    short = {model.joint_labels[name]: column for name, column in angular.items()}
     if target.of not in short and target.of not in angular:
         raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
     column = {**short, **angular}[target.of]

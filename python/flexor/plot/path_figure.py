@@ -12,7 +12,7 @@ from flexor.arrays import Array
 from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene, arrow_scale
-from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
+from flexor.plot.style import COLUMN, LINE, MARK, shades, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -63,7 +63,7 @@ def draw_path(
             height = figure.get_figheight()
             grid.set_height_ratios((height, PANEL))
             figure.set_figheight(height + PANEL)
-        _legends(figure, _load_handles(np.asarray(loads), colours, unit), _line_handles(scenes))
+        _legends(figure, _load_handles(np.asarray(loads), colours, unit), line_handles(scenes))
     return figure
 
 
@@ -100,8 +100,16 @@ def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str)
     ]
 
 
-def _line_handles(scenes: Sequence[Scene]) -> list[Artist]:
+def line_handles(scenes: Sequence[Scene]) -> list[Artist]:
+    """Return the entries of a legend for the lines and marks of scenes."""
     from matplotlib.lines import Line2D
 
-    labels = dict.fromkeys(line.label for scene in scenes for line in scene.lines)
-    return [Line2D([], [], color=CHAMBER, label=label) for label in labels]
+    lines = {line.label: line.colour for scene in scenes for line in scene.lines}
+    marks = {mark.label: mark.symbol for scene in scenes for mark in scene.marks}
+    return [
+        *(Line2D([], [], color=colour, label=label) for label, colour in lines.items()),
+        *(
+            Line2D([], [], marker=symbol, linestyle="", label=label, **MARK)
+            for label, symbol in marks.items()
+        ),
+    ]
