@@ -172,7 +172,7 @@ def _reports(path: Path) -> dict[str, Array]:
         found["strain / %"] = 100.0 * path.max_strain
     for name, volume in zip(path.model.pressures, path.volume.T, strict=True):
         found[f"{name} / mL"] = 1e6 * volume
-    for name, force in path.strap_forces().items():
+    for name, force in {**path.strap_forces(), **path.obstacle_forces()}.items():
         found[f"{name} / N"] = force
     return found
 
