@@ -225,7 +225,7 @@ def test_a_cavity_without_winding_comes_with_a_warning() -> None:
             'skin = [{ modulus = "1 MPa", thickness = "3 mm" }, { modulus = "500 kPa", thickness ='
             ' "1 mm" }]\n',
             "",
-            "bodies.suit.tip is given without a skin, through which the tip touches.",
+            "bodies.suit.tip is given without a skin, through which the rod touches.",
         ),
     ],
 )
@@ -234,3 +234,45 @@ def test_one_sentence(old: str, new: str, sentence: str) -> None:
     with pytest.raises(InputError) as caught:
         parse(PRESSED.replace(old, new), source="bad.toml")
     assert str(caught.value).startswith(f"bad.toml: {sentence}"), str(caught.value)
+
+
+CURLED = """
+name = "curled"
+planar = true
+
+[bodies.tail]
+kind = "rod"
+length = "30 cm"
+radius = "5 mm"
+young_modulus = "300 kPa"
+poisson_ratio = 0.5
+skin = { modulus = "300 kPa", thickness = "2 mm" }
+strain = { bend_y = "nodal_linear" }
+elements = 30
+gauss_points = 2
+
+[wrenches.curl]
+body = "tail"
+at = "tip"
+moment = { y = "4.5 mN*m" }
+frame = "world"
+input = true
+"""
+
+
+def test_a_long_rod_touches_itself() -> None:
+    """A moment that would bend the rod by more than a full turn presses its tip on its base."""
+    curled = {}
+    for text in ("", "self_contact = false\n"):
+        model = Model(parse(CURLED.replace("gauss_points = 2\n", f"gauss_points = 2\n{text}")))
+        curled[text] = model.equilibrium(np.linspace(0.0, 1.0, 21))
+        assert curled[text].converged.all()
+    free, held = curled["self_contact = false\n"], curled[""]
+    # M L / EI: 4.5 mN m × 30 cm / (300 kPa π (5 mm)⁴/4) = 9.17 rad.
+    turn = 4.5e-3 * 0.3 / (3e5 * np.pi * 0.005**4 / 4.0)
+    np.testing.assert_allclose(free.q[-1], turn, rtol=1e-6)
+    assert free.max_overlap.max() == 0.0
+    assert held.max_overlap[10] == 0.0
+    assert 0.0 < held.max_overlap[-1] < 1e-3
+    short = CURLED.replace('"30 cm"', '"6 cm"')
+    assert "contacts" not in json.loads(Model(parse(short))._description)
