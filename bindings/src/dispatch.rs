@@ -51,6 +51,7 @@ pub struct State {
     pub lengths: Vec<f64>,
     pub volumes: Vec<f64>,
     pub tensions: Vec<f64>,
+    pub obstacles: Vec<f64>,
     /// −1 for a material that nothing is made of.
     pub stretch_frames: Vec<[i64; 2]>,
     pub frames: Vec<[[f64; 4]; 4]>,
@@ -83,6 +84,7 @@ impl AnyModel {
             State {
                 volumes,
                 tensions: data.spring_tensions(model),
+                obstacles: data.half_space_forces(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),

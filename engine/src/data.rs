@@ -176,6 +176,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
+    /// Force on each half-space along its normal [N] at the last state evaluated.
+    pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        let at = self.state(model, &[], &[]);
+        model.forces.half_spaces.forces(&at, &self.assembly.forces.half_spaces)
+    }
+
     /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are
     /// none.
     pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {

@@ -42,7 +42,9 @@ fn foundation(d: &mut Description, links: &[(&str, bool)], stiffness: Vec<f64>) 
         crown: 0.0,
         second: "limb skin".into(),
         stiffness,
-        cones: cones.map(|(c, (_, j))| RoundConeDescription { ends: [2 * c, 2 * c + 1], joined: *j }).collect(),
+        cones: cones
+            .map(|(c, (_, j))| RoundConeDescription { ends: [2 * c, 2 * c + 1], joined: *j })
+            .collect(),
         alignment: 1.0,
     });
 }

@@ -96,7 +96,7 @@ def _device(path: Path) -> Columns:
         found["strain / %"] = 100.0 * path.max_strain
     for name, volume in zip(model.pressures, path.volume.T, strict=True):
         found[f"{name} / mL"] = 1e6 * volume
-    for name, force in path.strap_forces().items():
+    for name, force in (path.strap_forces() | path.obstacle_forces()).items():
         found[f"{name} / N"] = force
     return {heading: [number(float(x)) for x in values] for heading, values in found.items()}
 

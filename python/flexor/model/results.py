@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, cast, overload
 
@@ -331,7 +331,8 @@ class Path(Results):
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with straps
-            ``strap_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
+            ``strap_force`` [N] and with obstacles
+            ``obstacle_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
             ``max_contact_pressure`` [Pa], with materials ``max_strain`` and ``min_stretch`` of a
             fibre, with an unwound cavity ``hoop_strain``, an estimate; ``places`` of the largest
             of these (``body``, ``X`` and the body that it is ``on``), and `warnings`;
@@ -367,14 +368,23 @@ class Path(Results):
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
-        file = self.model.file
-        tensions = np.full((len(self), len(file.springs) + len(file.straps)), np.nan)
-        if not file.straps:
-            return {}
-        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
-            tensions[step] = self.model.engine.spring_tensions(self.parameters, self.q[step])
-        columns = tensions[:, len(file.springs) :].T
-        return dict(zip(file.straps, columns, strict=True))
+        names = (*self.model.file.springs, *self.model.file.straps)
+        tensions = self._each(names, self.model.engine.spring_tensions)
+        return {name: tensions[name] for name in self.model.file.straps}
+
+    def obstacle_forces(self) -> dict[str, Array]:
+        """Return the force on each obstacle along its normal [N], likewise."""
+        return self._each(self.model.file.obstacles, self.model.engine.half_space_forces)
+
+    def _each(
+        self, names: Iterable[str], evaluate: Callable[[Array, Array], Array]
+    ) -> dict[str, Array]:
+        """Evaluate a function of parameters and coordinates at each equilibrium, by names."""
+        named = tuple(names)
+        values = np.full((len(self), len(named)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if named else ():
+            values[step] = evaluate(self.parameters, self.q[step])
+        return dict(zip(named, values.T, strict=True))
 
     @property
     def warnings(self) -> list[str]:
@@ -417,6 +427,8 @@ class Path(Results):
             shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
         if forces := self.strap_forces():
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
+        if forces := self.obstacle_forces():
+            shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
         if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
             shown["max_strain"] = _plain(self.max_strain)
             shown["min_stretch"] = _plain(self.min_stretch)

@@ -80,7 +80,9 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
         columnspacing=1.0,
     )
     if lines:
-        figure.legend(handles=lines, loc="outside lower center", ncols=2, handlelength=1.4)
+        # Marks have long labels.
+        columns = 2 if all(len(str(line.get_label())) < 25 for line in lines) else 1
+        figure.legend(handles=lines, loc="outside lower center", ncols=columns, handlelength=1.4)
 
 
 def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str) -> list[Artist]:

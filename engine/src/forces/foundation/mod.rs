@@ -10,7 +10,7 @@ mod touch;
 pub use definition::FoundationDescription;
 
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
-use super::element::{ContactForce, ForceElement, ForceMemory, Velocities, VirtualMotion};
+use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
 use super::terms::{Coupling, Terms};
@@ -19,7 +19,7 @@ use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 use crate::tree::{ModelError, Tree};
 use definition::Foundation;
-use touch::{Change, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
+use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
 /// All elastic foundations.
 #[derive(Clone, Debug)]
@@ -27,6 +27,9 @@ pub(crate) struct Foundations(Vec<Foundation>);
 
 /// Position on a cone's axis, as a share of it, to which a point counts as being at its end.
 const THRESHOLD: f64 = 1e-7;
+
+/// Depth, as a share of S, at which the stiffness of a contact that closes is predicted.
+const USUAL_DEPTH: f64 = 0.05;
 
 impl Foundations {
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -36,44 +39,52 @@ impl Foundations {
         foundations.iter().map(|d| Foundation::build(tree, d)).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Visits what points of the rods touch: round cones and, with negative weight, the spheres that two
-    /// of them share.
+    /// Visits the round cones that points of the rods touch, or lack less than `margin` of touching, and,
+    /// with negative weight, the spheres that two of them share.
     #[inline]
-    fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        mut visit: impl FnMut(Touch<P>, Option<f64>),
+        margin: f64,
+        mut visit: impl FnMut(Near<P>),
     ) {
         let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
-        let parameters = at.parameters();
         for (index, foundation) in self.0.iter().enumerate() {
-            let length = parameters[foundation.length];
+            let length = at.parameters()[foundation.length];
             for (first, share) in foundation.first.clone().zip(&foundation.weights) {
                 let (p, surface, weight) = (centre(first), at.geometry.radii[first], length * share);
                 for (c, cone) in foundation.cones.iter().enumerate() {
                     let ends = cone.ends.map(centre);
                     let radii = cone.ends.map(|end| at.geometry.radii[end]);
-                    if is_far(p, ends, surface + radii[0].max(radii[1])) {
+                    if is_far(p, ends, surface + radii[0].max(radii[1]) + margin) {
                         continue;
                     }
                     let axis = *ends[1] - *ends[0];
-                    let mut touch = |weight, found: &Closest<P>| {
-                        if found.distance < surface + found.radius {
-                            let sizes = [surface, radii[0], radii[1]];
-                            let (from, on) = ((index, foundation), (c, cone));
-                            visit(
-                                Touch::new(from, parameters, first, on, sizes, axis, weight, found),
-                                found.unbounded,
-                            );
+                    let mut near = |weight, found: Closest<P>| {
+                        let depth = surface + found.radius - found.distance;
+                        if depth > -margin {
+                            visit(Near {
+                                foundation: index,
+                                first,
+                                cone: c,
+                                weight,
+                                surface,
+                                radii,
+                                axis,
+                                depth,
+                                found,
+                            });
                         }
                     };
-                    touch(weight, &closest(p, ends, radii));
+                    near(weight, closest(p, ends, radii));
                     if cone.joined && weight != 0.0 {
                         let r = *p - *ends[0];
                         let (normal, distance) = direction(r, r.norm(), radii[0]);
                         let (across, radius) = (Vector::ZERO, radii[0]);
-                        let end = Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius };
-                        touch(-weight, &end);
+                        near(
+                            -weight,
+                            Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
+                        );
                     }
                 }
             }
@@ -242,6 +253,44 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.0.iter().map(Foundation::most_couplings).sum()
     }
 
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// For the predictor, contacts that open and close with the stiffness that they have or, before they
+    /// touch, at a depth that is usual.
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<Touch<P>>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        self.for_each_near(at, margin, |near| {
+            if near.weight == 0.0 {
+                return;
+            }
+            let foundation = &self.0[near.foundation];
+            let Near { first, depth, found, .. } = &near;
+            let usual = USUAL_DEPTH * near.surface;
+            let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
+            let touch = Touch::new(foundation, at.parameters(), &expected);
+            let [a, b] = touch.ends;
+            let spheres = match found.t {
+                _ if found.slip > 0.0 => [*first, a, b],
+                t if t < 0.5 => [*first, a, a],
+                _ => [*first, b, b],
+            };
+            visit(Switch {
+                points: spheres.map(|sphere| at.tree.spheres[sphere].point),
+                t: found.t,
+                normal: found.normal,
+                depth: *depth,
+                stiffness: touch.stiffness(),
+            });
+        });
+    }
+
     fn add_residual(
         &self,
         at: &State<G, D, P>,
@@ -250,7 +299,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         state.clear();
-        self.for_each_touch(at, |touch, _| {
+        self.for_each_near(at, 0.0, |near| {
+            let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
             let [p, ..] = points(&touch, at.tree);
             let [rod, link] = frames(&touch, at);
             if touch.weight != 0.0 {
@@ -308,11 +358,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     /// Opening is smooth; where a point passes from a cone's side to its end the tangent jumps.
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         let mut found = false;
-        self.for_each_touch(at, |touch, unbounded| {
-            if unbounded.is_some_and(|t| t.abs().min((t - 1.0).abs()) < THRESHOLD) {
-                let points = points(&touch, at.tree);
-                let axis = *at.point(points[2]) - *at.point(points[1]);
-                found |= moves(&points, &axis) || moves(&points, &touch.normal);
+        self.for_each_near(at, 0.0, |near| {
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            if near.found.unbounded.is_some_and(passing) {
+                let [a, b] = self.0[near.foundation].cones[near.cone].ends;
+                let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
+                found |= moves(&points, &near.axis) || moves(&points, &near.found.normal);
             }
         });
         found
@@ -371,7 +422,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let change = points(touch, at.tree).map(|point| velocities.points[point]);
             let turned = touch.change_of_gradient(&moved(touch, &change));
             let shifted = frames(touch, at).map(|frame| motion.velocities.shifted::<G>(frame, &change[0]));
-            *work += turned.dot(&relative(touch, at, motion)) + touch.gradient().dot(&(shifted[0] - shifted[1]));
+            *work +=
+                turned.dot(&relative(touch, at, motion)) + touch.gradient().dot(&(shifted[0] - shifted[1]));
         }
     }
 }

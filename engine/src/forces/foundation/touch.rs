@@ -5,7 +5,7 @@
 //! curvature and stiffness, which go from one end of the cone to the other as 3t² − 2t³ and so have no
 //! kink where cones are joined.
 
-use super::super::contact::{Closest, RoundCone};
+use super::super::contact::Closest;
 use super::definition::Foundation;
 use super::strip::Strip;
 use crate::linalg::Vector;
@@ -27,6 +27,23 @@ pub(crate) struct Change<const P: usize> {
     /// Change of the axis b − a.
     pub axis: Vector<P>,
     pub explicit: Explicit,
+}
+
+/// A point of a rod with the closest point of a round cone's axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Near<const P: usize> {
+    /// Index of the foundation, sphere of the point, index of the cone.
+    pub foundation: usize,
+    pub first: usize,
+    pub cone: usize,
+    /// Length of the rod times share; negative for the first end of the cone alone.
+    pub weight: f64,
+    /// S, and the radii at both ends of the cone.
+    pub surface: f64,
+    pub radii: [f64; 2],
+    pub axis: Vector<P>,
+    pub depth: f64,
+    pub found: Closest<P>,
 }
 
 /// A point of the rod that is pressed on a round cone.
@@ -78,18 +95,10 @@ struct Section {
 }
 
 impl<const P: usize> Touch<P> {
-    /// The contact at the closest point of a cone's axis, if there is any.
-    #[allow(clippy::too_many_arguments)]
-    pub fn new(
-        (index, foundation): (usize, &Foundation),
-        parameters: &[f64],
-        first: usize,
-        (cone_index, cone): (usize, &RoundCone),
-        [surface, start, stop]: [f64; 3],
-        axis: Vector<P>,
-        weight: f64,
-        found: &Closest<P>,
-    ) -> Self {
+    /// The contact with what is near, at its depth.
+    pub fn new(foundation: &Foundation, parameters: &[f64], near: &Near<P>) -> Self {
+        let Near { first, surface, depth, axis, radii: [start, stop], ref found, .. } = *near;
+        let cone = &foundation.cones[near.cone];
         let point = first - foundation.first.start;
         let [constant, multiple] = foundation.width(parameters, point);
         let stiffness = foundation.stiffness_at(cone).map(|i| parameters[i]);
@@ -114,16 +123,14 @@ impl<const P: usize> Touch<P> {
         };
         let (r, c) = (section.radius, section.alignment);
         let turn = section.radius_slope;
-        section.along =
-            [-c / (r * r) * turn, c / (r * r) * (2.0 * turn * turn / r - bend * taper)];
-        let depth = surface + found.radius - found.distance;
+        section.along = [-c / (r * r) * turn, c / (r * r) * (2.0 * turn * turn / r - bend * taper)];
         let scale = if slides { found.slip / found.distance } else { 0.0 };
         Self {
-            foundation: index,
+            foundation: near.foundation,
             first,
             ends: cone.ends,
-            cone: cone_index,
-            weight,
+            cone: near.cone,
+            weight: near.weight,
             depth,
             t,
             normal: found.normal,

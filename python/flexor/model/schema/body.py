@@ -16,7 +16,7 @@ from flexor.model.schema.profile import LinkRadius, RodRadius
 from flexor.model.schema.section import Section, Solid
 from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
-from flexor.model.schema.table import Choice, Count, Name, Table, one_of
+from flexor.model.schema.table import Choice, Count, Name, Switch, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
@@ -68,6 +68,7 @@ class Rod(Table):
     material: Name | None = None
     skin: Skin | None = None
     tip: PositiveLength | None = None
+    self_contact: Switch | None = None
     young_modulus: PositiveModulus | None = None
     poisson_ratio: (
         Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)] | None
@@ -95,8 +96,9 @@ class Rod(Table):
 
     @model_validator(mode="after")
     def _check_tip(self) -> Rod:
-        if self.tip is not None and self.skin is None:
-            raise field_error("is given without a skin, through which the tip touches", path="tip")
+        for key in ("tip", "self_contact"):
+            if getattr(self, key) is not None and self.skin is None:
+                raise field_error("is given without a skin, through which the rod touches", key)
         if self.tip is not None and self.tip > self.length:
             tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
             raise field_error(tail, path="tip")

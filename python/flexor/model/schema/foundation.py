@@ -13,6 +13,8 @@ from flexor.materials import Material
 from flexor.materials.library import library
 from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.contact import length_shares, round_cones
+from flexor.model.schema.points import SphereGroup
 from flexor.model.schema.profile import surface
 from flexor.model.schema.reference import reference_frames
 from flexor.model.schema.section_geometry import half_width, roundness
@@ -90,6 +92,42 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
             "alignment": _alignment(name, links, system),
         }
         yield groups, foundation
+
+
+def lower_self_contact(system: BodySystem) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """Describe to the engine how rods with a skin touch themselves.
+
+    Unless told, those do that close to a ring while their surface is strained by less than one
+    half, L > 4 π S. Points nearer than π S along the rod do not touch.
+
+    Yields
+    ------
+    group, contact
+        For each such rod: a group of spheres and their contact, with a skin twice as soft.
+    """
+    materials = skin_materials(system)
+    for name, rod in system.bodies.items():
+        if not isinstance(rod, Rod) or rod.skin is None:
+            continue
+        radius, _ = surface(rod.radius, rod.sample_points)
+        thick, length = float(radius.max()), float(rod.length)
+        long = length > 4.0 * np.pi * thick
+        if not (long if rod.self_contact is None else rod.self_contact):
+            continue
+        spheres = SphereGroup(bodies=(name,))
+        group = {"name": f"{name}.self", "spheres": spheres.lower(system.bodies)}
+        elements = int(np.ceil(np.pi * thick / length * rod.elements))
+        contact = {
+            "name": f"{name}.self",
+            "first": group["name"],
+            "second": group["name"],
+            "stiffness": thick / compliance(rod.skin, materials),
+            "skip": elements * (rod.gauss_points + 1),
+            "cones": round_cones(spheres, system.bodies),
+            "weights": length_shares(spheres, system.bodies),
+            "per_length": True,
+        }
+        yield group, contact
 
 
 def _is_joined(link: Link, before: str) -> bool:
