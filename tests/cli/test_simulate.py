@@ -16,6 +16,7 @@ def test_json_is_one_object_with_the_path(flexor) -> None:
     path = json.loads(ran.out)
     assert set(path) == {
         *("force", "joint_angles", "converged", "stable", "contacts", "tip_force", "events"),
+        *("max_overlap", "places"),
         *("coordinates", "q"),
     }
     assert path["force"] == [0, 1, 2, 3, 4, 5]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import flexor
 from flexor.errors import InputError
 from flexor.model.loads import forces, loads
-from flexor.model.units import FORCE, PRESSURE
+from flexor.model.schema import ModelFile
+from flexor.model.units import FORCE, LOAD_FACTOR, MOMENT, PRESSURE
 
 
 @pytest.mark.parametrize(
@@ -58,8 +60,8 @@ PASCAL = 'write a pressure with its unit, such as "60 kPa"'
     ("pressure", "message"),
     [
         ("5 N", f'force is "5 N", which is not a pressure: {PASCAL}.'),
-        ("0:5:1 N", f'force is "0:5:1 N": {PASCAL}.'),
-        ("0:5:1", f'force is "0:5:1": {PASCAL}.'),
+        ("0:5:1 N", f'force is "0:5:1 N", which is not a pressure: {PASCAL}.'),
+        ("0:5:1", f'force is "0:5:1", a number without a unit: {PASCAL}.'),
         ("60", f'force is "60", a number without a unit: {PASCAL}.'),
         ("0:x:1 kPa", 'force is "0:x:1 kPa": write start:stop:step in Pa, such as 0:60:5 kPa.'),
         (["5 kPa", None], "force[1] is of type NoneType: expected a pressure in Pa."),
@@ -100,6 +102,35 @@ def test_bad_forces(force: object, message: str) -> None:
     with pytest.raises(InputError) as caught:
         forces(force)  # type: ignore[arg-type]
     assert str(caught.value) == message
+
+
+def test_the_load_of_a_wrench_is_what_its_vector_is_of() -> None:
+    model = flexor.load(
+        ModelFile.model_validate(
+            {
+                "name": "lever",
+                "bodies": {
+                    "lever": {
+                        "kind": "link",
+                        "length": "4 cm",
+                        "radius": "1 cm",
+                        "joint": {"kind": "revolute", "stiffness": "1 N*m/rad"},
+                    }
+                },
+                "wrenches": {
+                    "pull": {"body": "lever", "at": "tip", "force": {"z": "-1 N"}, "input": True},
+                    "turn": {"body": "lever", "at": "tip", "moment": {"y": "1 N*m"}, "input": True},
+                    "both": {"body": "lever", "at": "tip", "force": {"z": "-2 N"}, "input": True},
+                },
+            }
+        )
+    )
+    assert list(model.input_dimensions.values()) == [FORCE, MOMENT, LOAD_FACTOR]
+    assert [model.show_load(2.0, index=i) for i in range(3)] == ["2 N", "2 N*m", "load factor 2"]
+    found = loads({"pull": "0:200:100 mN", "turn": "5 N*mm", "both": 0.5}, model.input_dimensions)
+    assert found.tolist() == [[0.0, 0.005, 0.5], [0.1, 0.005, 0.5], [0.2, 0.005, 0.5]]
+    with pytest.raises(InputError, match="not a load factor: write a load factor, such as 5"):
+        loads({"both": "3 N"}, model.input_dimensions)
 
 
 def test_a_single_input_accepts_a_list() -> None:

@@ -26,7 +26,7 @@ N, STEPS, JOINTS = 4, 6, 3
 def paths() -> Paths:
     random = np.random.default_rng(11)
     return Paths(
-        model=SimpleNamespace(first_spheres=42, load_text=lambda u: f"{u[0]:g} N"),  # type: ignore[arg-type]
+        model=SimpleNamespace(first_spheres=42, show_loads=lambda u: f"{u[0]:g} N"),  # type: ignore[arg-type]
         loads=np.arange(6.0)[:, None],
         joint_angles=random.uniform(-0.2, 1.2, (N, STEPS, JOINTS)),
         tip_force=random.uniform(0.1, 0.5, (N, STEPS)),

@@ -265,17 +265,20 @@ def test_a_time_budget_stops_the_search(name: str) -> None:
         (lambda: optimizers.method("cma-es", popsize=3), 'unknown option of cma-es "popsize"'),
         (lambda: optimizers.method("cma-es", population=2), "at least 4, or 0"),
         (lambda: optimizers.method("ga", population=1), "population of genetic-algorithm"),
-        (lambda: optimizers.method("de", crossover=1.5), "above 0 and at most 1, got 1.5"),
+        (
+            lambda: optimizers.method("de", crossover=1.5),
+            "is 1.5: it must be above 0 and at most 1",
+        ),
         (
             lambda: optimizers.method("pso", patience=0),
-            "patience of particle-swarm must be at least 1",
+            "patience of particle-swarm is 0: it must be from 1",
         ),
         (lambda: optimizers.method("direct", local=2), "must be 1 (yes) or 0 (no), got 2"),
         (lambda: optimizers.method("direct", side=0), "between 0 and 1"),
         (lambda: optimizers.method("annealing", iterations=0.5), "must be an integer"),
         (lambda: optimizers.method("lm", difference=0), "above 0 and at most 0.1"),
         (lambda: optimizers.method("grid", columns=3), "columns of grid must be a list"),
-        (lambda: optimizers.method("grid", points=1), "at least 2"),
+        (lambda: optimizers.method("grid", points=1), "from 2 to"),
         (
             lambda: optimizers.method("grid").minimize(Bowl(11), *box(11)),
             "a grid of 81 points along 11 parameters",

@@ -215,12 +215,15 @@ def test_remaining_evaluations_on_a_plateau_are_predicted() -> None:
     [
         (lambda: method("patern-search"), 'did you mean "pattern-search"?'),
         (lambda: method("pattern-search", start=3), 'did you mean "starts"?'),
-        (lambda: method("pattern-search", starts=0), "starts of pattern-search must be at least 1"),
+        (
+            lambda: method("pattern-search", starts=0),
+            "option starts of pattern-search is 0: it must be from 1",
+        ),
         (lambda: method("pattern-search", starts=1.5), "must be an integer, got 1.5"),
         (lambda: method("pattern-search", tolerance="x"), "must be a number, got 'x'"),
         (lambda: method("pattern-search", initial_mesh=float("nan")), "above 0 and at most 1"),
-        (lambda: Budget(evaluations=0), "at least 1 evaluation"),
-        (lambda: Budget(seconds=float("nan")), "positive time"),
+        (lambda: Budget(evaluations=0), "budget is 0: it must be at least 1"),
+        (lambda: Budget(seconds=float("nan")), "must be greater than zero"),
         (
             lambda: PatternSearch().minimize(quadratic, LOWER, UPPER, [3.0, 0.0]),
             "the start [3.0, 0.0] is outside the bounds",

@@ -53,10 +53,10 @@ class AnalyticModel:
         self.evaluation_loads = np.arange(6.0)[:, None]
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
-    def load_unit(self) -> tuple[float, str]:
-        return 1.0, "N"
+    def show_load(self, load: float) -> str:
+        return f"{load:g} N"
 
-    def load_text(self, loads: Any) -> str:
+    def show_loads(self, loads: Any) -> str:
         return f"{loads[0]:g} N"
 
     def evaluate(

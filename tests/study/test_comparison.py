@@ -275,9 +275,9 @@ def test_a_start_that_fails_is_drawn_again(analytic: ModuleType) -> None:
         ({"methods": []}, "give at least one method"),
         ({"methods": {}}, "give at least one method"),
         ({"objective": "f_exo", "methods": "lm"}, "is not the norm of a vector"),
-        ({"seeds": 0}, "at least 1 seed"),
+        ({"seeds": 0}, "seeds is 0: it must be at least 1"),
         ({"seeds": [1, 1]}, "different whole numbers from 0"),
-        ({"budget": 0}, "at least 1 evaluation"),
+        ({"budget": 0}, "budget is 0: it must be at least 1"),
         ({"resume": True}, "resuming a comparison needs its folder"),
     ],
 )

@@ -181,7 +181,7 @@ def test_figures_show_what_there_is(analytic: ModuleType, tmp_path: Path) -> Non
         ({"axes": ["R_2"]}, 'unknown parameter of the set R01 "R_2" (did you mean "R_1"?)'),
         ({"axes": ["R_0", "R_0"]}, "one or two different parameters, got R_0, R_0"),
         ({"axes": []}, "one or two different parameters, got none"),
-        ({"grid": 1}, "points of grid must be at least 2"),
+        ({"grid": 1}, "points of grid is 1: it must be from 2"),
         ({"grid": 3000}, "has 9e+06 designs: at most 4,000,000"),
         ({"parameters": "R02"}, 'unknown parameter set "R02"'),
         ({"objective": "bendng"}, 'did you mean "bending"?'),

@@ -119,8 +119,8 @@ def test_cantilever(case: Case) -> None:
     """A cantilever at large deflection.
 
     An inextensible rod, clamped at one end, under a dead load P perpendicular to the undeformed
-    axis at the free end, up to PL²/EI = 10. The shape is given by elliptic integrals (Bisshopp and
-    Drucker, 1945), evaluated with `scipy.special`. Flexor has 64 quadratic elements.
+    axis at the free end, up to PL²/EI = 10. The shape is given by elliptic integrals
+    (`bisshopp1945`), evaluated with `scipy.special`. Flexor has 64 quadratic elements.
     """
     _compare(case, "world", [elliptic(alpha, X)[:2] for alpha in ALPHA])
 

@@ -19,7 +19,9 @@ from flexor.calibration.constants import Constant
 from flexor.calibration.evaluator import Evaluator
 from flexor.calibration.local_fit import Minimum, fit_locally
 
-Verdict = Literal["identifiable", "only in combination", "not identifiable"]
+Verdict = Literal[
+    "identifiable", "only in combination", "not identifiable", "at the end of its range"
+]
 _PRIOR_VARIANCE = 1.0 / 12.0  # of a uniform distribution over the range
 _IDENTIFIABLE = 0.05  # standard deviation as a part of the range
 _DISTANCES = (1.0, 2.0, 3.5)  # of the points of a profile, in standard deviations
@@ -75,6 +77,8 @@ class Identifiability:
 
     def verdict(self, i: int) -> Verdict:
         """Say in words how well a constant is identified."""
+        if self.u[i] in (0.0, 1.0):
+            return "at the end of its range"
         if self.deviation[i] <= _IDENTIFIABLE:
             return "identifiable"
         alone = self.conditional_deviation[i] <= _IDENTIFIABLE

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from flexor.calibration.report import Row
 
 CALIBRATIONS = FilePath("calibrations")
+_MISFIT = 2.0  # residuals in tolerances above which a model is said not to explain the values
 
 
 def calibrate(
@@ -47,8 +48,14 @@ def calibrate(
         bool, typer.Option("--resume", help="Resume the calibration in that folder.")
     ] = False,
     seed: options.Seed = 0,
-    samples: Annotated[int | None, typer.Option(min=1, help="Points of the global search.")] = None,
-    starts: Annotated[int | None, typer.Option(min=1, help="How many of them to refine.")] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(callback=options.at_least(1), help="Points of the global search."),
+    ] = None,
+    starts: Annotated[
+        int | None,
+        typer.Option(callback=options.at_least(1), help="How many of them to refine."),
+    ] = None,
     name: Annotated[
         str, typer.Option(help="What to call the set of constants, or the material.")
     ] = "calibrated",
@@ -192,6 +199,10 @@ def _sentence(found: Calibration, seconds: float) -> str:
     if found.degrees_of_freedom > 0:
         ratio = math.sqrt(best.misfit / found.degrees_of_freedom)
         noise = f"; the residuals are {number(ratio, 2)} times their tolerances"
+        if ratio > _MISFIT:
+            noise += (
+                ": the model does not explain the values, and the confidence limits do not hold"
+            )
     else:
         noise = "; there are as many constants as values, so the fit alone proves nothing"
     return f"{said}{noise}. {found.evaluations:,} evaluations in {duration(seconds)}."

@@ -44,16 +44,24 @@ def compare(
         ),
     ] = None,
     seeds: Annotated[
-        int, typer.Option(help="Number of searches per method and set, each with its own seed.")
+        int,
+        typer.Option(
+            callback=options.at_least(1),
+            help="Number of searches per method and set, each with its own seed.",
+        ),
     ] = 10,
-    budget: Annotated[int, typer.Option(help="Maximum number of designs per search.")] = 500,
+    budget: Annotated[
+        int,
+        typer.Option(callback=options.at_least(1), help="Maximum number of designs per search."),
+    ] = 500,
     force: options.Load = None,
     folder: options.Folder = None,
     resume: options.Resume = None,
     workers: Annotated[
         int,
         typer.Option(
-            min=0, help="Concurrent searches; 0 for one per core, or per thread of the cluster."
+            callback=options.at_least(0),
+            help="Concurrent searches; 0 for one per core, or per thread of the cluster.",
         ),
     ] = 0,
     cluster: options.Cluster = None,
@@ -147,6 +155,10 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
     say(
         f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per method "
         f"and set, in {duration(seconds)}."
+    )
+    say(
+        "success: share of searches within 1 % of the best known improvement; to 1 %: designs they "
+        "needed, median; expected: designs with restarts of the others."
     )
     for file in files:
         say(f"file: {file}")

@@ -44,12 +44,8 @@ def check_resumable(
         raise InputError(f"give a MODEL, or --resume FOLDER to resume a {kind}.")
     if resume is not None and (folder is not None or model is not None):
         raise InputError("--resume takes only the folder: omit MODEL and --out.")
-    if resume is not None:
-        reject_fixed_options(context, resume, *free)
-
-
-def reject_fixed_options(context: typer.Context, resume: Path, *free: str) -> None:
-    """Reject options that are fixed by the work being resumed, all but those that are free."""
+    if resume is None:
+        return
     given = []
     for parameter in context.command.params:
         source = context.get_parameter_source(parameter.name or "")

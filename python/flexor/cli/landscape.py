@@ -26,7 +26,9 @@ def landscape(
     model: options.OptionalModel = None,
     parameters: options.Parameters = "R01",
     objective: options.Objective = "bending",
-    grid: Annotated[int, typer.Option(help="Number of points per axis.")] = 81,
+    grid: Annotated[
+        int, typer.Option(callback=options.at_least(2), help="Number of points per axis.")
+    ] = 81,
     axes: Annotated[
         str | None,
         typer.Option(

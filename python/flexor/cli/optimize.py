@@ -9,9 +9,9 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json
-from flexor.cli.folders import executor_for, interrupted, new_folder, reject_fixed_options
+from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder
 from flexor.cli.values import load_changed, numbers, one_or_assignments
-from flexor.errors import ClusterError, InputError
+from flexor.errors import ClusterError
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -43,7 +43,8 @@ def optimize(
     force: options.Load = None,
     seed: options.Seed = 0,
     budget: Annotated[
-        int | None, typer.Option(help="Maximum number of designs to evaluate.")
+        int | None,
+        typer.Option(callback=options.at_least(1), help="Maximum number of designs to evaluate."),
     ] = None,
     folder: options.Folder = None,
     resume: options.Resume = None,
@@ -79,24 +80,18 @@ def optimize(
     from flexor.design import parameter_set
     from flexor.design.start import starts
 
-    if model is None and resume is None:
-        raise InputError("give a MODEL to optimise, or --resume FOLDER to resume a study.")
-    if resume is not None and folder is not None:
-        raise InputError("--out and --resume exclude each other: give one of them.")
-    if resume is not None and model is None:
-        reject_fixed_options(
-            context, resume, "budget", "threads", "cluster", "plot", "show", "as_json"
-        )
+    free = ("budget", "threads", "cluster", "plot", "show", "as_json")
+    check_resumable(context, "study", model, folder, resume, *free)
     began, place = time.monotonic(), resume
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
-            if model is None:
-                assert resume is not None
+            if resume is not None:
                 study = studies.resume(resume, budget=budget, progress=progress, executor=executor)
             else:
+                assert model is not None
                 loaded = load_changed(model, constants, changes)
                 chosen = parameter_set(parameters, loaded.design)
-                place = resume or folder or new_folder(loaded.name, chosen.name, objective)
+                place = folder or new_folder(loaded.name, chosen.name, objective)
                 study = studies.optimize(
                     loaded,
                     chosen,
@@ -108,7 +103,6 @@ def optimize(
                     seed=seed,
                     budget=budget,
                     folder=place,
-                    resume=resume is not None,
                     progress=progress,
                     executor=executor,
                     engine_options=numbers("--solver", solver or []),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from flexor.errors import InputError
 
 
 def _writable(figure: Path | None) -> Path | None:
@@ -15,6 +18,17 @@ def _writable(figure: Path | None) -> Path | None:
 
         writable(figure)
     return figure
+
+
+def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | None]:
+    """Return the check of an option that is a number of at least ``least``."""
+
+    def check(parameter: typer.CallbackParam, value: int | None) -> int | None:
+        if value is not None and value < least:
+            raise InputError(f"{parameter.opts[0]} is {value}: it must be at least {least}.")
+        return value
+
+    return check
 
 
 Model = Annotated[
@@ -43,9 +57,13 @@ Folder = Annotated[
     typer.Option("--out", help="Output folder; by default a new one in `studies/`."),
 ]
 Resume = Annotated[Path | None, typer.Option(help="Resume the work in this folder.")]
-Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
+Seed = Annotated[int, typer.Option(callback=at_least(0), help="Random seed.")]
 Threads = Annotated[
-    int, typer.Option(min=0, help="Number of threads; 0 for one per core. Does not affect results.")
+    int,
+    typer.Option(
+        callback=at_least(0),
+        help="Number of threads; 0 for one per core. Does not affect results.",
+    ),
 ]
 Cluster = Annotated[
     str | None,

@@ -107,6 +107,10 @@ def _print_sensitivity(found: Sensitivity) -> None:
         rows.append((f"{label} + {step}", _signed(math.degrees(slope)), force, *off))
     names = ("sensitivity", "bending", "tip force / N", "if decreased", "if increased")
     show(names, rows)
+    say(
+        "bending, tip force: slope times the step; if decreased, if increased: change of bending "
+        "when a design is off by it."
+    )
     if found.regularity != "regular":
         say(_CAVEATS[found.regularity])
 
@@ -139,7 +143,7 @@ def _signed(degrees: float) -> str:
 
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
-    force = study.problem.model.load_text(study.problem.loads[-1])
+    force = study.problem.model.show_loads(study.problem.loads[-1])
     objective = study.problem.objective
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."

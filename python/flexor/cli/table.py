@@ -44,7 +44,7 @@ def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 
 
 
 def _longest_word(texts: Sequence[str]) -> int:
-    return min(20, max((len(word) for text in texts for word in text.split()), default=0))
+    return min(24, max((len(word) for text in texts for word in text.split()), default=0))
 
 
 def _is_word(cell: str) -> bool:

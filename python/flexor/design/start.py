@@ -25,7 +25,7 @@ def starts(
 
     Each text is `random`, values in the order of the parameters such as `10 cm, 0.7 cm`, or
     `label=value` pairs such as `R_0=0.7 cm`, with the other parameters at the set's default.
-    Numbers without a unit are in the set's display units. Messages begin with ``option``.
+    Messages begin with ``option``.
     """
     if not texts:
         return None
@@ -82,13 +82,14 @@ def _si(text: str, label: str, chosen: ParameterSet, option: str) -> float:
 
     own = chosen.units[chosen.labels.index(label)]
     match = _VALUE.fullmatch(text)
-    unit = (match["unit"] if match else "") or own
+    unit = (match["unit"] if match else "") or ("1" if own == "1" else "")
     allowed = next(units for units in _COMPATIBLE if own in units)
     try:
         number = float(match["number"]) if match else math.nan
     except ValueError:
         number = math.nan
     if unit not in allowed or not math.isfinite(number):
-        units = "" if own == "1" else f" in {', '.join(u for u in UNITS if u in allowed)}"
+        units = ", ".join(unit for unit in UNITS if unit in allowed)
+        units = "" if own == "1" else f" with its unit: {units}"
         raise InputError(f'{option} has {label} = "{text}": expected a finite number{units}.')
     return number * UNITS[unit]

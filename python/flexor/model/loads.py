@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
-from flexor.model.units import FORCE, Dimension
+from flexor.model.units import FORCE, PRESSURE, Dimension
 from flexor.model.validation import describe
 
 Forces = str | float | Sequence[float | str] | Array
@@ -122,11 +122,11 @@ def _table(force: object) -> Array | None:
 
 
 def _example(dimension: Dimension) -> str:
-    return "0:5:1" if dimension is FORCE else f"0:60:5 {dimension.example.split()[-1]}"
+    return "0:60:5 kPa" if dimension is PRESSURE else "0:5:1"
 
 
 def _value(value: object, path: str, dimension: Dimension) -> float:
-    bare = dimension is FORCE
+    bare = dimension is not PRESSURE
     if bare and isinstance(value, str) and (number := _decimal(value)) is not None:
         value = float(number)
     if isinstance(value, str):
@@ -135,29 +135,27 @@ def _value(value: object, path: str, dimension: Dimension) -> float:
         except PydanticCustomError as error:
             raise InputError(f"{path} {error.message()}.") from None
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        expected = f"expected {dimension.name} in {dimension.unit}"
-        raise InputError(f"{path} is {describe(value)}: {expected}.")
+        raise InputError(
+            f"{path} is {describe(value)}: expected {dimension.name}{dimension.in_unit}."
+        )
     if not math.isfinite(value):
         raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
     return float(value)
 
 
 def _range(text: str, path: str, dimension: Dimension) -> list[float]:
-    if dimension is not FORCE:
-        return _range_in_unit(text, path, dimension)
-    parts = [part.strip().removesuffix("N").strip() for part in text.split(":")]
-    return [float(number) for number in _steps(parts, text, path, FORCE)]
-
-
-def _range_in_unit(text: str, path: str, dimension: Dimension) -> list[float]:
     """Parse a range whose last number has the unit of all."""
     last = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(.*?)\s*", text.split(":")[-1])
     unit = last[1] if last else ""
-    try:
-        dimension.parse(f"1 {unit}" if unit else "1")
-    except PydanticCustomError as error:
-        raise InputError(f'{path} is "{text}": {error.message().split(": ")[-1]}.') from None
     parts = [part.strip().removesuffix(unit).strip() for part in text.split(":")]
+    if not unit and dimension is not PRESSURE:
+        return [float(step) for step in _steps(parts, text, path, dimension)]
+    one = f"1 {unit}".strip()
+    try:
+        dimension.parse(one)
+    except PydanticCustomError as error:
+        why = error.message().removeprefix(f"is {describe(one)}")
+        raise InputError(f'{path} is "{text}"{why}.') from None
     steps = _steps(parts, text, path, dimension)
     return [float(dimension.parse(f"{step} {unit}")) for step in steps]
 
@@ -168,7 +166,7 @@ def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list
         numbers.append(Decimal(1))
     finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
-        tail = f"write start:stop:step in {dimension.unit}, such as {_example(dimension)}"
+        tail = f"write start:stop:step{dimension.in_unit}, such as {_example(dimension)}"
         raise InputError(f'{path} is "{text}": {tail}.')
     start, stop, step = finite
     if step <= 0:

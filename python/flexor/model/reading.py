@@ -28,6 +28,8 @@ def presets() -> tuple[str, ...]:
 def locate(model: str | os.PathLike[str]) -> pathlib.Path:
     """Locate the file of a model."""
     path, text = pathlib.Path(model), os.fspath(model)
+    if not text.strip():
+        raise InputError("MODEL is empty: give the name of a preset, or the path of a model file.")
     if path.is_file():
         return path
     shipped = presets()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,10 +57,14 @@ class Structure:
 
     @cached_property
     def input_dimensions(self) -> dict[str, Dimension]:
-        """Dimension of each load input: a force or a pressure."""
-        actuators = self.file.actuators
-        pressures = {name for name in actuators if actuators[name].kind == "pressure"}
-        return {name: PRESSURE if name in pressures else FORCE for name in self.inputs}
+        """Dimension of each load input: a force, moment or pressure, or the factor of a wrench."""
+        actuators, wrenches = self.file.actuators, self.file.wrenches
+        return {
+            name: wrenches[name].load
+            if name in wrenches
+            else (PRESSURE if actuators[name].kind == "pressure" else FORCE)
+            for name in self.inputs
+        }
 
     @cached_property
     def pressures(self) -> tuple[str, ...]:
@@ -68,17 +73,24 @@ class Structure:
 
     def load_unit(self, index: int = 0) -> tuple[float, str]:
         """Return the unit in which loads of an input are shown, in SI and by name."""
-        dimensions = list(self.input_dimensions.values())
-        force = index >= len(dimensions) or dimensions[index] is FORCE
-        return (1.0, "N") if force else (1e3, "kPa")
+        dimension = [*self.input_dimensions.values(), FORCE][index]
+        return (1e3, "kPa") if dimension is PRESSURE else (1.0, dimension.unit)
 
-    def load_text(self, loads: Array) -> str:
-        """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
-        units = [self.load_unit(index) for index in range(len(self.inputs))]
-        shown = [f"{u / size:g} {unit}" for u, (size, unit) in zip(loads, units, strict=True)]
+    def load_name(self, index: int = 0) -> str:
+        """Return what the loads of an input are, such as ``"force"``."""
+        return [*self.input_dimensions.values(), FORCE][index].name.split(" ", 1)[1]
+
+    def show_load(self, load: float, spec: str = "g", index: int = 0) -> str:
+        """Format a load of an input with its unit, such as ``"60 kPa"``."""
+        size, unit = self.load_unit(index)
+        return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
+
+    def show_loads(self, loads: Array) -> str:
+        """Format the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
+        shown = [self.show_load(float(load), index=i) for i, load in enumerate(loads)]
         if len(shown) > 1:
             shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
-        return ", ".join(shown) or "0 N"
+        return ", ".join(shown) or self.show_load(0.0)
 
     @cached_property
     def rods(self) -> tuple[str, ...]:
@@ -94,6 +106,15 @@ class Structure:
     def joints(self) -> tuple[str, ...]:
         """Names of the joints' coordinates."""
         return tuple(joint["name"] for joint in self.engine.joints)
+
+    @cached_property
+    def joint_labels(self) -> dict[str, str]:
+        """Short names of the joints' coordinates: the body's, where its joint has one."""
+        bodies = [joint["body"] for joint in self.engine.joints]
+        return {
+            joint["name"]: joint["body"] if bodies.count(joint["body"]) == 1 else joint["name"]
+            for joint in self.engine.joints
+        }
 
     @cached_property
     def angular_joints(self) -> tuple[str, ...]:
@@ -113,10 +134,34 @@ class Structure:
         return {name: stop - start for name, (start, stop) in groups.items()}
 
     @cached_property
+    def _described(self) -> dict[str, Any]:
+        described: dict[str, Any] = json.loads(self._description)
+        return described
+
+    @property
+    def foundations(self) -> list[dict[str, Any]]:
+        """Contacts through skins, as described to the engine."""
+        found: list[dict[str, Any]] = self._described.get("foundations", [])
+        return found
+
+    @cached_property
+    def sphere_places(self) -> tuple[tuple[str, float | None], ...]:
+        """Body of each sphere, and X if it is a rod."""
+        found: list[tuple[str, float | None]] = []
+        for group in self._described.get("spheres", ()):
+            for sphere in group["spheres"]:
+                body, station = self.file.bodies[sphere["body"]], sphere["station"]
+                point = station["point"] if isinstance(body, Rod) else None
+                x = None if point is None else float(body.sample_points[point])  # type: ignore[union-attr]
+                found.append((sphere["body"], x))
+        return tuple(found)
+
+    @cached_property
     def first_spheres(self) -> int:
-        """Number of spheres of the contacts' first groups."""
+        """Number of spheres of the contacts' first groups, and of points of rods with a skin."""
         groups = {contact.first for contact in self.file.contacts.values()}
-        return sum(self.sphere_groups[name] for name in groups)
+        skins = sum(sum(w > 0.0 for w in each["weights"]) for each in self.foundations)
+        return sum(self.sphere_groups[name] for name in groups) + skins
 
     @cached_property
     def design(self) -> DesignSpace:

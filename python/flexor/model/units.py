@@ -61,23 +61,32 @@ class Dimension:
     @property
     def hint(self) -> str:
         """Expected input, for the end of an error message."""
+        if not self.unit:
+            return f"write {self.name}, such as {self.example}"
         return f'write {self.name} with its unit, such as "{self.example}"'
 
     def si(self, value: float) -> Quantity:
         """Return the quantity of this dimension with this SI value."""
         return Quantity(value, f"{repr(value).removesuffix('.0')} {self.unit}")
 
+    @property
+    def in_unit(self) -> str:
+        """Its unit, for numbers that are given without one."""
+        return f" in {self.unit}" if self.unit else ""
+
     def parse(self, value: object) -> Quantity:
         """Parse a quantity."""
         if isinstance(value, Quantity):
             value = value.text
         if isinstance(value, (int, float)) and not isinstance(value, bool):
+            if not self.unit and math.isfinite(value):
+                return Quantity(value, repr(value))
             raise field_error(f"is {describe(value)}, a number without a unit: {self.hint}")
         match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
         if match is None:
             raise field_error(f"is {describe(value)}, which is not {self.name}: {self.hint}")
         assert isinstance(value, str)
-        if not match["unit"]:
+        if self.unit and not match["unit"]:
             raise field_error(f"is {describe(value)}, a number without a unit: {self.hint}")
         factor = self._factor(value, match["unit"])
         number = float(_EXACT.multiply(_EXACT.create_decimal(match["number"]), factor))
@@ -144,6 +153,9 @@ class QuantityField:
         quantity = self.dimension.parse(value)
         if self.sign == "positive" and not quantity > 0.0:
             raise field_error(f"is {describe(quantity.text)}: it must be greater than zero")
+        if not 1e-60 <= abs(quantity or 1.0) <= 1e60:  # its fourth power is a normal number
+            within = f"between 1e-60 and 1e60 {self.dimension.unit}"
+            raise field_error(f"is {describe(quantity.text)}: it must be {within}")
         if self.sign == "non-negative" and quantity < 0.0:
             raise field_error(f"is {describe(quantity.text)}: it must not be negative")
         return quantity
@@ -166,6 +178,7 @@ STIFFNESS = Dimension("a stiffness", "N/m", "100 N/m")
 STIFFNESS_PER_LENGTH = Dimension("a stiffness per length", "N/m^2", "20 N/cm^2")
 ANGULAR_STIFFNESS = Dimension("a joint stiffness", "N*m/rad", "0.04 N*m/rad")
 FORCE = Dimension("a force", "N", "5 N")
+LOAD_FACTOR = Dimension("a load factor", "", "5")
 MOMENT = Dimension("a moment", "N*m", "0.1 N*m")
 PRESSURE = Dimension("a pressure", "Pa", "60 kPa")
 AXIAL_STIFFNESS = Dimension("an axial stiffness", "N", "40 N")

@@ -78,9 +78,9 @@ class Budget:
     def __post_init__(self) -> None:
         """Raise InputError if a limit is not positive."""
         if self.evaluations is not None and self.evaluations < 1:
-            raise InputError(f"the budget must be at least 1 evaluation, got {self.evaluations}.")
+            raise InputError(f"budget is {self.evaluations}: it must be at least 1.")
         if self.seconds is not None and not self.seconds > 0.0:
-            raise InputError(f"the budget must be a positive time, got {self.seconds:g} s.")
+            raise InputError(f"budget is {self.seconds:g} s: it must be greater than zero.")
 
 
 @dataclass(frozen=True)

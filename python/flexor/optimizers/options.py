@@ -25,8 +25,8 @@ FRACTION = Range(lambda value: 0.0 < value < 1.0, "between 0 and 1")
 
 
 def at_least(least: int) -> Range:
-    """Return the range of numbers from ``least``."""
-    return Range(lambda value: value >= least, f"at least {least}")
+    """Return the range of numbers from ``least`` to a million."""
+    return Range(lambda value: least <= value <= 1_000_000, f"from {least} to 1,000,000")
 
 
 def at_most(most: float) -> Range:
@@ -60,5 +60,5 @@ class Options:
         value = getattr(self, option)
         if not allowed.contains(value):
             raise InputError(
-                f"option {option} of {self.name} must be {allowed.text}, got {value:g}."
+                f"option {option} of {self.name} is {value:g}: it must be {allowed.text}."
             )

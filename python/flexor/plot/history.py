@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.plot.style import LINE, shades
+from flexor.plot.style import CHAMBER, LINE, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,8 @@ class History:
     values: Array  # (s,): what is shown over them
     label: str  # what that is, with its unit
     stable: NDArray[np.bool_]  # (s,): whether each point is stable
-    unit: str = "N"  # of the loads
+    snapped: NDArray[np.bool_]  # (s,): whether a snap happened on the way to each point
+    load: str = "force / N"  # what the loads are, with their unit
 
 
 def read_history(path: Path) -> History | None:
@@ -37,7 +38,10 @@ def read_history(path: Path) -> History | None:
         return None
     most = int(np.argmax(np.ptp(path.loads, axis=0)))
     size, unit = path.model.load_unit(most)
+    load = f"{path.model.load_name(most)} / {unit}".removesuffix(" / ")
     loads = path.loads[:, most] / size
+    snaps = [event.step for event in path.events if event.kind == "snap"]
+    snapped = np.isin(np.arange(len(path)), snaps)
     if (np.diff(loads) >= 0.0).all() and path.stable[found].all():
         return None
     angular = [path.model.joints.index(name) for name in path.model.angular_joints]
@@ -54,7 +58,7 @@ def read_history(path: Path) -> History | None:
             tips[step] = 100.0 * path.frames(int(step))[rod][-1, :3, 3]
         axis = int(np.argmax(np.ptp(tips[found], axis=0)))
         values, label = tips[:, axis], f"{rod} tip {'xyz'[axis]} / cm"
-    return History(loads[found], values[found], label, path.stable[found], unit)
+    return History(loads[found], values[found], label, path.stable[found], snapped[found], load)
 
 
 def draw_history(axes: Axes, history: History) -> None:
@@ -63,11 +67,12 @@ def draw_history(axes: Axes, history: History) -> None:
     colours = shades(len(loads))
     for start, stop in zip(range(len(loads) - 1), range(1, len(loads)), strict=True):
         held = stable[start] and stable[stop]
+        snap = history.snapped[stop]
         axes.plot(
             loads[[start, stop]],
             values[[start, stop]],
-            color=tuple(colours[stop]),
-            linestyle="-" if held else (0, (3, 2)),
+            color=CHAMBER if snap else tuple(colours[stop]),
+            linestyle=":" if snap else "-" if held else (0, (3, 2)),
             linewidth=1.2,
             solid_capstyle="round",
         )
@@ -81,7 +86,10 @@ def draw_history(axes: Axes, history: History) -> None:
             )
     if not stable.all():
         axes.plot([], [], color=LINE, linewidth=1.2, linestyle=(0, (3, 2)), label="not stable")
+    if history.snapped.any():
+        axes.plot([], [], color=CHAMBER, linewidth=1.2, linestyle=":", label="snap")
+    if history.snapped.any() or not stable.all():
         axes.legend(loc="best")
-    axes.set_xlabel(f"load / {history.unit}")
+    axes.set_xlabel(history.load)
     axes.set_ylabel(history.label)
     axes.grid(visible=True, linewidth=0.3, alpha=0.5)

@@ -10,7 +10,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene
-from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE, LINE
+from flexor.plot.style import EXOSUIT, FINGER, FORCE, LINE, MARK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 CM = 100.0
 MARGIN = 0.6  # cm, around the bodies
 KEY_MARGIN = 1.6  # cm, from the lower edge of the axes to the lowest body
+MAX_ASPECT = 2.0  # height over width
 PLANE = (0, 2)
 
 
@@ -56,8 +57,10 @@ def draw_scene(
         )
     for line in scene.lines:
         axes.plot(
-            *(CM * _in_plane(line.points).T), color=CHAMBER, linewidth=1.0, zorder=depth + 0.4
+            *(CM * _in_plane(line.points).T), color=line.colour, linewidth=1.0, zorder=depth + 0.4
         )
+    for mark in scene.marks:
+        axes.plot(*(CM * _in_plane(mark.point)), mark.symbol, **MARK, zorder=60.0)
 
 
 def draw_contact_forces(
@@ -111,6 +114,9 @@ def frame_axes(axes: Axes, scenes: Sequence[Scene], *, with_key: bool = False) -
     high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + MARGIN
     if with_key:
         low[1] -= KEY_MARGIN - MARGIN
+    # A model that is much higher than wide gets room beside it, not a figure of many pages.
+    room = max(0.0, (high[1] - low[1]) / MAX_ASPECT - (high[0] - low[0]))
+    low[0], high[0] = low[0] - 0.5 * room, high[0] + 0.5 * room
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x / cm", ylabel="z / cm")
     axes.set_aspect("equal")
 

@@ -26,6 +26,10 @@ FINGER = "#E3E8EC"
 LINE = "#30363B"
 FORCE = "#0072B2"
 CHAMBER = "#D55E00"
+STRAP = "#CC79A7"
+
+# How places of extremes are marked.
+MARK: dict[str, Any] = {"color": "white", "markeredgecolor": "black", "markersize": 4.5}
 
 _RC: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -77,6 +81,14 @@ def shades(count: int) -> Array:
     return np.asarray(matplotlib.colormaps["viridis"](positions), dtype=np.float64)
 
 
+def distinct(count: int) -> list[dict[str, Any]]:
+    """Return line styles for series without order: colours, then also dashes, that differ."""
+    colours = (FORCE, CHAMBER, "#009E73", "#CC79A7", EXOSUIT, "#56B4E9", LINE)
+    dashes = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (4, 1.5, 1, 1.5)))
+    styles = [{"color": c, "linestyle": dash} for dash in dashes for c in colours]
+    return [styles[i % len(styles)] for i in range(count)]
+
+
 def literal(text: str) -> str:
     """Return a text, possibly from somebody's file, that matplotlib shows as it is."""
     return one_line(text).replace("$", r"\$")
@@ -108,7 +120,7 @@ def writable(file: str | FilePath) -> FilePath:
     target = FilePath(file)
     if target.suffix.lower() not in FORMATS:
         raise InputError(
-            f'cannot write the figure "{target}": its name must end in {", ".join(FORMATS)}.'
+            f'cannot write the figure "{target}": its name must end in {" or ".join(FORMATS)}.'
         )
     check_writable(target)
     return target

@@ -119,12 +119,12 @@ def run() -> Measurement:
         about=(
             "Strips of three laminates, of which the second couples bending with twist and the "
             "third stretching with twist. Length 550 mm, clamped flat or rotated by 45° about "
-            "their axis, with a weight hung at the free end; the displacement of the point 500 mm "
-            "from the clamp (u1 towards the clamp, u2 sideways, u3 down). Minguet and Dugundji, "
-            "AIAA Journal 1990, doi 10.2514/3.25255, as digitised in AeroBeams.jl (MIT). The "
-            "section's stiffness is that of laminate theory in that paper; **no number is "
-            "fitted**. Digitising error about 1 mm; the strip's own weight is not known and left "
-            "out."
+            "their axis, with a weight hung at the free end; the displacement of the point 500 "
+            "mm from the clamp (u1 towards the clamp, u2 sideways, u3 down). Minguet and "
+            "Dugundji (`minguet1990`), AIAA Journal 1990, doi 10.2514/3.25255, as digitised in "
+            "AeroBeams.jl (MIT). The section's stiffness is that of laminate theory in that "
+            "paper; **no number is fitted**. Digitising error about 1 mm; the strip's own "
+            "weight is not known and left out."
         ),
         groups=groups,
         verdict=(

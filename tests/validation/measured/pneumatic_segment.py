@@ -91,11 +91,12 @@ def run() -> Measurement:
         name="pneumatic-segment",
         title="Pneumatic arm segment",
         about=(
-            "A segment of Dragon Skin 10, 100 mm long and 44.4 mm wide, hanging, with one chamber "
-            "at 100 to 450 mbar; tilt and displacement of the tip 0.6 s after the onset. Dubied "
-            "et al., arXiv 2201.12560 (MIT). The chamber's shape is not published: the model is a "
-            "linear solid square rod with a chamber line 14 mm off the axis, whose area is fitted "
-            f"to the tilt at 100 to 200 mbar ({1e6 * area:.0f} mm²)."
+            "A segment of Dragon Skin 10, 100 mm long and 44.4 mm wide, hanging, with one "
+            "chamber at 100 to 450 mbar; tilt and displacement of the tip 0.6 s after the "
+            "onset. Dubied et al. (`dubied2022`), arXiv 2201.12560 (MIT). The chamber's shape "
+            "is not published: the model is a linear solid square rod with a chamber line 14 mm "
+            "off the axis, whose area is fitted to the tilt at 100 to 200 mbar "
+            f"({1e6 * area:.0f} mm²)."
         ),
         groups=groups,
         verdict=(

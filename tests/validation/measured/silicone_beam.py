@@ -134,11 +134,12 @@ def run() -> Measurement:
         name="silicone-beam",
         title="Clamped silicone beam",
         about=(
-            "A beam of Dragon Skin 10, 30 × 30 × 100 mm, glued at one end, released from straight; "
-            "its weight and a force at the upper edge of its tip. Axial and vertical displacement "
-            "(u, w) of three markers at the tip, two recordings each. Dubied et al., "
-            "arXiv 2201.12560 (MIT). The model is a linear rod with bending, stretching and shear. "
-            "Uncertainty 0.3, 0.8 and 1.5 mm (repeats, and a held state that is not the same)."
+            "A beam of Dragon Skin 10, 30 × 30 × 100 mm, glued at one end, released from "
+            "straight; its weight and a force at the upper edge of its tip. Axial and vertical "
+            "displacement (u, w) of three markers at the tip, two recordings each. Dubied et "
+            "al. (`dubied2022`), arXiv 2201.12560 (MIT). The model is a linear rod with "
+            "bending, stretching and shear. Uncertainty 0.3, 0.8 and 1.5 mm (repeats, and a "
+            "held state that is not the same)."
         ),
         groups=groups,
         verdict=(

@@ -41,8 +41,7 @@ def is_made_of_fibres(rod: Rod) -> bool:
 
 def gauss_points(rod: Rod) -> NDArray[np.intp]:
     """Return which sample points of a rod are Gauss points."""
-    points = np.arange(rod.sample_count)
-    return np.flatnonzero(points % (rod.gauss_points + 1))
+    return rod.gauss_rule[0]
 
 
 def check_section(rod: Rod, path: str, materials: Materials, planar: bool) -> None:
@@ -194,7 +193,7 @@ def _shape(part: Part, x: float) -> sections.Rectangle | sections.Sector:
     return sections.Sector(y, z, inner, outer, half=part.shape.startswith("half"))
 
 
-def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
+def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> Array:
     """Return half of the width of a rod, along y.
 
     Parameters
@@ -205,17 +204,43 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
         The materials of the file.
     radius : (n,) array
         S at points along it [m].
+    points : (n,) array
+        Where they are, X in [0, 1].
     """
     if not is_made_of_fibres(rod):
         assert isinstance(rod.section, Solid)
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
-    for i, x in enumerate(np.linspace(0.0, 1.0, len(radius))):
+    for i, x in enumerate(points):
         piece = rod.pieces[rod.piece_at(x)]
         if not isinstance(piece, Stiffness):
             parts = _geometry(piece, rod.material, materials, float(x)).parts
             found[i] = max(part.shape.extent(float(radius[i]))[1] for part in parts)
     return found
+
+
+def roundness(rod: Rod, materials: Materials) -> float:
+    """Return S times the curvature of a rod's underside across in its middle; 0 where flat.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    """
+    section = rod.pieces[rod.piece_at(0.5)]
+    if isinstance(section, Solid):
+        ratio = section.ratio or 1.0
+        return 0.0 if section.kind == "rectangular" else 1.0 / ratio**2
+    if isinstance(section, Stiffness):
+        return 1.0
+    s = float(surface(rod.radius, np.array([0.5]))[0][0])
+    parts = _geometry(section, rod.material, materials, 0.5).parts
+    lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
+    if isinstance(lowest, sections.Rectangle) or lowest.half:
+        return 0.0
+    return s / lowest.outer.at(s)
 
 
 def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, ClassVar, Literal
 
 from flexor.model.schema.body_system import BodySystem
@@ -10,6 +11,7 @@ from flexor.model.schema.planar import about_y, in_plane
 from flexor.model.schema.points import Attachment
 from flexor.model.schema.table import Choice, Switch
 from flexor.model.schema.vector import ForceVector, MomentVector
+from flexor.model.units import FORCE, LOAD_FACTOR, MOMENT, Dimension
 
 
 class Wrench(Attachment, Force):
@@ -24,6 +26,12 @@ class Wrench(Attachment, Force):
     moment: MomentVector = MomentVector()
     frame: Annotated[Literal["world", "body"], Choice("world", "body")] = "world"
     input: Switch = False
+
+    @property
+    def load(self) -> Dimension:
+        """What the load of the path is: a force or moment itself where the vector has length 1."""
+        force, moment = (math.hypot(*each.components) for each in (self.force, self.moment))
+        return {(1.0, 0.0): FORCE, (0.0, 1.0): MOMENT}.get((force, moment), LOAD_FACTOR)
 
     def check(self, path: str, system: BodySystem) -> None:
         """Check that the point exists."""

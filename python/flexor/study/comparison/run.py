@@ -97,7 +97,7 @@ def compare(
         where a method needs that, or the folder cannot be used.
     """
     if budget < 1:
-        raise InputError(f"the budget must be at least 1 evaluation, got {budget}.")
+        raise InputError(f"budget is {budget}: it must be at least 1.")
     plan = Plan(
         problems=_problems(model, parameters, objective, force, engine_options),
         methods=_methods(methods),
@@ -212,7 +212,7 @@ def _listed(given: str | Sequence[Any], what: str) -> list[Any]:
 def _seeds(seeds: int | Sequence[int]) -> tuple[int, ...]:
     if isinstance(seeds, int):
         if seeds < 1:
-            raise InputError(f"there must be at least 1 seed, got {seeds}.")
+            raise InputError(f"seeds is {seeds}: it must be at least 1.")
         return tuple(range(seeds))
     chosen = tuple(int(seed) for seed in seeds)
     if not chosen or min(chosen) < 0 or len(set(chosen)) < len(chosen):
