@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.constants import weights
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
@@ -65,6 +66,11 @@ class Structure:
             else (PRESSURE if actuators[name].kind == "pressure" else FORCE)
             for name in self.inputs
         }
+
+    @property
+    def variants(self) -> dict[str, float]:
+        """Weights of the file's variants, by name; `flexor.load` applies one."""
+        return weights({"variants": self.file.variants}, self.name)
 
     @cached_property
     def pressures(self) -> tuple[str, ...]:
