@@ -7,8 +7,11 @@ use super::stability::{NULL, Stability};
 use super::vector::dot;
 use crate::Data;
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::state::Law;
 use crate::lie::LieGroup;
+use crate::linalg::Vector;
 use crate::model::Model;
+use crate::tree::Shape;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
 ///
@@ -32,6 +35,10 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Coordinates that nothing holds by themselves, at the tangent at hand.
     loose: Vec<usize>,
+    /// Parameters that hold stiffnesses far above those of the structure, with their values and softer ones.
+    stiff: Vec<(usize, [f64; 2])>,
+    /// Multiple of the structure's stiffness above which one is far above.
+    stiff_ratio: f64,
     /// What the load step at hand may still cost.
     pub(super) budget: Budget<'m>,
 }
@@ -51,7 +58,7 @@ const ROUNDINGS: f64 = 8.0;
 const MEANINGLESS: f64 = 1e-3;
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
-    pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>) -> Self {
+    pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
         let n = model.dof();
         let mut system = Self {
             model,
@@ -65,6 +72,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             loose: vec![],
+            stiff: vec![],
+            stiff_ratio,
             budget,
         };
         system.set_units();
@@ -84,6 +93,44 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         for (weight, own) in self.weight.iter_mut().zip(&units.own_energy) {
             *weight = units.energy / own;
+        }
+        self.find_stiff_terms();
+    }
+
+    fn find_stiff_terms(&mut self) {
+        let parameters = &self.data.design.geometry.parameters;
+        let lengths = self.model.bodies.iter().map(|body| match &body.shape {
+            Shape::Rod(rod) => parameters[self.model.rods[*rod].length],
+            Shape::Link(link) => parameters[link.length],
+        });
+        let length = lengths.fold(0.0, f64::max);
+        let energy = self.data.design.units.own_energy.iter().copied().fold(0.0, f64::max);
+        let limit = self.stiff_ratio * energy / (length * length);
+        let stiff = &mut self.stiff;
+        stiff.clear();
+        self.model.forces.for_each_stiffness::<G, D>(parameters, &mut |slot, multiple| {
+            if parameters[slot] * multiple > limit {
+                stiff.push((slot, [parameters[slot], limit / multiple]));
+            }
+        });
+    }
+
+    /// Whether springs or contacts are far stiffer than the structure.
+    pub(super) fn is_stiff(&self) -> bool {
+        !self.stiff.is_empty()
+    }
+
+    /// Makes these softer,
+    pub(super) fn soften(&mut self) {
+        for (slot, [_, softer]) in &self.stiff {
+            self.data.design.geometry.parameters[*slot] = *softer;
+        }
+    }
+
+    /// and as stiff as they are.
+    pub(super) fn harden(&mut self) {
+        for (slot, [own, _]) in &self.stiff {
+            self.data.design.geometry.parameters[*slot] = *own;
         }
     }
 
@@ -209,6 +256,27 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             largest = if size <= largest { largest } else { size };
         }
         if self.data.energy().is_finite() { largest } else { f64::NAN }
+    }
+
+    /// Evaluates the residual with stiff terms acting in both directions that have a kept force.
+    pub(super) fn evaluate_two_sided(&mut self) -> f64 {
+        self.data.law = Law::TwoSided;
+        let size = self.evaluate();
+        self.data.law = Law::Actual;
+        size
+    }
+
+    /// Evaluates the tangent at the current state with the forces kept: an iteration.
+    pub(super) fn evaluate_tangent_with_kept_forces(&mut self) {
+        self.data.law = Law::Kept;
+        self.data.evaluate_residual(self.model, &self.q, &self.load);
+        self.evaluate_tangent();
+        self.data.law = Law::Actual;
+    }
+
+    /// Keeps the forces of stiff terms after a motion of the points.
+    pub(super) fn keep_forces(&mut self, motion: &[Vector<P>]) {
+        self.data.keep_forces(self.model, motion);
     }
 
     /// Evaluates the tangent at the current state, after its residual: an iteration.

@@ -28,6 +28,9 @@ pub(super) struct TrustRegion {
     state: Vec<f64>,
     residual: Vec<f64>,
     moved: Vec<f64>,
+    /// The best state of an improved step, and a correction to it.
+    best: Vec<f64>,
+    correction: Vec<f64>,
 }
 
 impl TrustRegion {
@@ -40,6 +43,8 @@ impl TrustRegion {
             state: vec![0.0; dof],
             residual: vec![0.0; dof],
             moved: vec![0.0; dof],
+            best: vec![0.0; dof],
+            correction: vec![0.0; dof],
         }
     }
 
@@ -163,28 +168,27 @@ impl TrustRegion {
         lost: bool,
     ) -> (f64, bool) {
         let better = |found: f64, best: f64| found > best || !best.is_finite();
-        let mut best = system.state().to_vec();
+        self.best.copy_from_slice(system.state());
         let longest = self.options.max_correction * max_norm(&self.subproblem.step);
-        let mut correction = vec![0.0; best.len()];
         for _ in 0..if step.part > 0.0 { self.options.max_corrections } else { 0 } {
             // What the quadratic model leaves of the residual: H p = −part · g − shift · p.
             let linear = self.residual.iter().zip(&self.subproblem.step);
             let expected = linear.map(|(g, p)| (1.0 - step.part) * g - step.shift * p);
-            for ((c, r), e) in correction.iter_mut().zip(system.residual()).zip(expected) {
+            for ((c, r), e) in self.correction.iter_mut().zip(system.residual()).zip(expected) {
                 *c = e - r;
             }
-            system.solve(&mut correction);
-            if !(max_norm(&correction) <= longest) {
+            system.solve(&mut self.correction);
+            if !(max_norm(&self.correction) <= longest) {
                 break;
             }
-            system.advance(&correction);
+            system.advance(&self.correction);
             system.evaluate();
             let found = self.gain(system, energy, lost);
             if !better(found, *actual) {
                 break;
             }
             *actual = found;
-            best.copy_from_slice(system.state());
+            self.best.copy_from_slice(system.state());
         }
         let search = step.definite && !(*actual > self.options.poor_ratio * step.decrease);
         if search {
@@ -197,7 +201,7 @@ impl TrustRegion {
                 let found = self.gain(system, energy, lost);
                 if finite && better(found, *actual) {
                     *actual = found;
-                    best.copy_from_slice(system.state());
+                    self.best.copy_from_slice(system.state());
                 }
                 // The energy falls at first; it is lowest where its slope changes sign.
                 let slope = dot(system.residual(), &self.subproblem.step);
@@ -221,7 +225,7 @@ impl TrustRegion {
                 };
             }
         }
-        system.set_state(&best);
+        system.set_state(&self.best);
         (system.evaluate(), search)
     }
 
