@@ -120,6 +120,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             } else {
                 status = Status::NotReached;
             }
+            if status == Status::Stalled {
+                self.system.measure_accuracy(self.options.tolerance);
+            }
             let iterations = self.system.budget.iterations();
             let stability = match status {
                 Status::Converged => self.system.stability(),

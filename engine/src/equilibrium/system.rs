@@ -35,6 +35,10 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Coordinates that nothing holds by themselves, at the tangent at hand.
     loose: Vec<usize>,
+    /// Whether forces balance but for rounding that is a large share of them.
+    lost_in_rounding: bool,
+    /// Coordinates that ran away in the last minimisation.
+    runaway: Vec<usize>,
     /// Parameters that hold stiffnesses far above those of the structure, with their values and softer ones.
     stiff: Vec<(usize, [f64; 2])>,
     /// Multiple of the structure's stiffness above which one is far above.
@@ -55,7 +59,9 @@ pub struct Accuracy {
 /// Rounding of a residual, in units of what one rounding of its terms makes.
 const ROUNDINGS: f64 = 8.0;
 /// Where rounding alone is more than this share of the forces, nothing is solved.
-const MEANINGLESS: f64 = 1e-3;
+const MEANINGLESS: f64 = 1e-2;
+/// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
+const RUNAWAY: [f64; 2] = [1e3, 1e4];
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
@@ -72,6 +78,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             loose: vec![],
+            lost_in_rounding: false,
+            runaway: vec![],
             stiff: vec![],
             stiff_ratio,
             budget,
@@ -338,9 +346,27 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         })
     }
 
-    /// The coordinates of which the motions consist that nothing holds; empty where there are none.
+    /// Coordinates held fixed in the factor at hand, as nothing holds them.
+    pub(super) fn pinned(&self) -> &[usize] {
+        self.factor.pinned()
+    }
+
+    /// Whether coordinates that elasticity does not hold have run away from `start`.
+    pub(super) fn has_run_away(&mut self, start: &[f64]) -> bool {
+        let units = &self.data.design.units;
+        self.runaway.clear();
+        for (i, (q, s)) in self.q.iter().zip(start).enumerate().filter(|(i, _)| !units.elastic[*i]) {
+            if (q - s).abs() > RUNAWAY[usize::from(units.is_length(i))] * units.natural[i] {
+                self.runaway.push(i);
+            }
+        }
+        !self.runaway.is_empty()
+    }
+
+    /// The coordinates of which the motions consist that nothing holds, or which ran away; empty where there
+    /// are none.
     pub(super) fn free_coordinates(&self) -> Vec<usize> {
-        let mut free = vec![];
+        let mut free = self.runaway.clone();
         for mode in self.factor.null_modes() {
             let most = mode.iter().fold(0.0f64, |m, z| m.max(z.abs()));
             let joints: Vec<usize> = self.model.joints.iter().map(|joint| joint.dof).collect();
@@ -399,7 +425,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
         let n = self.q.len();
         let (units, tangent) = (&self.data.design.units, self.data.tangent());
-        let mut worst = 0.0;
+        let (mut worst, mut balanced, mut meaningless) = (0.0, true, false);
         self.accuracy = Accuracy { residual: 0.0, tolerance };
         for (i, g) in self.data.residual().iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
@@ -410,19 +436,33 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;
-            let excess = if *g == 0.0 { 0.0 } else { g.abs() / allowed };
-            let largest = unit.max(units.stiffness[i] * units.natural[i]);
-            let accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
-            if !(excess <= 1.0) || *g != 0.0 && rounding > MEANINGLESS * largest {
-                self.accuracy = accuracy;
-                return false;
+            if *g == 0.0 {
+                continue;
             }
+            let largest = unit.max(units.stiffness[i] * units.natural[i]);
+            let (excess, share) = (g.abs() / allowed, rounding / (MEANINGLESS * largest));
+            balanced &= excess <= 1.0;
+            meaningless |= share > 1.0;
+            let excess = excess.max(share);
             if excess > worst {
                 worst = excess;
-                self.accuracy = accuracy;
+                self.accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
             }
         }
-        true
+        self.lost_in_rounding = balanced && meaningless;
+        balanced && !meaningless
+    }
+
+    /// Finds how well forces balance in the current state.
+    pub(super) fn measure_accuracy(&mut self, tolerance: f64) {
+        self.evaluate();
+        self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
+        self.is_balanced(tolerance);
+    }
+
+    /// Whether forces balanced to rounding, but rounding is too large a share of them.
+    pub(super) fn is_lost_in_rounding(&self) -> bool {
+        self.lost_in_rounding
     }
 
     /// How well forces balance, as found last.

@@ -24,6 +24,8 @@ pub(super) struct TrustRegion {
     options: TrustRegionOptions,
     newton: NewtonOptions,
     subproblem: Subproblem,
+    /// Where the minimisation began.
+    start: Vec<f64>,
     /// The state and residual that a rejected step goes back to.
     state: Vec<f64>,
     residual: Vec<f64>,
@@ -40,6 +42,7 @@ impl TrustRegion {
             options,
             newton,
             subproblem,
+            start: vec![0.0; dof],
             state: vec![0.0; dof],
             residual: vec![0.0; dof],
             moved: vec![0.0; dof],
@@ -56,6 +59,7 @@ impl TrustRegion {
         target: Target,
     ) -> Status {
         let Target { tolerance, tangent_reuse } = target;
+        self.start.copy_from_slice(system.state());
         let mut size = system.evaluate();
         if !size.is_finite() {
             return Status::Diverged;
@@ -73,9 +77,14 @@ impl TrustRegion {
             let Some(step) = self.subproblem.solve(system, radius, tolerance) else { break Status::Diverged };
             let length = norm(&self.subproblem.step);
             let longest = max_norm(&self.subproblem.step);
-            if step.definite && longest <= self.newton.small_step && system.is_balanced(tolerance) {
-                system.factorise(0.0);
-                break Status::Converged;
+            if step.definite && longest <= self.newton.small_step {
+                if system.is_balanced(tolerance) {
+                    system.factorise(0.0);
+                    break Status::Converged;
+                }
+                if system.is_lost_in_rounding() {
+                    break Status::Stalled;
+                }
             }
             if radius < self.options.min_radius {
                 break Status::Stalled;
@@ -113,7 +122,7 @@ impl TrustRegion {
                 continue;
             }
             unrestrained = if step.free { unrestrained + 1 } else { 0 };
-            if unrestrained > self.options.max_free_steps {
+            if unrestrained > self.options.max_free_steps || system.has_run_away(&self.start) {
                 break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };

@@ -105,7 +105,7 @@ def report(path: Path) -> None:
     """Print a path as a table, and its events."""
     import numpy as np
 
-    from flexor.model import explained
+    from flexor.model import explained, why_stalled
 
     angular = path.model.angular_joints
     columns = [path.model.joints.index(name) for name in angular]
@@ -150,6 +150,8 @@ def report(path: Path) -> None:
     failed = path.status[~path.converged]
     if len(failed):
         say(explained(failed[0]))
+    if "stalled" in failed:
+        say(why_stalled(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")

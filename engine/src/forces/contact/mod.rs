@@ -38,7 +38,6 @@ pub(crate) struct ContactState<const P: usize> {
     kept: Vec<(usize, KeptForce)>,
 }
 
-
 /// A summary of the contacts of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {

@@ -79,7 +79,12 @@ impl<const P: usize> ContactPair<P> {
 
     /// Takes over the force kept of it, if the law says so; `k` is its stiffness. `false` where it does not
     /// act.
-    pub fn take_force<'a>(&mut self, law: Law, k: f64, mut kept: impl Iterator<Item = &'a KeptForce>) -> bool {
+    pub fn take_force<'a>(
+        &mut self,
+        law: Law,
+        k: f64,
+        mut kept: impl Iterator<Item = &'a KeptForce>,
+    ) -> bool {
         let found = kept.find(|force| self.has(force));
         if found.is_none() && self.overlap <= 0.0 {
             return false;
