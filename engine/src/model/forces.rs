@@ -163,6 +163,23 @@ macro_rules! registry {
                 $(self.$name.for_each_switch(at, &states.$name, margin, visit);)*
             }
 
+            pub fn for_each_stiffness<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                parameters: &[f64],
+                visit: &mut impl FnMut(usize, f64),
+            ) {
+                $(ForceElement::<G, D, P>::for_each_stiffness(&self.$name, parameters, visit);)*
+            }
+
+            pub fn keep<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                motion: &[Vector<P>],
+                states: &mut States<P>,
+            ) {
+                $(self.$name.keep(at, motion, &mut states.$name);)*
+            }
+
             pub fn are_at_threshold<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 at: &State<G, D, P>,
