@@ -7,8 +7,6 @@ from importlib import resources
 import numpy as np
 import pytest
 
-import flexor
-from flexor import _engine
 from flexor.model import Model, Path, parse
 
 COLUMN = """

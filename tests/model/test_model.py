@@ -61,7 +61,7 @@ def test_design_space(finger: Model) -> None:
     assert space.length_bounds == (0.06, 0.14)
     assert space.radius_bounds == (0.004, 0.012)
     assert space.minimum_radius == 0.005
-    assert finger.evaluation_forces.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
+    assert finger.evaluation_loads[:, 0].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 def test_sample_points_are_the_ones_the_description_used(finger: Model) -> None:

@@ -220,7 +220,7 @@ class State(Results):
 
     def __repr__(self) -> str:
         ends = str(self.stability)
-        load = self.model.show_load(float(self.force))
+        load = self.model.show_loads(self.loads)
         return f"<State of {self.model.name!r}: {load}, {self.status}, {ends}>"
 
     def frames(self) -> dict[str, Array]:
@@ -294,7 +294,7 @@ class Path(Results):
         worst = failed[0] if len(failed) else ""
         ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
-        steps = f"{len(self)} steps to {self.model.show_load(self.force[-1])}"
+        steps = f"{len(self)} steps to {self.model.show_loads(self.loads[-1])}"
         return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"
 
     def __len__(self) -> int:

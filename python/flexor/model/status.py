@@ -5,6 +5,7 @@ The engine has the statuses (`flexor._engine.STATUS`); this says them to people.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -68,8 +69,11 @@ def why_stalled(path: Path) -> str:
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
     said = f"residual {residual:.2g} of the forces, where rounding allows for {tolerance:.2g}"
     model = path.model
-    tables = {"contacts": model.file.contacts, "springs": model.file.springs}
-    tables["obstacles"] = model.file.obstacles
+    tables: dict[str, Iterable[str]] = {
+        "contacts": model.file.contacts,
+        "springs": model.file.springs,
+        "obstacles": model.file.obstacles,
+    }
     stiff = [
         (float(model.parameters[model.engine.slots[f"{name}.stiffness"][0]]), f"{table}.{name}")
         for table, entries in tables.items()

@@ -13,6 +13,7 @@ from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
+from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.units import FORCE, PRESSURE, Dimension
@@ -83,6 +84,13 @@ class Structure:
         """Format a load of an input with its unit, such as ``"60 kPa"``."""
         size, unit = self.load_unit(index)
         return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
+
+    def show_loads(self, loads: Array) -> str:
+        """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
+        shown = [self.show_load(load, index=index) for index, load in enumerate(loads.tolist())]
+        if len(shown) > 1:
+            shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
+        return ", ".join(shown) or "0 N"
 
     @cached_property
     def rods(self) -> tuple[str, ...]:
@@ -177,16 +185,35 @@ class Structure:
         return self.engine.parameters
 
     @cached_property
-    def evaluation_forces(self) -> Array:
-        """Loads at which a design is evaluated, from zero in the file's steps [N or Pa]."""
+    def evaluation_loads(self) -> Array:
+        """Loads at which a design is evaluated, (steps, inputs) [N or Pa].
+
+        Those of the file's ``[evaluation]``: its ``loads``, or for one input from zero in steps.
+
+        Raises
+        ------
+        InputError
+            If it does not say.
+        """
         evaluation = self.file.evaluation
+        if evaluation.loads:
+            try:
+                return loads(evaluation.loads, self.input_dimensions)
+            except InputError as error:
+                raise InputError(f"evaluation.loads: {error}") from None
+        if len(self.inputs) > 1:
+            raise InputError(
+                f'the model "{self.name}" has {len(self.inputs)} inputs: give the load of each, as '
+                f"evaluation.loads, or by name such as --load {self.inputs[0]}=..."
+            )
         last, step = float(evaluation.force), float(evaluation.step)
-        if self.inputs and self.input_dimensions[self.inputs[0]] is PRESSURE:
+        if self.pressures:
             if evaluation.pressure is None:
                 raise InputError(f'the model "{self.name}" has no evaluation.pressure: give it.')
             last = float(evaluation.pressure)
             step = float(evaluation.pressure_step or last / 5.0)
-        return np.linspace(0.0, last, max(1, round(last / step)) + 1)
+        column = np.linspace(0.0, last, max(1, round(last / step)) + 1)[:, None]
+        return column if self.inputs else np.zeros((len(column), 0))
 
     def slot(self, name: str, parameters: Array | None = None) -> Array:
         """Return parameters of the engine by name.

@@ -76,13 +76,14 @@ def designs(
     matplotlib.figure.Figure
         One page wide; the titles state the sum of the joint angles at the last load.
     """
+    shown = start_path.model.show_loads
     panels = [
         Design(
             title=title,
             first=read_scene(path, 0),
             last=read_scene(path, -1),
-            first_load=path.model.show_load(path.force[0]),
-            last_load=path.model.show_load(path.force[-1]),
+            first_load=shown(path.loads[0]),
+            last_load=shown(path.loads[-1]),
             bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
         )
         for title, path in zip(titles, (start_path, best_path), strict=True)

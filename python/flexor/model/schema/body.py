@@ -13,7 +13,7 @@ from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
-from flexor.model.schema.section import Section, Solid
+from flexor.model.schema.section import Section, Sections, Solid
 from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
 from flexor.model.schema.table import Choice, Count, Name, Switch, Table, one_of
@@ -64,7 +64,7 @@ class Rod(Table):
     joint: Joint = FixedJoint(kind="fixed")
     length: PositiveLength
     radius: RodRadius
-    section: Section = Solid(kind="circular")
+    section: Sections = Solid(kind="circular")
     material: Name | None = None
     skin: Skin | None = None
     tip: PositiveLength | None = None
@@ -103,6 +103,38 @@ class Rod(Table):
             tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
             raise field_error(tail, path="tip")
         return self
+
+    def _check_pieces(self) -> Rod:
+        """Check that sections follow one another from base to tip."""
+        if not isinstance(self.section, tuple):
+            if self.section.span is not None:
+                raise field_error("is given, but the rod has one section", path="section.span")
+            return self
+        end = 0.0
+        for index, piece in enumerate(self.section):
+            path = f"section[{index}].span"
+            if piece.span is None:
+                raise field_error("is missing: give where the section begins and ends", path=path)
+            if piece.span[0] != end or not piece.span[1] > end:
+                tail = f"is {list(piece.span)}: it must begin at {end:g} and end after that"
+                raise field_error(tail, path=path)
+            end = piece.span[1]
+            if self.point_at(end) is None:
+                tail = f"ends at {end:g}: it must be an element boundary, a multiple of 1/"
+                raise field_error(f"{tail}{self.elements}", path=path)
+        if end != 1.0:
+            raise field_error(f"ends at {end:g}: the last section must end at 1", path=path)
+        return self
+
+    @property
+    def pieces(self) -> tuple[Section, ...]:
+        """The sections from base to tip."""
+        return self.section if isinstance(self.section, tuple) else (self.section,)
+
+    def piece_at(self, point: float) -> int:
+        """Return which of the sections is at X in [0, 1], the earlier one where two meet."""
+        ends = [1.0 if piece.span is None else piece.span[1] for piece in self.pieces]
+        return next(index for index, end in enumerate(ends) if point <= end)
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:

@@ -100,7 +100,7 @@ class ModelFile(BodySystem):
         self._check_size()
         for name, body in self.bodies.items():
             if isinstance(body, Rod):
-                check_section(body, f"bodies.{name}", self.materials)
+                check_section(body, f"bodies.{name}", self.materials, self.planar)
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():
