@@ -10,6 +10,7 @@ use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
+use crate::tree::Shape;
 
 /// A reusable workspace; evaluating and solving allocate no memory.
 #[derive(Clone, Debug)]
@@ -147,7 +148,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
     pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
-        model.forces.contacts.summary(&self.design.geometry.parameters, &self.assembly.forces.contacts)
+        self.summary_and_tip(model).0
+    }
+
+    /// Unit vector of the contact force on the tip, if something touches it.
+    pub(crate) fn tip_direction(&self, model: &Model<G, D, P>) -> Option<Vector<P>> {
+        let (summary, tip) = self.summary_and_tip(model);
+        (summary.tip_force > 0.0).then(|| tip * (1.0 / summary.tip_force))
+    }
+
+    fn summary_and_tip(&self, model: &Model<G, D, P>) -> (ContactSummary, Vector<P>) {
+        let (parameters, states) = (&self.design.geometry.parameters, &self.assembly.forces);
+        let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
+        model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
+        model.forces.foundations.summarise(&states.foundations, &mut summary, &mut tip);
+        summary.tip_force = tip.norm();
+        (summary, tip)
     }
 
     /// Length of each actuator's path [m] at the state `q`.
@@ -165,9 +181,38 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
-    /// Least and greatest stretch of the fibres of each material at the state `q`.
+    /// Force on each half-space along its normal [N] at the last state evaluated.
+    pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        let at = self.state(model, &[], &[]);
+        model.forces.half_spaces.forces(&at, &self.assembly.forces.half_spaces)
+    }
+
+    /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are
+    /// none.
     pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
-        model.forces.fibres.stretches(&model.tree, &self.design.geometry.parameters, q, out);
+        out.fill(f64::NAN);
+        let p = &self.design.geometry.parameters;
+        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, _, stretch| {
+            out[2 * m] = out[2 * m].min(stretch);
+            out[2 * m + 1] = out[2 * m + 1].max(stretch);
+        });
+    }
+
+    /// Frames where these are.
+    pub fn stretch_frames(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<[Option<usize>; 2]> {
+        let mut ends = vec![0.0; 2 * model.material_count()];
+        self.stretches(model, q, &mut ends);
+        let mut frames = vec![[None; 2]; model.material_count()];
+        let p = &self.design.geometry.parameters;
+        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, [rod, point], stretch| {
+            let body = model.bodies.iter().find(|b| matches!(b.shape, Shape::Rod(r) if r == rod));
+            for (end, frame) in frames[m].iter_mut().enumerate() {
+                if frame.is_none() && stretch == ends[2 * m + end] {
+                    *frame = body.map(|body| body.base_frame + point);
+                }
+            }
+        });
+        frames
     }
 
     /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of

@@ -73,6 +73,8 @@ pub struct ContactForce<const P: usize> {
     pub force: Vector<P>,
     /// Overlap d [m].
     pub depth: f64,
+    /// Largest pressure [Pa], on an elastic foundation.
+    pub pressure: Option<f64>,
     /// Middle of the overlap [m].
     pub point: Vector<P>,
 }

@@ -92,6 +92,19 @@ impl<const P: usize> HalfSpaces<P> {
         Ok(Self(built))
     }
 
+    /// Force on each half-space along its normal [N], from what the residual left.
+    pub fn forces<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &HalfSpaceState,
+    ) -> Vec<f64> {
+        let mut forces = vec![0.0; self.0.len()];
+        for Pressed { half_space, depth, .. } in &state.pressed {
+            forces[*half_space] += at.parameters()[self.0[*half_space].stiffness] * depth;
+        }
+        forces
+    }
+
     /// Visits the spheres that lack less than `margin` of a half-space.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize>(
@@ -266,6 +279,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 cone: false,
                 force: normal * (k * depth),
                 depth,
+                pressure: None,
                 point: *at.point(point) - normal * inward,
             });
         }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import Event
+from flexor.model.extremes import Extreme
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loading import load
 from flexor.model.loads import forces
@@ -22,6 +23,7 @@ __all__ = [
     "ContactForces",
     "DesignSpace",
     "Event",
+    "Extreme",
     "Geometry",
     "GeometryJacobian",
     "Model",

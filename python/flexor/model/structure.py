@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,15 @@ class Structure:
         return tuple(joint["name"] for joint in self.engine.joints)
 
     @cached_property
+    def joint_labels(self) -> dict[str, str]:
+        """Short names of the joints' coordinates: the body's, where its joint has one."""
+        bodies = [joint["body"] for joint in self.engine.joints]
+        return {
+            joint["name"]: joint["body"] if bodies.count(joint["body"]) == 1 else joint["name"]
+            for joint in self.engine.joints
+        }
+
+    @cached_property
     def angular_joints(self) -> tuple[str, ...]:
         """Names of the joints' coordinates that are angles."""
         return tuple(joint["name"] for joint in self.engine.joints if joint["unit"] == "rad")
@@ -116,10 +126,34 @@ class Structure:
         return {name: stop - start for name, (start, stop) in groups.items()}
 
     @cached_property
+    def _described(self) -> dict[str, Any]:
+        described: dict[str, Any] = json.loads(self._description)
+        return described
+
+    @property
+    def foundations(self) -> list[dict[str, Any]]:
+        """Contacts through skins, as described to the engine."""
+        found: list[dict[str, Any]] = self._described.get("foundations", [])
+        return found
+
+    @cached_property
+    def sphere_places(self) -> tuple[tuple[str, float | None], ...]:
+        """Body of each sphere, and X if it is a rod."""
+        found: list[tuple[str, float | None]] = []
+        for group in self._described.get("spheres", ()):
+            for sphere in group["spheres"]:
+                body, station = self.file.bodies[sphere["body"]], sphere["station"]
+                point = station["point"] if isinstance(body, Rod) else None
+                x = None if point is None else float(body.sample_points[point])  # type: ignore[union-attr]
+                found.append((sphere["body"], x))
+        return tuple(found)
+
+    @cached_property
     def first_spheres(self) -> int:
-        """Number of spheres of the contacts' first groups."""
+        """Number of spheres of the contacts' first groups, and of points of rods with a skin."""
         groups = {contact.first for contact in self.file.contacts.values()}
-        return sum(self.sphere_groups[name] for name in groups)
+        skins = sum(sum(w > 0.0 for w in each["weights"]) for each in self.foundations)
+        return sum(self.sphere_groups[name] for name in groups) + skins
 
     @cached_property
     def design(self) -> DesignSpace:

@@ -16,7 +16,7 @@ from flexor.plot.history import read_history
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
-from flexor.plot.reading import read_scene
+from flexor.plot.reading import marked, read_scene
 from flexor.plot.style import save, writable
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ def path(path: Path) -> Figure:
         found = np.flatnonzero(path.converged)
         steps = found[np.unique(np.linspace(0, len(found) - 1, MOST_SCENES).round().astype(int))]
     scenes = [read_scene(path, int(step)) for step in steps]
+    if scenes and path.converged[steps[-1]]:
+        scenes[-1] = marked(scenes[-1], path, int(steps[-1]))
     planar_model = path.model.planar
     size, unit = path.model.load_unit()
     loads = path.force[list(steps)] / size

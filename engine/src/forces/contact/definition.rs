@@ -106,7 +106,7 @@ impl Contact {
             let frame = tree.points[tree.spheres[sphere].point].frame;
             tree.keep_jacobian(frame);
         }
-        let cones = round_cones(&field("cones"), contact, &second)?;
+        let cones = round_cones(&field("cones"), &contact.cones, &second)?;
         let (found, count) = (contact.weights.len(), first.len());
         if found != 0 && found != count {
             let problem = format!("found {found} values, the group has {count} spheres");
@@ -172,15 +172,15 @@ impl Contact {
     }
 }
 
-/// The round cones of a contact.
-fn round_cones(
+/// The round cones that a group of spheres spans.
+pub(crate) fn round_cones(
     field: &str,
-    contact: &ContactDescription,
+    described: &[RoundConeDescription],
     second: &Range<usize>,
 ) -> Result<Vec<RoundCone>, ModelError> {
     let count = second.len();
-    let mut cones = Vec::with_capacity(contact.cones.len());
-    for (c, cone) in contact.cones.iter().enumerate() {
+    let mut cones = Vec::with_capacity(described.len());
+    for (c, cone) in described.iter().enumerate() {
         if let Some(i) = cone.ends.iter().find(|i| **i >= count) {
             let problem = format!("found index {i}, the group has {count} spheres");
             return Err(ModelError::new(field, problem));

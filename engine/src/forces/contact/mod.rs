@@ -8,10 +8,12 @@ mod sliding;
 mod sphere;
 mod threshold;
 
-pub(crate) use definition::Contact;
+pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 use pair::KeptForce;
+pub(crate) use round_cone::{Closest, closest, is_far};
+pub(crate) use sphere::direction;
 
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
@@ -45,8 +47,12 @@ pub struct ContactSummary {
     pub pairs: u32,
     /// Spheres of the contacts' first groups that touch.
     pub touching: u32,
-    /// Magnitude of the resultant contact force on the tip spheres [N].
+    /// Magnitude of the resultant contact force on the tip [N].
     pub tip_force: f64,
+    /// Largest overlap [m].
+    pub overlap: f64,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: f64,
 }
 
 impl Contacts {
@@ -87,21 +93,24 @@ impl Contacts {
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
-    pub fn summary<const P: usize>(&self, parameters: &[f64], state: &ContactState<P>) -> ContactSummary {
-        let mut summary = ContactSummary::default();
-        let mut tip = Vector::<P>::ZERO;
+    pub fn summarise<const P: usize>(
+        &self,
+        parameters: &[f64],
+        state: &ContactState<P>,
+        summary: &mut ContactSummary,
+        tip: &mut Vector<P>,
+    ) {
         let mut last = None;
         for (contact, k, pair) in self.pairs(parameters, state) {
             let this = Some((std::ptr::from_ref(contact), pair.first));
             summary.pairs += u32::from(pair.weight > 0.0);
             summary.touching += u32::from(this != last);
             last = this;
+            summary.overlap = summary.overlap.max(pair.overlap);
             if contact.is_tip(pair.first) {
-                tip += pair.normal * (k * pair.overlap);
+                *tip += pair.normal * (k * pair.overlap);
             }
         }
-        summary.tip_force = tip.norm();
-        summary
     }
 
     /// Visits the pairs of a contact that touch, or lack less than `margin` of it and have negative
@@ -318,6 +327,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 nearest: Some(pair.second[usize::from(pair.t >= 0.5)]),
                 force,
                 depth: pair.overlap,
+                pressure: None,
                 point: *at.point(at.tree.spheres[pair.first].point) - pair.normal * inward,
             });
         }
@@ -365,20 +375,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
 /// The tip force F_t, the resultant of contact on the tip spheres.
 impl Contacts {
-    /// Unit vector of the tip force, if something touches the tip.
-    pub fn tip_direction<const P: usize>(
-        &self,
-        parameters: &[f64],
-        state: &ContactState<P>,
-    ) -> Option<Vector<P>> {
-        let mut resultant = Vector::<P>::ZERO;
-        for (_, k, pair) in self.tip_pairs(parameters, state) {
-            resultant += pair.normal * (k * pair.overlap);
-        }
-        let size = resultant.norm();
-        (size > 0.0).then(|| resultant * (1.0 / size))
-    }
-
     /// Adds ∂F_t/∂p with frames and points held.
     pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,

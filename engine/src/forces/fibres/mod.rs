@@ -106,15 +106,14 @@ impl FibreSections {
         self.materials.len()
     }
 
-    /// Least and greatest stretch of the fibres of each material; NaN where there are none.
-    pub fn stretches<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the stretch of each fibre, with its material and its rod's index and sample point.
+    pub fn for_each_stretch<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
-        out: &mut [f64],
+        mut visit: impl FnMut(usize, [usize; 2], f64),
     ) {
-        out.fill(f64::NAN);
         for fibre_rod in &self.rods {
             let rod = &tree.rods[fibre_rod.rod];
             let length = p[rod.length];
@@ -125,8 +124,7 @@ impl FibreSections {
                     let fibre = Fibre::new(n, s);
                     let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
                     let stretch = fibre.stretch * (1.0 + strain[3] + bent);
-                    out[2 * m] = out[2 * m].min(stretch);
-                    out[2 * m + 1] = out[2 * m + 1].max(stretch);
+                    visit(m, [fibre_rod.rod, gauss.point], stretch);
                 }
             }
         }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor._engine import sample_points
@@ -13,8 +14,9 @@ from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
 from flexor.model.schema.section import Section, Solid
+from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
-from flexor.model.schema.table import Choice, Count, Name, Table, one_of
+from flexor.model.schema.table import Choice, Count, Name, Switch, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
@@ -64,6 +66,9 @@ class Rod(Table):
     radius: RodRadius
     section: Section = Solid(kind="circular")
     material: Name | None = None
+    skin: Skin | None = None
+    tip: PositiveLength | None = None
+    self_contact: Switch | None = None
     young_modulus: PositiveModulus | None = None
     poisson_ratio: (
         Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)] | None
@@ -87,6 +92,16 @@ class Rod(Table):
                 raise field_error(tail, path=key)
         if not own and self.density > 0.0:
             raise field_error("is given, but the mass is that of the section", path="density")
+        return self
+
+    @model_validator(mode="after")
+    def _check_tip(self) -> Rod:
+        for key in ("tip", "self_contact"):
+            if getattr(self, key) is not None and self.skin is None:
+                raise field_error("is given without a skin, through which the rod touches", key)
+        if self.tip is not None and self.tip > self.length:
+            tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
+            raise field_error(tail, path="tip")
         return self
 
     @model_validator(mode="after")
@@ -127,6 +142,14 @@ class Rod(Table):
         """Number of sample points: element ends and Gauss points."""
         return self.elements * (self.gauss_points + 1) + 1
 
+    @property
+    def gauss_rule(self) -> tuple[NDArray[np.intp], Array]:
+        """Which sample points are Gauss points, and their shares of the length, each (G,)."""
+        points = np.arange(self.sample_count)
+        _, weights = np.polynomial.legendre.leggauss(self.gauss_points)
+        shares = np.tile(0.5 * weights / self.elements, self.elements)
+        return np.flatnonzero(points % (self.gauss_points + 1)), shares
+
     def point_at(self, fraction: float) -> int | None:
         """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
@@ -144,6 +167,7 @@ class Link(Table):
     joint: Joint = FixedJoint(kind="fixed")
     length: PositiveLength
     radius: LinkRadius
+    skin: Skin | None = None
     density: Density = units.DENSITY.si(0.0)
 
     @model_validator(mode="after")

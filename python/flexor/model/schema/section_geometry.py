@@ -40,8 +40,7 @@ def is_made_of_fibres(rod: Rod) -> bool:
 
 def gauss_points(rod: Rod) -> NDArray[np.intp]:
     """Return which sample points of a rod are Gauss points."""
-    points = np.arange(rod.sample_count)
-    return np.flatnonzero(points % (rod.gauss_points + 1))
+    return rod.gauss_rule[0]
 
 
 def check_section(rod: Rod, path: str, materials: Materials) -> None:
@@ -184,6 +183,29 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
         return radius
     parts = geometries(rod, materials)[0].parts
     return np.array([max(part.shape.extent(float(s))[1] for part in parts) for s in radius])
+
+
+def roundness(rod: Rod, materials: Materials) -> float:
+    """Return S times the curvature of a rod's underside across; 0 where it is flat.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    """
+    if isinstance(rod.section, Solid):
+        ratio = rod.section.ratio or 1.0
+        return 0.0 if rod.section.kind == "rectangular" else 1.0 / ratio**2
+    if isinstance(rod.section, Stiffness):
+        return 1.0
+    s = float(surface(rod.radius, np.array([0.5]))[0][0])
+    parts = geometries(rod, materials)[0].parts
+    lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
+    if isinstance(lowest, sections.Rectangle) or lowest.half:
+        return 0.0
+    return s / lowest.outer.at(s)
 
 
 def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dict[str, Any]:
