@@ -36,7 +36,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            width = half_width(body, model.file.materials, height)
+            width = half_width(body, model.file.materials, height, _at(station, body.sample_points))
             rods[name] = Rod(name, fine, height, width)
             stations[name] = station
         else:
