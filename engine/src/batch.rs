@@ -142,12 +142,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         let design = row.design;
         row.free.extend(report.free.iter().map(|coordinate| [design, index, *coordinate]));
         row.iterations[index] = report.iterations as u32;
+        if report.status.is_equilibrium() || report.status == Status::Stalled {
+            row.residual[index] = report.accuracy.residual;
+            row.tolerance[index] = report.accuracy.tolerance;
+        }
         if !report.status.is_equilibrium() {
             return;
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
-        row.residual[index] = report.accuracy.residual;
-        row.tolerance[index] = report.accuracy.tolerance;
         row.energy[index] = system.data().energy();
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;

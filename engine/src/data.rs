@@ -5,7 +5,7 @@ use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, Switch};
 use crate::forces::magnitudes::Magnitudes;
-use crate::forces::state::State;
+use crate::forces::state::{Law, State};
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
@@ -18,6 +18,8 @@ pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
     pub(crate) kinematics: Kinematics<G, D, P>,
     pub(crate) assembly: Assembly<D, P>,
+    /// How stiff terms make forces of distances.
+    pub(crate) law: Law,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
@@ -27,6 +29,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             design: Design::new(model),
             kinematics: Kinematics::new(&model.tree),
             assembly: Assembly::new(model),
+            law: Law::Actual,
         }
     }
 
@@ -46,10 +49,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, law } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         kinematics.update(tree, geometry, q);
-        assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load });
+        assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load, law });
     }
 
     /// Computes the tangent that goes with the last residual, given its state and load once more.
@@ -60,9 +64,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The same, but of a tangent with the form of a chain only what its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, law } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
-        assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load });
+        assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load, law });
     }
 
     /// Completes it.
@@ -112,7 +117,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         load: &'a [f64],
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
-        State { tree, geometry, kinematics: &self.kinematics, q, load }
+        State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
     /// How large the forces on each coordinate are at the state whose tangent was evaluated last, given its
@@ -176,6 +181,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
+    /// Tension of each strap around a link [N] at the last state evaluated.
+    pub fn loop_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.loops.tensions(&self.assembly.forces.loops)
+    }
+
     /// Force on each half-space along its normal [N] at the last state evaluated.
     pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
         let at = self.state(model, &[], &[]);
@@ -224,11 +234,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
     }
 
+    /// Keeps the forces that springs and contacts would have after a motion of the points, distances to first
+    /// order, at the state evaluated last.
+    pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &[Vector<P>]) {
+        let Self { design, kinematics, assembly, law } = self;
+        let (tree, geometry) = (&model.tree, &design.geometry);
+        let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
+        model.forces.keep(&at, motion, &mut assembly.forces);
+    }
+
     /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, law } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
-        assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[] });
+        assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[], law });
     }
 
     /// World twists of the frames and velocities of the points as the coordinates change at `rates`, in

@@ -53,9 +53,6 @@ class AnalyticModel:
         self.evaluation_loads = np.arange(6.0)[:, None]
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
-    def show_load(self, load: float) -> str:
-        return f"{load:g} N"
-
     def show_loads(self, loads: Any) -> str:
         return f"{loads[0]:g} N"
 

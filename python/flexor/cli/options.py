@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexor.errors import InputError
+from flexor.arguments import integer
 
 
 def _writable(figure: Path | None) -> Path | None:
@@ -24,9 +24,7 @@ def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | No
     """Return the check of an option that is a number of at least ``least``."""
 
     def check(parameter: typer.CallbackParam, value: int | None) -> int | None:
-        if value is not None and value < least:
-            raise InputError(f"{parameter.opts[0]} is {value}: it must be at least {least}.")
-        return value
+        return None if value is None else integer(parameter.opts[0], value, least)
 
     return check
 

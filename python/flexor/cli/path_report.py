@@ -18,7 +18,7 @@ Columns = dict[str, list[str]]  # cells by heading
 
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
-    from flexor.model import explained
+    from flexor.model import explained, why_stalled
 
     columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
     columns["state"] = [_state(path, step) for step in range(len(path))]
@@ -30,6 +30,8 @@ def report(path: Path) -> None:
     failed = path.status[~path.converged]
     if len(failed):
         say(explained(failed[0]))
+    if "stalled" in failed:
+        say(why_stalled(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"held by nothing: {', '.join(free)}")

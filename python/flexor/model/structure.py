@@ -92,8 +92,8 @@ class Structure:
         return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
 
     def show_loads(self, loads: Array) -> str:
-        """Format the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
-        shown = [self.show_load(float(load), index=i) for i, load in enumerate(loads)]
+        """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
+        shown = [self.show_load(load, index=index) for index, load in enumerate(loads.tolist())]
         if len(shown) > 1:
             shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
         return ", ".join(shown) or self.show_load(0.0)

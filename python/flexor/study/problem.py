@@ -15,6 +15,7 @@ from flexor.model.chunks import chunks
 from flexor.model.loading import require_model
 from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
+from flexor.model.solver import solver_options
 from flexor.objectives import Objective, evaluate_objective
 from flexor.objectives import objective as named_objective
 
@@ -28,8 +29,8 @@ FloatArray = NDArray[np.float64]
 class Problem:
     """A design problem: a model, its design parameters and an objective.
 
-    Searches, grids and comparisons all evaluate designs through this one function; an `Executor`
-    says where that happens.
+    Searches, grids and comparisons all evaluate designs through this one function; a
+    `DesignEvaluator` says where that happens.
 
     Attributes
     ----------
@@ -65,7 +66,7 @@ class Problem:
         wanted = named_objective(objective)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
-        return cls(model, chosen, wanted, dict(options or {}))
+        return cls(model, chosen, wanted, solver_options(options or {}))
 
     @property
     def loads(self) -> FloatArray:

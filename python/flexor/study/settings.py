@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sized
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -100,6 +100,7 @@ STUDY = Kind(
     free=("budget",),
     hashed={"model.hash": "a model that differs from the one now given"},
 )
+LANDSCAPE = replace(STUDY, name="landscape")
 
 
 @dataclass(frozen=True)
@@ -115,9 +116,14 @@ class Settings:
     values: Mapping[str, Any]
 
     @classmethod
-    def read(cls, folder: Path) -> Settings:
-        """Read the settings of a study folder; InputError if this version cannot."""
-        return cls(read_settings(STUDY, folder))
+    def read(cls, folder: Path, kind: Kind | None = None) -> Settings:
+        """Read the settings of a study or landscape, or of that kind; InputError if it is none."""
+        return cls(read_settings(kind or STUDY, folder, *([] if kind else [LANDSCAPE])))
+
+    @property
+    def kind(self) -> Kind:
+        """Study or landscape."""
+        return LANDSCAPE if self.values["kind"] == LANDSCAPE.name else STUDY
 
 
 def study_settings(
@@ -189,7 +195,8 @@ def reopened(
         wanted = named_objective(name if objective is None else objective)
     except InputError as error:
         raise InputError(
-            f'the study "{folder}" uses {kind} "{shortened(name)}", which Flexor does not know: '
+            f'the {settings.kind.name} "{folder}" uses {kind} "{shortened(name)}", which Flexor '
+            "does not know: "
             f"give it as {kind}=."
         ) from error
     if parameters is None:
@@ -206,10 +213,12 @@ def recorded_model(folder: Path) -> Model:
     return load(folder / MODEL)
 
 
-def study_record(folder: Path | None, problem: Problem, database: Database) -> Record:
+def study_record(kind: Kind, folder: Path | None, problem: Problem, database: Database) -> Record:
     """Return the record of a study in its database, if that is of this problem."""
     record = Record(database)
     if record.sizes != problem.sizes:
         record.close()
-        raise InputError(f'the study "{folder}" is damaged: its {RECORD} is of another study.')
+        raise InputError(
+            f'the {kind.name} "{folder}" is damaged: its {RECORD} is of another {kind.name}.'
+        )
     return record

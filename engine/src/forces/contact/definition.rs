@@ -47,6 +47,9 @@ pub struct RoundConeDescription {
     pub joined: bool,
 }
 
+/// The share of a radius by which a pair whose force is kept may part.
+const REACH: f64 = 0.5;
+
 /// Contact between two groups of spheres.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
@@ -148,6 +151,11 @@ impl Contact {
         let i = first - self.first.start;
         let share = self.weights.get(i).copied().unwrap_or(1.0);
         share * self.lengths.get(i).map_or(1.0, |l| parameters[*l])
+    }
+
+    /// How far a pair whose force is kept may part.
+    pub fn reach(&self, radii: &[f64]) -> f64 {
+        REACH * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
     }
 
     /// Whether a sphere of the first group belongs to its tip.

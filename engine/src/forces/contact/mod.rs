@@ -11,12 +11,13 @@ mod threshold;
 pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
+use pair::KeptForce;
 pub(crate) use round_cone::{Closest, closest, is_far};
 pub(crate) use sphere::direction;
 
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
-use super::state::State;
+use super::state::{Law, State};
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
@@ -35,6 +36,8 @@ pub(crate) struct ContactState<const P: usize> {
     balls: Vec<Ball<P>>,
     /// The pairs that touch, with the index of their contact.
     pairs: Vec<(usize, ContactPair<P>)>,
+    /// Their forces as kept, with the index of the contact.
+    kept: Vec<(usize, KeptForce)>,
 }
 
 /// A summary of the contacts of a state.
@@ -128,6 +131,11 @@ impl Contacts {
     }
 }
 
+/// The forces kept of one contact.
+fn of_contact(kept: &[(usize, KeptForce)], contact: usize) -> impl Iterator<Item = &KeptForce> {
+    kept.iter().filter(move |(index, _)| *index == contact).map(|(_, force)| force)
+}
+
 /// λ-weighted rates of a pair: the overlap's, and what the radii add to it where t follows the points.
 fn add_pair_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
@@ -162,6 +170,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         ContactState {
             balls: vec![Ball::POINT; self.0.last().map_or(0, |c| c.balls.end)],
             pairs: Vec::with_capacity(self.0.iter().map(Contact::most_couplings).sum()),
+            kept: vec![],
         }
     }
 
@@ -185,12 +194,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         enclosure::update(at, &self.0, &mut state.balls);
-        let ContactState { balls, pairs } = state;
+        let ContactState { balls, pairs, kept } = state;
         pairs.clear();
         for (index, contact) in self.0.iter().enumerate() {
             let k = at.parameters()[contact.stiffness];
-            Self::for_each_near(at, balls, contact, 0.0, |pair| {
+            let margin = if at.law == Law::Actual { 0.0 } else { contact.reach(&at.geometry.radii) };
+            Self::for_each_near(at, balls, contact, margin, |mut pair| {
                 let k = k * pair.weight;
+                if at.law != Law::Actual && !pair.take_force(at.law, k, of_contact(kept, index)) {
+                    return;
+                }
                 out.energy += 0.5 * k * pair.overlap * pair.overlap;
                 let force = pair.normal * (-k * pair.overlap);
                 let [p, a, b] = pair.points(at.tree);
@@ -227,6 +240,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let ends = [p, end].map(|point| at.point(point));
                 out.add_pair::<G, P>(frames, ends, &force, &pair.normal, [k, tangential]);
             }
+        }
+    }
+
+    fn for_each_stiffness(&self, parameters: &[f64], visit: &mut impl FnMut(usize, f64)) {
+        for contact in &self.0 {
+            let weights = contact.first.clone().map(|first| contact.weight(parameters, first));
+            visit(contact.stiffness, weights.fold(0.0, f64::max));
+        }
+    }
+
+    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], state: &mut ContactState<P>) {
+        let ContactState { balls, kept, .. } = state;
+        let before = std::mem::take(kept);
+        for (index, contact) in self.0.iter().enumerate() {
+            let k = at.parameters()[contact.stiffness];
+            Self::for_each_near(at, balls, contact, contact.reach(&at.geometry.radii), |pair| {
+                let depth = pair.overlap + pair.closing(&pair.motion(at.tree, motion));
+                let acts = pair.overlap > 0.0 || pair.is_among(of_contact(&before, index));
+                if acts && depth > 0.0 {
+                    kept.push((index, KeptForce::new(&pair, k * pair.weight * depth)));
+                }
+            });
         }
     }
 

@@ -95,6 +95,15 @@ class Rod(Table):
         return self
 
     @model_validator(mode="after")
+    def _check_tip(self) -> Rod:
+        for key in ("tip", "self_contact"):
+            if getattr(self, key) is not None and self.skin is None:
+                raise field_error("is given without a skin, through which the rod touches", key)
+        if self.tip is not None and self.tip > self.length:
+            tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
+            raise field_error(tail, path="tip")
+        return self
+
     def _check_pieces(self) -> Rod:
         """Check that sections follow one another from base to tip."""
         if not isinstance(self.section, tuple):
@@ -126,16 +135,6 @@ class Rod(Table):
         """Return which of the sections is at X in [0, 1], the earlier one where two meet."""
         ends = [1.0 if piece.span is None else piece.span[1] for piece in self.pieces]
         return next(index for index, end in enumerate(ends) if point <= end)
-
-    @model_validator(mode="after")
-    def _check_tip(self) -> Rod:
-        for key in ("tip", "self_contact"):
-            if getattr(self, key) is not None and self.skin is None:
-                raise field_error("is given without a skin, through which the rod touches", key)
-        if self.tip is not None and self.tip > self.length:
-            tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
-            raise field_error(tail, path="tip")
-        return self
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:

@@ -229,14 +229,13 @@ def roundness(rod: Rod, materials: Materials) -> float:
     materials
         The materials of the file.
     """
-    section = rod.pieces[rod.piece_at(0.5)]
-    if isinstance(section, Solid):
-        ratio = section.ratio or 1.0
-        return 0.0 if section.kind == "rectangular" else 1.0 / ratio**2
-    if isinstance(section, Stiffness):
+    piece = rod.pieces[rod.piece_at(0.5)]
+    if isinstance(piece, Solid) and not is_made_of_fibres(rod):
+        return 0.0 if piece.kind == "rectangular" else 1.0 / (piece.ratio or 1.0) ** 2
+    if isinstance(piece, Stiffness):
         return 1.0
     s = float(surface(rod.radius, np.array([0.5]))[0][0])
-    parts = _geometry(section, rod.material, materials, 0.5).parts
+    parts = _geometry(piece, rod.material, materials, 0.5).parts
     lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
     if isinstance(lowest, sections.Rectangle) or lowest.half:
         return 0.0
