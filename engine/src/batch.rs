@@ -64,8 +64,12 @@ pub struct BatchResult {
     pub pairs: Vec<u32>,
     /// Spheres of first groups that touch.
     pub touching: Vec<u32>,
-    /// Resultant contact force on the tip spheres [N].
+    /// Resultant contact force on the tip [N].
     pub tip_force: Vec<f64>,
+    /// Largest overlap of a contact [m].
+    pub overlap: Vec<f64>,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: Vec<f64>,
     /// Volume of each pressurised cavity [m³].
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
@@ -112,6 +116,8 @@ struct Row<'a> {
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
+    overlap: &'a mut [f64],
+    pressure: &'a mut [f64],
     volume: &'a mut [f64],
     stretch: &'a mut [f64],
     gradient: &'a mut [f64],
@@ -136,17 +142,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         let design = row.design;
         row.free.extend(report.free.iter().map(|coordinate| [design, index, *coordinate]));
         row.iterations[index] = report.iterations as u32;
+        if report.status.is_equilibrium() || report.status == Status::Stalled {
+            row.residual[index] = report.accuracy.residual;
+            row.tolerance[index] = report.accuracy.tolerance;
+        }
         if !report.status.is_equilibrium() {
             return;
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
-        row.residual[index] = report.accuracy.residual;
-        row.tolerance[index] = report.accuracy.tolerance;
         row.energy[index] = system.data().energy();
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
+        row.overlap[index] = contact.overlap;
+        row.pressure[index] = contact.pressure;
         let (volumes, materials) = (self.model.pressure_count(), 2 * self.model.material_count());
         system.data().volumes(self.model, report.q, &mut row.volume[index * volumes..][..volumes]);
         system.data().stretches(self.model, report.q, &mut row.stretch[index * materials..][..materials]);
@@ -193,6 +203,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             pairs: vec![0; count],
             touching: vec![0; count],
             tip_force: vec![0.0; count],
+            overlap: vec![0.0; count],
+            pressure: vec![0.0; count],
             volume: vec![f64::NAN; count * self.pressure_count()],
             stretch: vec![f64::NAN; count * 2 * self.material_count()],
             gradient: vec![f64::NAN; batch.designs * width],
@@ -257,6 +269,8 @@ fn split_rows(
         pairs,
         touching,
         tip_force,
+        overlap,
+        pressure,
         volume,
         stretch,
         gradient,
@@ -267,6 +281,7 @@ fn split_rows(
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
+    let (mut overlap, mut pressure) = (&mut overlap[..], &mut pressure[..]);
     let (mut volume, mut stretch) = (&mut volume[..], &mut stretch[..]);
     let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
@@ -284,6 +299,8 @@ fn split_rows(
             pairs: cut(&mut pairs, steps),
             touching: cut(&mut touching, steps),
             tip_force: cut(&mut tip_force, steps),
+            overlap: cut(&mut overlap, steps),
+            pressure: cut(&mut pressure, steps),
             volume: cut(&mut volume, steps * volumes),
             stretch: cut(&mut stretch, steps * stretches),
             gradient: cut(&mut gradient, width),

@@ -98,6 +98,11 @@ impl Units {
         self.set_scale(model);
     }
 
+    /// Whether a coordinate is a length.
+    pub fn is_length(&self, coordinate: usize) -> bool {
+        self.kind[coordinate] == Kind::Length
+    }
+
     /// Whether elasticity holds every coordinate.
     pub fn all_elastic(&self) -> bool {
         self.elastic.iter().all(|elastic| *elastic)

@@ -105,7 +105,7 @@ def test_the_unmodified_file_is_valid() -> None:
             'length = "4 cm"',
             'lenght = "4 cm"',
             'bodies.bone has an unknown key "lenght" (did you mean "length"?): expected one of '
-            '"kind", "parent", "placement", "joint", "length", "radius", "density".',
+            '"kind", "parent", "placement", "joint", "length", "radius", "skin", "density".',
         ),
         (
             "{ bend_y",

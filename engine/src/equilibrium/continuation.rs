@@ -23,7 +23,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) system: System<'m, G, D, P>,
     pub(super) predictor: Predictor<D, P>,
     pub(super) options: ContinuationOptions,
-    corrector: Corrector,
+    corrector: Corrector<D, P>,
     trust_region: TrustRegion,
     damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
@@ -64,10 +64,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let (n, inputs) = (model.dof(), model.inputs().len());
         let zeros = || vec![0.0; n];
         Self {
-            system: System::new(model, Budget::new(&options, cancel)),
+            system: System::new(model, Budget::new(&options, cancel), options.mixed.stiffness),
             predictor: Predictor::new(model, options.predictor),
             options,
-            corrector: Corrector::new(options.corrector, options.newton, n),
+            corrector: Corrector::new(model, &options),
             trust_region: TrustRegion::new(options.trust_region, options.newton, n),
             damped_newton: DampedNewton::new(options.damped_newton, n),
             critical: CriticalSearch::new(options.critical, n),
@@ -119,6 +119,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 };
             } else {
                 status = Status::NotReached;
+            }
+            if status == Status::Stalled {
+                self.system.measure_accuracy(self.options.tolerance);
             }
             let iterations = self.system.budget.iterations();
             let stability = match status {
@@ -266,6 +269,29 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// A stable equilibrium near the current state at the current load.
     pub(super) fn find_stable(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+        if self.system.is_stiff() {
+            self.find_by_softening(radius);
+        }
+        self.find_stable_from_here(radius, tangent_reuse)
+    }
+
+    /// Goes to a stable equilibrium with stiff terms made softer, and from there close to one with their own
+    /// stiffness; stays where it is if that fails.
+    fn find_by_softening(&mut self, radius: f64) {
+        let start = self.system.state().to_vec();
+        self.system.soften();
+        let softer = self.find_stable_from_here(radius, 1.0);
+        self.corrector.mixed.start(&mut self.system);
+        let state = self.system.state().to_vec();
+        self.system.harden();
+        if softer != Status::Converged {
+            self.system.set_state(&start);
+        } else if self.corrector.mixed.approach(&mut self.system, self.options.mixed.reach).is_none() {
+            self.system.set_state(&state);
+        }
+    }
+
+    fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         let tolerance = self.options.tolerance;
         if self.system.is_conservative() {
             let target = Target { tolerance, tangent_reuse };

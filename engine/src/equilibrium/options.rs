@@ -108,6 +108,8 @@ options! {
         damped_newton: DampedNewtonOptions;
         /// Continuation by arc length.
         arc_length: ArcLengthOptions;
+        /// Newton's method with stiff forces as unknowns.
+        mixed: MixedOptions;
         /// Newton and chord steps, wherever they are taken.
         newton: NewtonOptions;
     }
@@ -343,6 +345,21 @@ options! {
         max_locating: usize = 20, Interval::from(1.0).to(1e3);
         /// to this share of the step.
         located: f64 = 1e-7, Interval::above(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Newton's method with stiff forces as unknowns.
+    pub struct MixedOptions {
+        /// A spring or contact is stiff if it stores more than this multiple of the energy unit when moved by
+        /// the length of the longest body.
+        stiffness: f64 = 1e6, Interval::above(0.0).to(1e300);
+        /// Iterations,
+        max_iterations: usize = 12, Interval::from(0.0).to(1000.0);
+        /// until the residual of the energy itself is below this (dimensionless).
+        residual: f64 = 0.1, Interval::above(0.0).to(10.0);
+        /// From an equilibrium with softer terms they may go this far (dimensionless).
+        reach: f64 = 0.3, Interval::above(0.0).to(10.0);
     }
 }
 

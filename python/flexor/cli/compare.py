@@ -15,7 +15,7 @@ from flexor.cli.console import err, print_json, say
 from flexor.cli.folders import carry_out, check_resumable, cluster_at, new_folder, save_figure
 from flexor.cli.progress import ComparisonBar, duration
 from flexor.cli.table import number, show
-from flexor.cli.values import load_changed, numbers
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study.comparison import MethodComparison
@@ -53,7 +53,7 @@ def compare(
         int,
         typer.Option(callback=options.at_least(1), help="Maximum number of designs per search."),
     ] = 500,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     folder: options.Folder = None,
     resume: options.Resume = None,
     workers: Annotated[
@@ -105,7 +105,7 @@ def compare(
             methods=methods,
             seeds=seeds,
             budget=budget,
-            force=force,
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
             folder=place,
             workers=workers,
             engine_options=numbers("--solver", solver or []),

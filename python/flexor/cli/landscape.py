@@ -12,7 +12,7 @@ from flexor.cli import options
 from flexor.cli.console import err, print_json, say
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
-from flexor.cli.values import load_changed, numbers
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def landscape(
             help="Values of the fixed parameters, such as `L=8 cm`; the model's own by default."
         ),
     ] = None,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
@@ -101,7 +101,7 @@ def landscape(
             grid=grid,
             axes=None if axes is None else [label.strip() for label in axes.split(",")],
             start=_fixed(start, chosen),
-            force=force,
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
             folder=place,
             engine_options=numbers("--solver", solver or []),
         )

@@ -10,7 +10,7 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import print_json
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import load_changed, numbers
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -39,7 +39,7 @@ def optimize(
             "0.7 cm, 0.8 cm`, or `R_0=0.7 cm`; may be repeated. By default the model's exosuit."
         ),
     ] = None,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     seed: options.Seed = 0,
     budget: Annotated[
         int | None,
@@ -96,7 +96,7 @@ def optimize(
             method,
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
-            force=force,
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
             seed=seed,
             budget=budget,
             folder=place,

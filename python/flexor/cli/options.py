@@ -41,9 +41,14 @@ Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
 Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
-EvaluationForce = Annotated[
-    str | None,
-    typer.Option(help="Forces in N, as for `simulate`; the objective is evaluated at the last."),
+Load = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--load",
+        "--force",
+        metavar="LOADS",
+        help="Loads, as for `simulate`; the objective is evaluated at the last.",
+    ),
 ]
 Folder = Annotated[
     Path | None,

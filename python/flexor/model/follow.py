@@ -31,6 +31,8 @@ _EngineArray = Literal[
     "pairs",
     "touching",
     "tip_force",
+    "max_overlap",
+    "max_contact_pressure",
     "volume",
     "stretch",
 ]

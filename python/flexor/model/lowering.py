@@ -18,6 +18,7 @@ from flexor.model.schema import (
     RevoluteJoint,
     Rod,
 )
+from flexor.model.schema.foundation import lower_self_contact, lower_skins
 from flexor.model.schema.profile import surface
 from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
@@ -40,6 +41,12 @@ def lower(file: ModelFile) -> Json:
     for name, group in file.spheres.items():
         spheres = group.lower(file.bodies, name in solid)
         described.setdefault("spheres", []).append({"name": name, "spheres": spheres})
+    for groups, foundation in lower_skins(file):
+        described.setdefault("spheres", []).extend(groups)
+        described.setdefault("foundations", []).append(foundation)
+    for own, contact in lower_self_contact(file):
+        described.setdefault("spheres", []).append(own)
+        described.setdefault("contacts", []).append(contact)
     materials = [material.lower(name) for name, material in file.materials.items()]
     if materials:
         described["materials"] = materials

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_v
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, shortened
+from flexor.model.loads import loads
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
@@ -37,10 +38,10 @@ class ModelTable(_Table):
 
 
 class ObjectiveTable(_Table):
-    """What is wanted, and at which forces [N]."""
+    """What is wanted, and at which loads [N or Pa]: of one input, or a row a step."""
 
     name: str
-    force: list[FiniteFloat]
+    force: list[FiniteFloat] | list[list[FiniteFloat]]
 
 
 class MethodTable(_Table):
@@ -149,9 +150,14 @@ def common_settings(problem: Problem) -> dict[str, Any]:
     model = problem.model
     return {
         "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
-        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
+        "objective": {"name": problem.objective.name, "force": _recorded(problem.loads)},
         "engine": dict(problem.options),
     }
+
+
+def _recorded(loads: FloatArray) -> list[Any]:
+    """Return the loads of one input, or all as rows."""
+    return [row[0] for row in loads.tolist()] if loads.shape[1] == 1 else loads.tolist()
 
 
 def limits_table(chosen: ParameterSet) -> dict[str, Any]:
@@ -195,8 +201,8 @@ def reopened(
         ) from error
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
-    force = values["objective"]["force"]
-    return Problem(model, chosen.on(model.design), wanted.at(force), values["engine"])
+    wanted = wanted.at(loads(values["objective"]["force"], model.input_dimensions))
+    return Problem(model, chosen.on(model.design), wanted, values["engine"])
 
 
 def recorded_model(folder: Path) -> Model:

@@ -103,10 +103,11 @@ class Strap(Force):
         """Distance of the ends in the reference state [m]."""
         frames = reference_frames(system.bodies)
         first = _surface_point(system, frames, self.rod, self.at, -1.0)
-        second = _surface_point(system, frames, self.to.body, self._fraction(system), 1.0)
+        second = _surface_point(system, frames, self.to.body, self.fraction(system), 1.0)
         return float(np.linalg.norm(first - second))
 
-    def _fraction(self, system: BodySystem) -> float:
+    def fraction(self, system: BodySystem) -> float:
+        """Return where on the body it is sewn, as a fraction of its length."""
         body = system.bodies[self.to.body]
         if self.to.point is not None and isinstance(body, Rod):
             return float(body.sample_points[self.to.point])

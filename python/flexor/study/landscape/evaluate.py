@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -33,7 +33,7 @@ def landscape(
     axes: Sequence[str] | None = None,
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    force: ArrayLike | None = None,
+    force: Any = None,
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
