@@ -215,4 +215,6 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
 def test_one_worker_of_its_own() -> None:
     with Cluster("local:1") as cluster:
         study = optimize(flexor.load("finger", "calibrated"), "L", budget=20, executor=cluster)
+        with pytest.raises(InputError, match=r"executor is a Client: .* client\.get_executor\(\)"):
+            optimize(study.problem.model, "L", executor=cluster._client)
     assert content(study) == content(optimize(flexor.load("finger", "calibrated"), "L", budget=20))
