@@ -333,7 +333,7 @@ options! {
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Implicit steps of the overdamped motion from an unstable state,
-        max_relaxation: usize = 200, Interval::from(0.0).to(1e6);
+        max_relaxation: usize = 1500, Interval::from(0.0).to(1e6);
         /// which begins this far from an equilibrium.
         perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }
