@@ -402,11 +402,9 @@ class Path(Results):
 
         See `flexor.model.hoop`.
         """
-        model = self.model
-        radius = {rod: model.slot(f"{rod}.radius", self.parameters) for rod in model.rods}
         return {
-            name: self.loads[:, model.inputs.index(name)] * strain.max()
-            for name, _, strain in hoop_strains(model.file, radius)
+            name: self.loads[:, self.model.inputs.index(name)] * strain.max()
+            for name, _, strain in hoop_strains(self)
         }
 
     @property
