@@ -1,4 +1,4 @@
-"""Whether materials and straps see more than they should."""
+"""Whether materials, straps and cavities exceed their limits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.model.hoop import LIMIT
+from flexor.model.hoop import LIMIT, hoop_strains
 
 if TYPE_CHECKING:
     from flexor.model.results import Path
@@ -72,13 +72,16 @@ def straps_exceeded(path: Path) -> list[str]:
 def balloons(path: Path) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
-    for name, strains in path.hoop_strain().items():
+    for name, rod, along in hoop_strains(path):
+        pressures = path.loads[:, path.model.inputs.index(name)]
+        strains = pressures * along.max()
         if (strains > LIMIT).any():
-            pressure = path.loads[np.argmax(strains > LIMIT), path.model.inputs.index(name)]
+            pressure = pressures[np.argmax(strains > LIMIT)]
+            at = path.model.file.rod(rod).sample_points[np.argmax(along)]
             found.append(
                 f'the cavity of "{name}" is not wound and widens by an estimated '
-                f"{100.0 * strains.max():.3g} %, from {pressure / 1e3:.4g} kPa on beyond the "
-                f"{100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
+                f"{100.0 * strains.max():.3g} % at X = {at:.3g}, from {pressure / 1e3:.4g} kPa on "
+                f"beyond the {100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
             )
     return found
 

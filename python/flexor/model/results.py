@@ -216,7 +216,7 @@ class Results:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class State(Results):
-    """One equilibrium of one design, ``path[step]``; what counts for a path is that of its path."""
+    """One equilibrium of one design, ``path[step]``; path-level fields are those of its path."""
 
     def __repr__(self) -> str:
         ends = str(self.stability)
@@ -400,11 +400,9 @@ class Path(Results):
 
         See `flexor.model.hoop`.
         """
-        model = self.model
-        radius = {rod: model.slot(f"{rod}.radius", self.parameters) for rod in model.rods}
         return {
-            name: self.loads[:, model.inputs.index(name)] * strain.max()
-            for name, _, strain in hoop_strains(model.file, radius)
+            name: self.loads[:, self.model.inputs.index(name)] * strain.max()
+            for name, _, strain in hoop_strains(self)
         }
 
     @property

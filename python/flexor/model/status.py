@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 MEANINGS = MappingProxyType(
     {
         "converged": (
-            "an equilibrium; whether it is stable is said beside it",
-            "nothing",
+            "an equilibrium; for its stability see `stability`",
+            "no action needed",
         ),
         "unstable": (
             "an equilibrium from which some motion grows by itself, without a stable one to be "
