@@ -52,6 +52,7 @@ pub struct State {
     pub volumes: Vec<f64>,
     pub tensions: Vec<f64>,
     pub obstacles: Vec<f64>,
+    pub loops: Vec<f64>,
     /// −1 for a material that nothing is made of.
     pub stretch_frames: Vec<[i64; 2]>,
     pub frames: Vec<[[f64; 4]; 4]>,
@@ -85,6 +86,7 @@ impl AnyModel {
                 volumes,
                 tensions: data.spring_tensions(model),
                 obstacles: data.half_space_forces(model),
+                loops: data.loop_tensions(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),

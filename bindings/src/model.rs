@@ -157,6 +157,15 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.tensions.into_pyarray(py))
     }
 
+    fn loop_tensions<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.loops.into_pyarray(py))
+    }
+
     fn half_space_forces<'py>(
         &self,
         py: Python<'py>,

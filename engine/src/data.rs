@@ -181,6 +181,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
+    /// Tension of each strap around a link [N] at the last state evaluated.
+    pub fn loop_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.loops.tensions(&self.assembly.forces.loops)
+    }
+
     /// Force on each half-space along its normal [N] at the last state evaluated.
     pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
         let at = self.state(model, &[], &[]);

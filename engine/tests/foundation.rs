@@ -150,6 +150,51 @@ fn derivatives_are_those_of_differences() {
     differences::<SE3, 6, 3>();
 }
 
+/// A strap around the upper link pulls it towards a point of the suit.
+fn looped(planar: bool) -> Description {
+    let mut d = limb(planar);
+    d.foundations.clear();
+    let spheres = vec![
+        ("suit", Station::Point(5)),
+        ("upper", Station::Fraction(0.0)),
+        ("upper", Station::Fraction(1.0)),
+    ];
+    d.spheres.push(group("strap", spheres));
+    d.loops.push(StrapLoopDescription {
+        name: "strap".into(),
+        spheres: "strap".into(),
+        stiffness: 300.0,
+        rest_length: -0.03,
+    });
+    d
+}
+
+fn loop_differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    assert!(derivatives::<G, D, P>(&looped(D == 3), 0.1, |_| true) > 20);
+    let model = Model::<G, D, P>::new(&looped(D == 3)).unwrap();
+    let mut data = Data::new(&model);
+    data.evaluate(&model, &vec![0.1; model.dof()], &[]);
+    let tension = data.loop_tensions(&model)[0];
+    assert!(tension > 1.0);
+    assert!((data.energy() - tension * tension / 600.0).abs() < 1e-12 * data.energy() + elastic::<G, D, P>());
+}
+
+/// The energy of the same without strap.
+fn elastic<G: LieGroup<D, P>, const D: usize, const P: usize>() -> f64 {
+    let mut d = looped(D == 3);
+    d.loops.clear();
+    let model = Model::<G, D, P>::new(&d).unwrap();
+    let mut data = Data::new(&model);
+    data.evaluate(&model, &vec![0.1; model.dof()], &[]);
+    data.energy() * (1.0 + 1e-12)
+}
+
+#[test]
+fn a_strap_that_slides_has_exact_derivatives() {
+    loop_differences::<SE2, 3, 2>();
+    loop_differences::<SE3, 6, 3>();
+}
+
 /// The suit pushes the limb down by a force on its tip.
 fn pushed(planar: bool) -> Description {
     let mut d = limb(planar);

@@ -99,7 +99,7 @@ def test_the_unmodified_file_is_valid() -> None:
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
             '"springs", "straps", "wrenches", "design", "evaluation", "start", '
-            '"solver", "constants", "use".',
+            '"solver", "constants", "variants", "use".',
         ),
         (
             'length = "4 cm"',

@@ -236,4 +236,4 @@ def test_beck_s_column_has_no_critical_load_in_statics() -> None:
     elastic = model.engine.tangent(model.parameters, path.q[0], [0.0])
     for load in loads:
         tangent = model.engine.tangent(model.parameters, path.q[0], [load])
-        assert np.abs(np.linalg.eigvals(np.linalg.solve(elastic, tangent)) - 1.0).max() < 0.03
+        assert np.abs(np.linalg.eigvals(np.linalg.solve(elastic, tangent)) - 1.0).max() < 0.1

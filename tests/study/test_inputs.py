@@ -87,7 +87,7 @@ def test_each_input_has_its_loads(model: Model, tmp_path: Path) -> None:
         (None, 'the model "two-chambers" has 2 inputs: give the load of each, as evaluation'),
         ("0:5:1", 'force must name its input, one of "line", "air"'),
         ({"air": "5 N"}, 'load of air is "5 N", which is not a pressure'),
-        ({"air": "0:5:1 N"}, 'load of air is "0:5:1 N": write a pressure with its unit'),
+        ({"air": "0:5:1 N"}, 'load of air is "0:5:1 N", which is not a pressure: write'),
         ({"line": "5 kPa"}, 'load of line is "5 kPa", which is not a force'),
         ({"lin": "5 N"}, 'unknown input "lin" (did you mean "line"?)'),
         (

@@ -17,6 +17,7 @@ mod arc_length;
 mod bordered;
 #[cfg(test)]
 mod bordered_tests;
+mod branch_end;
 mod budget;
 mod contact_changes;
 mod continuation;

@@ -61,7 +61,7 @@ const ROUNDINGS: f64 = 8.0;
 /// Where rounding alone is more than this share of the forces, nothing is solved.
 const MEANINGLESS: f64 = 1e-2;
 /// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
-const RUNAWAY: [f64; 2] = [1e3, 1e4];
+const RUNAWAY: [f64; 2] = [1e3, 3e3];
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {

@@ -37,7 +37,9 @@ impl Components {
             }));
         }
         let contacts = d.contacts.iter().map(|contact| [&contact.first, &contact.second]);
-        for groups in contacts.chain(d.foundations.iter().map(|f| [&f.first, &f.second])) {
+        let foundations = d.foundations.iter().map(|f| [&f.first, &f.second]);
+        let loops = d.loops.iter().map(|strap| [&strap.spheres; 2]);
+        for groups in contacts.chain(foundations).chain(loops) {
             let touching = d.spheres.iter().filter(|group| groups.contains(&&group.name));
             join(&mut touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str()));
         }

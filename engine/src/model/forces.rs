@@ -6,7 +6,7 @@ use crate::forces::contact::Contacts;
 use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::fibres::FibreSections;
-use crate::forces::foundation::Foundations;
+use crate::forces::foundation::{Foundations, StrapLoops};
 use crate::forces::gravity::Gravity;
 use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
@@ -249,6 +249,7 @@ registry! {
     springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
     foundations: Foundations = |tree, description| Foundations::build(tree, &description.foundations)?;
+    loops: StrapLoops = |tree, description| StrapLoops::build(tree, &description.loops)?;
     half_spaces: HalfSpaces<P> = |tree, description| HalfSpaces::build(tree, &description.half_spaces)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
 }

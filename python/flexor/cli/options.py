@@ -72,7 +72,12 @@ Cluster = Annotated[
     ),
 ]
 Constants = Annotated[
-    str | None, typer.Option(help="Set of constants of the file to use, such as `printed`.")
+    str | None,
+    typer.Option(
+        "--variant",
+        "--constants",
+        help="Variant or set of constants of the file to use, such as `printed`.",
+    ),
 ]
 Set = Annotated[
     list[str] | None,

@@ -42,24 +42,27 @@ def hoop_strains(file: ModelFile, radius: dict[str, Array]) -> Iterator[tuple[st
         if not isinstance(pressure, Pressure):
             continue
         rod = file.rod(pressure.rod)
-        section = rod.section
-        if not isinstance(section, Hollow):
-            continue
-        material = section.material or rod.material
-        if material is None or file.materials[material].winding == "hoop":
-            continue
         s, x = radius[pressure.rod], rod.sample_points
-        wall = _size(section.wall, s, x)
-        if isinstance(section, Tube):
-            outer = s
-        elif isinstance(section, HalfRound):
-            outer = 2.0 * s - _size(section.floor, s, x)
-        else:
-            assert isinstance(section, Box)
-            outer = 0.5 * _size(section.width, s, x)
-        young = file.materials[material].material(material).young_modulus
-        bore = outer - wall
-        yield name, pressure.rod, 1.5 * outer**2 / (young * (outer**2 - bore**2))
+        places = np.array([rod.piece_at(point) for point in x])
+        for place, section in enumerate(rod.pieces):
+            if not isinstance(section, Hollow):
+                continue
+            material = section.material or rod.material
+            if material is None or file.materials[material].winding == "hoop":
+                continue
+            young = file.materials[material].material(material).young_modulus
+            outer, wall = _outer(section, s, x), _size(section.wall, s, x)
+            strain = 1.5 * outer**2 / (young * (outer**2 - (outer - wall) ** 2))
+            yield name, pressure.rod, np.where(places == place, strain, 0.0)
+
+
+def _outer(section: Hollow, s: Array, x: Array) -> Array:
+    if isinstance(section, Tube):
+        return s
+    if isinstance(section, HalfRound):
+        return 2.0 * s - _size(section.floor, s, x)
+    assert isinstance(section, Box)
+    return 0.5 * _size(section.width, s, x)
 
 
 def _size(size: object, s: Array, x: Array) -> Array:

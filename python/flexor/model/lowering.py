@@ -23,6 +23,7 @@ from flexor.model.schema.profile import surface
 from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
+from flexor.model.schema.strap import Loop
 from flexor.model.schema.vector import direction
 
 Json = dict[str, Any]
@@ -44,6 +45,9 @@ def lower(file: ModelFile) -> Json:
     for groups, foundation in lower_skins(file):
         described.setdefault("spheres", []).extend(groups)
         described.setdefault("foundations", []).append(foundation)
+    for name, strap in file.straps.items():
+        if isinstance(strap.to, Loop):
+            described.setdefault("spheres", []).append(strap.group(name, file))
     for own, contact in lower_self_contact(file):
         described.setdefault("spheres", []).append(own)
         described.setdefault("contacts", []).append(contact)
@@ -55,7 +59,7 @@ def lower(file: ModelFile) -> Json:
             fibres = lower_fibres(name, body, file.materials, file.planar)
             described.setdefault("fibres", []).append(fibres)
     for _, name, force in file.forces():
-        described.setdefault(force.description, []).append(force.lower(name, file))
+        described.setdefault(force.listed(), []).append(force.lower(name, file))
     return described
 
 

@@ -368,9 +368,13 @@ class Path(Results):
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
-        names = (*self.model.file.springs, *self.model.file.straps)
-        tensions = self._each(names, self.model.engine.spring_tensions)
-        return {name: tensions[name] for name in self.model.file.straps}
+        engine, straps = self.model.engine, self.model.file.straps
+        loops = [name for name, strap in straps.items() if strap.listed() == "loops"]
+        springs = [*self.model.file.springs, *(name for name in straps if name not in loops)]
+        tensions = self._each(loops, engine.loop_tensions)
+        if len(loops) < len(straps):
+            tensions |= self._each(springs, engine.spring_tensions)
+        return {name: tensions[name] for name in straps}
 
     def obstacle_forces(self) -> dict[str, Array]:
         """Return the force on each obstacle along its normal [N], likewise."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.constants import weights
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
@@ -66,6 +67,11 @@ class Structure:
             for name in self.inputs
         }
 
+    @property
+    def variants(self) -> dict[str, float]:
+        """Weights of the file's variants, by name; `flexor.load` applies one."""
+        return weights({"variants": self.file.variants}, self.name)
+
     @cached_property
     def pressures(self) -> tuple[str, ...]:
         """Names of the pressures."""
@@ -90,7 +96,7 @@ class Structure:
         shown = [self.show_load(load, index=index) for index, load in enumerate(loads.tolist())]
         if len(shown) > 1:
             shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
-        return ", ".join(shown) or "0 N"
+        return ", ".join(shown) or self.show_load(0.0)
 
     @cached_property
     def rods(self) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            width = half_width(body, model.file.materials, height)
+            width = half_width(body, model.file.materials, height, _at(station, body.sample_points))
             rods[name] = Rod(name, fine, height, width)
             stations[name] = station
         else:
@@ -71,7 +71,13 @@ def marked(scene: Scene, path: Path, step: int = -1) -> Scene:
 def _strap(path: Path, name: str, frames: dict[str, Array]) -> Line:
     """Draw a strap around both bodies: from the rod's top to the other's bottom."""
     strap = path.model.file.straps[name]
-    ends = ((strap.rod, strap.at), (strap.to.body, strap.fraction(path.model.file)))
+    if strap.listed() == "loops":
+        base, tip = frames[strap.to.body][[0, -1], :3, 3]
+        held = _on_surface(path, frames, strap.rod, strap.at, 0.0) - base
+        place = float(np.clip(held @ (tip - base) / ((tip - base) @ (tip - base)), 0.0, 1.0))
+    else:
+        place = strap.fraction(path.model.file)
+    ends = ((strap.rod, strap.at), (strap.to.body, place))
     points = [_on_surface(path, frames, *end, side) for end in ends for side in (1.0, -1.0)]
     return Line(name, np.array(points), "strap", STRAP)
 

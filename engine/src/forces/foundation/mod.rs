@@ -3,21 +3,26 @@
 //! The overlap of rod and link is taken up by their skins, as if these were independent springs. It is
 //! integrated across in closed form and along the rod at points with weights.
 
+mod attached;
 mod definition;
+mod strap_loop;
 mod strip;
 mod touch;
 
 pub use definition::FoundationDescription;
+pub use strap_loop::StrapLoopDescription;
+pub(crate) use strap_loop::StrapLoops;
 
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
-use super::terms::{Coupling, Terms};
+use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::Vector;
 use crate::tree::{ModelError, Tree};
+use attached::{moved, points, relative};
 use definition::Foundation;
 use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
@@ -193,44 +198,6 @@ impl Foundations {
     }
 }
 
-/// Indices of the points p, a, b.
-#[inline]
-fn points<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    touch: &Touch<P>,
-    tree: &Tree<G, D, P>,
-) -> [usize; 3] {
-    [touch.first, touch.ends[0], touch.ends[1]].map(|sphere| tree.spheres[sphere].point)
-}
-
-/// A motion of the points p, a, b.
-#[inline]
-fn moved<const P: usize>(touch: &Touch<P>, [p, a, b]: &[Vector<P>; 3]) -> Change<P> {
-    let relative = *p - *a * (1.0 - touch.t) - *b * touch.t;
-    Change { relative, axis: *b - *a, explicit: [0.0; 6] }
-}
-
-/// Frames of the rod's point and of the link.
-#[inline]
-fn frames<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    touch: &Touch<P>,
-    at: &State<G, D, P>,
-) -> [usize; 2] {
-    let [p, a, _] = points(touch, at.tree);
-    [at.frame(p), at.frame(a)]
-}
-
-/// The virtual velocity of the rod's point relative to the link.
-#[inline]
-fn relative<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    touch: &Touch<P>,
-    at: &State<G, D, P>,
-    motion: &VirtualMotion<D, P>,
-) -> Vector<P> {
-    let [p, ..] = points(touch, at.tree);
-    let [_, link] = frames(touch, at);
-    motion.velocities.points[p] - G::point_jacobian(at.point(p)) * motion.velocities.twists[link]
-}
-
 impl<const P: usize> ForceMemory<P> for Foundations {
     type Design = ();
     /// What touches.
@@ -301,13 +268,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         state.clear();
         self.for_each_near(at, 0.0, |near| {
             let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
-            let [p, ..] = points(&touch, at.tree);
-            let [rod, link] = frames(&touch, at);
             if touch.weight != 0.0 {
-                let force = touch.gradient();
-                out.energy += touch.energy();
-                out.add_force::<G, P>(rod, at.point(p), &force);
-                out.add_force::<G, P>(link, at.point(p), &-force);
+                attached::add_residual(at, &touch, out);
             }
             state.push(touch);
         });
@@ -320,39 +282,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         state: &Vec<Touch<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        let origin = G::point_jacobian(&Vector::ZERO);
-        for touch in state.iter().filter(|touch| touch.weight != 0.0) {
-            let [p, ..] = points(touch, at.tree);
-            let [rod, link] = frames(touch, at);
-            let (p, force) = (at.point(p), touch.gradient());
-            let mut hessian = Matrix::<P, P>::ZERO;
-            let mut turned = Matrix::<P, D>::ZERO;
-            for axis in 0..P {
-                let unit = Vector::unit(axis);
-                let change = Change { relative: unit, axis: Vector::ZERO, explicit: [0.0; 6] };
-                hessian.set_column(axis, &touch.change_of_gradient(&change));
-                // The field turns with the link: −f·(ω × v).
-                turned.0[axis] = (G::point_jacobian(&unit) - origin).transpose_times(&force).0;
-            }
-            let jacobian = G::point_jacobian(p);
-            let back = jacobian.transpose();
-            let pulled = back * (hessian * jacobian);
-            let form = pulled + G::point_curvature(p, &force);
-            out.stiffness[rod] += form;
-            out.stiffness[link] += form;
-            out.couplings.push(Coupling { row: rod, column: link, form: (pulled + back * turned) * -1.0 });
-        }
+        state
+            .iter()
+            .filter(|touch| touch.weight != 0.0)
+            .for_each(|touch| attached::add_tangent(at, touch, out));
     }
 
     fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
-        for touch in state {
-            let [p, a, b] = points(touch, at.tree);
-            let (k, force) = (touch.stiffness(), touch.normal_force());
-            let places = at.point(p).norm() + at.point(a).norm() + touch.depth + touch.distance;
-            for (point, share) in [(p, 1.0), (a, 1.0 - touch.t), (b, touch.t)] {
-                out.add_of_distance(at, point, force * share, [k * share, places]);
-            }
-        }
+        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
     }
 
     /// Opening is smooth; where a point passes from a cone's side to its end the tangent jumps.
@@ -418,12 +355,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
-        for touch in state {
-            let change = points(touch, at.tree).map(|point| velocities.points[point]);
-            let turned = touch.change_of_gradient(&moved(touch, &change));
-            let shifted = frames(touch, at).map(|frame| motion.velocities.shifted::<G>(frame, &change[0]));
-            *work +=
-                turned.dot(&relative(touch, at, motion)) + touch.gradient().dot(&(shifted[0] - shifted[1]));
-        }
+        let each = |touch| attached::geometric_work(at, touch, motion, velocities);
+        *work += state.iter().map(each).sum::<f64>();
     }
 }

@@ -19,6 +19,22 @@ pub(super) struct Strip {
 }
 
 impl Strip {
+    /// Of a spring that is stretched against the depth.
+    #[inline]
+    pub fn pulled(stretch: f64) -> Self {
+        Self {
+            energy: 0.5 * stretch * stretch,
+            by_depth: -stretch,
+            by_curvature: 0.0,
+            by_width: 0.0,
+            depth_depth: 1.0,
+            depth_curvature: 0.0,
+            depth_width: 0.0,
+            curvature_curvature: 0.0,
+            curvature_width: 0.0,
+        }
+    }
+
     /// At depth d ≥ 0, curvature κ > 0 and half-width b > 0.
     #[inline]
     pub fn new(d: f64, kappa: f64, b: f64) -> Self {

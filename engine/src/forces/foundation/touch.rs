@@ -145,6 +145,30 @@ impl<const P: usize> Touch<P> {
         }
     }
 
+    /// A loop of stiffness k that pulls what is further apart than its length.
+    pub fn of_loop(near: &Near<P>, ends: [usize; 2], k: f64, stretch: f64) -> Self {
+        let found = &near.found;
+        let scale = if found.slip > 0.0 { found.slip / found.distance } else { 0.0 };
+        Self {
+            foundation: near.foundation,
+            first: near.first,
+            ends,
+            cone: near.cone,
+            weight: 1.0,
+            depth: near.depth,
+            t: found.t,
+            normal: found.normal,
+            distance: found.distance,
+            slide: found.across * scale,
+            axis: near.axis,
+            along: found.normal.dot(&near.axis),
+            slip: found.slip,
+            k: [k, 0.0, 0.0],
+            strip: Strip::pulled(stretch),
+            section: Section::NONE,
+        }
+    }
+
     /// Its energy [J].
     #[inline]
     pub fn energy(&self) -> f64 {
@@ -238,6 +262,21 @@ impl<const P: usize> Touch<P> {
 }
 
 impl Section {
+    /// Of what does not depend on it.
+    const NONE: Self = Self {
+        surface: 1.0,
+        roundness: 0.0,
+        crown: 0.0,
+        width: 1.0,
+        width_by_surface: 0.0,
+        radius: 1.0,
+        radius_slope: 0.0,
+        share: 0.0,
+        share_slope: 0.0,
+        alignment: 0.0,
+        along: [0.0; 2],
+    };
+
     #[inline]
     fn curvature(&self) -> f64 {
         let crown = if self.roundness > 0.0 { 0.0 } else { 2.0 * self.crown / (self.width * self.width) };

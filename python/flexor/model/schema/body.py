@@ -104,6 +104,7 @@ class Rod(Table):
             raise field_error(tail, path="tip")
         return self
 
+    @model_validator(mode="after")
     def _check_pieces(self) -> Rod:
         """Check that sections follow one another from base to tip."""
         if not isinstance(self.section, tuple):

@@ -37,7 +37,12 @@ class BodySystem(Table):
         given, bodies = data.get("materials", {}), data.get("bodies", {})
         if not isinstance(given, Mapping) or not isinstance(bodies, Mapping):
             return data
-        named = {name for body in bodies.values() for name in _named_materials(body)}
+        sections = [
+            {key: body[key] for key in ("material", "section") if key in body}
+            for body in bodies.values()
+            if isinstance(body, Mapping)
+        ]
+        named = set(_named_materials(sections))
         found = {
             name: {"library": name} for name in sorted(named - set(given)) if name in library()
         }
@@ -72,7 +77,7 @@ class BodySystem(Table):
 
 
 def _named_materials(table: object) -> Iterator[str]:
-    """Yield the values of all keys ``material`` in a body and the tables and lists in it."""
+    """Yield the values of all keys ``material`` in tables and lists and what is in these."""
     if isinstance(table, Mapping):
         for key, value in table.items():
             if key == "material" and isinstance(value, str):

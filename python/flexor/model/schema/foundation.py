@@ -146,7 +146,8 @@ def _tip_shares(rod: Rod, weights: Array) -> Array:
 def _underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
     """Describe half-width and curvature of the underside."""
     s, _ = surface(rod.radius, rod.sample_points)
-    width, wider = (half_width(rod, system.materials, each) for each in (s, 1.001 * s))
+    x = rod.sample_points
+    width, wider = (half_width(rod, system.materials, each, x) for each in (s, 1.001 * s))
     multiple = (wider - width) / (0.001 * s)
     return {
         "half_width": (width - multiple * s).tolist(),

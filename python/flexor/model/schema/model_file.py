@@ -63,7 +63,8 @@ class ModelFile(BodySystem):
     """A model file with one of its sets of constants applied.
 
     ``constants`` holds the sets as written, ``use`` the name of the one whose values have been
-    applied to the other tables; see `flexor.model.constants`.
+    applied to the other tables, ``variants`` those that can be applied. With a variant applied the
+    file has none of these; see `flexor.model.constants`.
     """
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)
@@ -77,6 +78,7 @@ class ModelFile(BodySystem):
     start: StartTable = Field(default_factory=dict)
     solver: dict[Name, Number] = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
+    variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
     @model_validator(mode="after")

@@ -193,7 +193,7 @@ def _shape(part: Part, x: float) -> sections.Rectangle | sections.Sector:
     return sections.Sector(y, z, inner, outer, half=part.shape.startswith("half"))
 
 
-def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
+def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> Array:
     """Return half of the width of a rod, along y.
 
     Parameters
@@ -204,12 +204,14 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
         The materials of the file.
     radius : (n,) array
         S at points along it [m].
+    points : (n,) array
+        Where they are, X in [0, 1].
     """
     if not is_made_of_fibres(rod):
         assert isinstance(rod.section, Solid)
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
-    for i, x in enumerate(np.linspace(0.0, 1.0, len(radius))):
+    for i, x in enumerate(points):
         piece = rod.pieces[rod.piece_at(x)]
         if not isinstance(piece, Stiffness):
             parts = _geometry(piece, rod.material, materials, float(x)).parts
@@ -218,7 +220,7 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
 
 
 def roundness(rod: Rod, materials: Materials) -> float:
-    """Return S times the curvature of a rod's underside across; 0 where it is flat.
+    """Return S times the curvature of a rod's underside across in its middle; 0 where flat.
 
     Parameters
     ----------
