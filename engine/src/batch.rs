@@ -66,6 +66,8 @@ pub struct BatchResult {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip spheres [N].
     pub tip_force: Vec<f64>,
+    /// Load of each input; of one that is controlled by its conjugate, what was found.
+    pub applied: Vec<f64>,
     /// Volume of each pressurised cavity [m³].
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
@@ -112,6 +114,7 @@ struct Row<'a> {
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
+    applied: &'a mut [f64],
     volume: &'a mut [f64],
     stretch: &'a mut [f64],
     gradient: &'a mut [f64],
@@ -142,11 +145,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
         row.residual[index] = report.accuracy.residual;
         row.tolerance[index] = report.accuracy.tolerance;
-        row.energy[index] = system.data().energy();
+        row.energy[index] = system.data().potential(self.model);
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
+        let load = system.applied_load();
+        row.applied[index * load.len()..(index + 1) * load.len()].copy_from_slice(load);
         let (volumes, materials) = (self.model.pressure_count(), 2 * self.model.material_count());
         system.data().volumes(self.model, report.q, &mut row.volume[index * volumes..][..volumes]);
         system.data().stretches(self.model, report.q, &mut row.stretch[index * materials..][..materials]);
@@ -193,6 +198,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             pairs: vec![0; count],
             touching: vec![0; count],
             tip_force: vec![0.0; count],
+            applied: vec![f64::NAN; count * inputs],
             volume: vec![f64::NAN; count * self.pressure_count()],
             stretch: vec![f64::NAN; count * 2 * self.material_count()],
             gradient: vec![f64::NAN; batch.designs * width],
@@ -200,7 +206,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             events: vec![],
             free: vec![],
         };
-        let widths = [dof, self.pressure_count(), 2 * self.material_count()];
+        let widths = [dof, inputs, self.pressure_count(), 2 * self.material_count()];
         let mut rows = split_rows(&mut result, widths, steps, width);
         let solve = |rows: &mut [Row]| {
             let mut path = Continuation::new(self, options, batch.cancel);
@@ -237,7 +243,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
 /// Cuts the arrays into the rows of each design.
 fn split_rows(
     result: &mut BatchResult,
-    [dof, volumes, stretches]: [usize; 3],
+    [dof, inputs, volumes, stretches]: [usize; 4],
     steps: usize,
     width: usize,
 ) -> Vec<Row<'_>> {
@@ -257,6 +263,7 @@ fn split_rows(
         pairs,
         touching,
         tip_force,
+        applied,
         volume,
         stretch,
         gradient,
@@ -267,7 +274,7 @@ fn split_rows(
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
-    let (mut volume, mut stretch) = (&mut volume[..], &mut stretch[..]);
+    let (mut applied, mut volume, mut stretch) = (&mut applied[..], &mut volume[..], &mut stretch[..]);
     let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
     designs
@@ -284,6 +291,7 @@ fn split_rows(
             pairs: cut(&mut pairs, steps),
             touching: cut(&mut touching, steps),
             tip_force: cut(&mut tip_force, steps),
+            applied: cut(&mut applied, steps * inputs),
             volume: cut(&mut volume, steps * volumes),
             stretch: cut(&mut stretch, steps * stretches),
             gradient: cut(&mut gradient, width),

@@ -1,6 +1,7 @@
 //! The workspace of one thread: a design, a state, and derived quantities.
 
 use crate::assembly::Assembly;
+use crate::control::Controls;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, Switch};
@@ -17,6 +18,8 @@ pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
     pub(crate) kinematics: Kinematics<G, D, P>,
     pub(crate) assembly: Assembly<D, P>,
+    /// Present where loads of controlled inputs are changes of their conjugates; else they are forces.
+    pub(crate) controls: Option<Controls>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
@@ -26,6 +29,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             design: Design::new(model),
             kinematics: Kinematics::new(&model.tree),
             assembly: Assembly::new(model),
+            controls: None,
+        }
+    }
+
+    /// Lets the loads of controlled inputs act by their conjugates from now on.
+    pub(crate) fn control(&mut self, model: &Model<G, D, P>) {
+        self.controls = (!model.controls.is_empty()).then(|| Controls::new(model));
+        self.update_controls(model);
+    }
+
+    fn update_controls(&mut self, model: &Model<G, D, P>) {
+        if let Some(controls) = &mut self.controls {
+            controls.update(model, &self.design, &self.kinematics);
         }
     }
 
@@ -35,6 +51,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// If the length is not that of the model's parameters.
     pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) {
         self.design.set_parameters(model, parameters);
+        self.update_controls(model);
     }
 
     /// Computes energy, residual and tangent at the state `q` under `load`.
@@ -45,10 +62,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, controls } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
         kinematics.update(tree, geometry, q);
+        let load = controls.as_mut().map_or(load, |controls| controls.apply(model, design, q, load));
         assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load });
+        if let Some(controls) = controls {
+            assembly.energy += controls.energy(&model.controls);
+        }
     }
 
     /// Computes the tangent that goes with the last residual, given its state and load once more.
@@ -59,9 +80,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The same, but of a tangent with the form of a chain only what its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, controls } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
+        let load = controls.as_ref().map_or(load, Controls::applied);
         assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load });
+        if let Some(controls) = controls {
+            controls.update_gradient(model, design, kinematics, q);
+            controls.add_tangent(&mut assembly.tangent);
+        }
     }
 
     /// Completes it.
@@ -72,6 +98,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// Π [J] at the last state evaluated, without the work of non-conservative loads.
     pub fn energy(&self) -> f64 {
         self.assembly.energy
+    }
+
+    /// Π [J] at the last state evaluated, without the work of controlled inputs.
+    pub(crate) fn potential(&self, model: &Model<G, D, P>) -> f64 {
+        self.energy() - self.controls.as_ref().map_or(0.0, |controls| controls.stored(&model.controls))
     }
 
     /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
@@ -111,6 +142,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         load: &'a [f64],
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
+        let load = self.controls.as_ref().map_or(load, Controls::applied);
         State { tree, geometry, kinematics: &self.kinematics, q, load }
     }
 
@@ -181,7 +213,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
-        let Self { design, kinematics, assembly } = self;
+        let Self { design, kinematics, assembly, .. } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
         assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[] });
     }
@@ -213,6 +245,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let project = |frame: usize, wrench: &Vector<D>, out: &mut [f64]| {
             self.assembly.add_generalised_force(model, frame, wrench, out);
         };
-        model.forces.add_load_derivative(&at, &self.design.forces, change, out, &project);
+        let mut add = |change: &[f64]| {
+            model.forces.add_load_derivative(&at, &self.design.forces, change, out, &project);
+        };
+        match &self.controls {
+            None => add(change),
+            Some(controls) => controls.with_applied_rate(&model.controls, change, add),
+        }
     }
 }

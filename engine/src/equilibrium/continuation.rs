@@ -1,6 +1,7 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
 use super::budget::{Budget, Cancel};
+use super::controlled::Places;
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
@@ -42,6 +43,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// The load's rate in the state at the beginning of a sub-step that jumps, dimensionless.
     pub(super) load_at_start: Vec<f64>,
     pub(super) work: Vec<f64>,
+    pub(super) places: Places,
 }
 
 /// The listed load that is being approached.
@@ -80,6 +82,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             range: vec![0.0; inputs],
             load_at_start: zeros(),
             work: zeros(),
+            places: Places::new(inputs),
         }
     }
 
@@ -89,7 +92,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if admissible {
             self.system.set_parameters(parameters);
         }
-        admissible
+        admissible && self.system.can_be_controlled()
     }
 
     /// Solves at `loads[0]` from the state `q0` and follows the equilibrium to each further load.
@@ -113,9 +116,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 let step = LoadStep { index, tangent_reuse };
                 status = if index == 0 {
                     self.system.set_load(target);
-                    self.find_stable(self.options.trust_region.initial_radius, tangent_reuse)
+                    let found = self.find_stable(self.options.trust_region.initial_radius, tangent_reuse);
+                    self.hold(found, target, step, sink)
                 } else {
-                    self.follow_segment(target, step, sink)
+                    self.follow_to(target, step, sink)
                 };
             } else {
                 status = Status::NotReached;
@@ -135,7 +139,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     }
 
     /// From the equilibrium at the current load to the one at `target`, in sub-steps.
-    fn follow_segment(
+    pub(super) fn follow_segment(
         &mut self,
         target: &[f64],
         step: LoadStep,

@@ -20,6 +20,7 @@ mod bordered_tests;
 mod budget;
 mod contact_changes;
 mod continuation;
+mod controlled;
 mod corrector;
 mod critical;
 mod damped_newton;

@@ -24,8 +24,9 @@ def simulate(
             "--load",
             "--force",
             metavar="LOADS",
-            help="Forces in N or pressures: `first:last:step`, values, or a list of both such as "
-            "`0:5:1,5:0:1` or `0:60:5 kPa`; of a model with several inputs `NAME=LOADS`, repeated.",
+            help="Forces in N, pressures, or of controlled inputs volumes and lengths: "
+            "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; of "
+            "a model with several inputs `NAME=LOADS`, repeated.",
         ),
     ] = None,
     start: Annotated[
@@ -75,6 +76,8 @@ def simulate(
     * `flexor simulate finger --set exosuit.length="8 cm"`
     * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
     * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
+    * `flexor simulate examples/pneumatic-finger.toml --set actuators.chamber.control=volume
+      --load "0:8:1 mL"` finds the pressures that a syringe needs
     * `flexor simulate finger --json > bent.json`, then
       `flexor simulate finger --start bent.json --force 4,3,2`
     * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`
@@ -117,6 +120,14 @@ def report(path: Path) -> None:
         f"{name} / {unit}".removesuffix(" / ")
         for name, (_, unit) in zip(inputs, units, strict=True)
     ]
+    found = path.found_loads()
+    found_units = [dimension.shown for dimension in path.model.controlled.values()]
+    headings += [
+        f"{dimension.name.split(' ', 1)[1]}{f' of {name}' if several else ''} / {unit}"
+        for (name, dimension), (_, unit) in zip(
+            path.model.controlled.items(), found_units, strict=True
+        )
+    ]
     headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
     axes = {tuple(each["axis"]) for each in path.model.engine.joints if each["name"] in angular}
     summed = len(angular) > 1 and len(axes) == 1
@@ -133,6 +144,10 @@ def report(path: Path) -> None:
         forces = path.loads[step] if several else path.force[step : step + 1]
         cells = [
             number(float(force) / size) for force, (size, _) in zip(forces, units, strict=True)
+        ]
+        cells += [
+            number(float(column[step]) / size)
+            for column, (size, _) in zip(found.values(), found_units, strict=True)
         ]
         cells += [fixed(angle) for angle in angles[step]]
         if summed:

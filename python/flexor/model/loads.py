@@ -12,11 +12,12 @@ from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
-from flexor.model.units import FORCE, PRESSURE, Dimension
+from flexor.model.units import FORCE, LOAD_FACTOR, MOMENT, Dimension
 from flexor.model.validation import describe
 
 Forces = str | float | Sequence[float | str] | Array
 _MAX_STEPS = 1_000_000
+_BARE = (FORCE, MOMENT, LOAD_FACTOR)  # whose texts may be plain numbers
 
 
 def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
@@ -30,12 +31,13 @@ def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
         them. A single value is a list of one. Forces may rise, fall and be negative; where a range
         begins as the entry before it ends, that force comes once.
     dimension
-        Dimension of the loads. Texts with pressures need a unit (``"0:60:5 kPa"``).
+        Dimension of the loads. Texts with pressures (``"0:60:5 kPa"``), volumes and lengths need a
+        unit.
 
     Returns
     -------
     (steps,) array
-        The loads [N or Pa].
+        The loads [SI].
 
     Raises
     ------
@@ -65,7 +67,7 @@ def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
 
 
 def loads(force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension]) -> Array:
-    """Parse the loads of all inputs of these dimensions, (steps, inputs) [N or Pa].
+    """Parse the loads of all inputs of these dimensions, (steps, inputs) [SI].
 
     A table has forces by the name of the input: an input that is left out stays at zero, a single
     force is held constant.
@@ -115,7 +117,7 @@ def evaluation_forces(
 
 
 def _value(value: object, path: str, dimension: Dimension) -> float:
-    bare = dimension is not PRESSURE
+    bare = dimension in _BARE
     if bare and isinstance(value, str) and (number := _decimal(value)) is not None:
         value = float(number)
     if isinstance(value, str):
@@ -137,7 +139,7 @@ def _range(text: str, path: str, dimension: Dimension) -> list[float]:
     last = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(.*?)\s*", text.split(":")[-1])
     unit = last[1] if last else ""
     parts = [part.strip().removesuffix(unit).strip() for part in text.split(":")]
-    if not unit and dimension is not PRESSURE:
+    if not unit and dimension in _BARE:
         return [float(step) for step in _steps(parts, text, path, dimension)]
     one = f"1 {unit}".strip()
     try:
@@ -155,7 +157,8 @@ def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list
         numbers.append(Decimal(1))
     finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
-        example = "0:60:5 kPa" if dimension is PRESSURE else "0:5:1"
+        last, _, unit = dimension.example.partition(" ")
+        example = "0:5:1" if dimension in _BARE else f"0:{last}:1 {unit}"
         tail = f"write start:stop:step{dimension.in_unit}, such as {example}"
         raise InputError(f'{path} is "{text}": {tail}.')
     start, stop, step = finite
