@@ -15,6 +15,7 @@
 
 use crate::design::Design;
 use crate::forces::element::ForceElement;
+use crate::forces::pressure::Pressures;
 use crate::forces::state::State;
 use crate::geometry::Geometry;
 use crate::kinematics::Kinematics;
@@ -111,7 +112,12 @@ impl Controls {
         let zero = std::mem::take(&mut self.zero);
         self.reference.fill(0.0);
         self.update_change(model, design, &zero);
-        self.reference.copy_from_slice(&self.change);
+        for (k, control) in model.controls.iter().enumerate() {
+            self.reference[k] = match control.conjugate {
+                Conjugate::Length(_) => self.change[k],
+                Conjugate::Volume(pressure) => Pressures::reference(pressure, &design.forces.pressures),
+            };
+        }
         self.update_gradient(model, design, kinematics, &zero);
         let units = &design.units;
         for (k, gradient) in self.gradient.chunks(self.dof).enumerate() {

@@ -133,6 +133,11 @@ impl Pressures {
         }
     }
 
+    /// The volume of one cavity in the reference state [m³].
+    pub fn reference(pressure: usize, volumes: &Volumes) -> f64 {
+        volumes.fixed[pressure].0
+    }
+
     /// How much the volume of one cavity has changed from the reference state [m³].
     pub fn change_of_volume(&self, pressure: usize, q: &[f64], volumes: &Volumes) -> f64 {
         let before: usize = volumes.fixed[..pressure].iter().map(|(_, count)| count).sum();

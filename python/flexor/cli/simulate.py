@@ -24,9 +24,9 @@ def simulate(
             "--load",
             "--force",
             metavar="LOADS",
-            help="Forces in N, pressures, or of controlled inputs volumes and lengths: "
-            "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; of "
-            "a model with several inputs `NAME=LOADS`, repeated.",
+            help="Forces in N, pressures, or volumes and lengths of controlled inputs: "
+            "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; "
+            "of a model with several inputs `NAME=LOADS`, repeated.",
         ),
     ] = None,
     start: Annotated[

@@ -314,10 +314,10 @@ class Path(Results):
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with chambers and
             cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
-            [Pa] or ``tension`` [N], with straps ``strap_force`` [N], with materials ``max_strain``, the largest of a fibre, and
-            `warnings`; ``events`` (those on the way to the step), and
-            ``q``, the generalized coordinates by which another path can start there, with their
-            names ``coordinates``; a number that does not exist is None.
+            [Pa] or ``tension`` [N], with straps ``strap_force`` [N], with
+            materials ``max_strain``, the largest of a fibre, and `warnings`; ``events`` (those on
+            the way to the step), and ``q``, the generalized coordinates by which another path can
+            start there, with their names ``coordinates``; a number that does not exist is None.
         """
         inputs = self.model.inputs
         several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
