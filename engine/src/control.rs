@@ -25,7 +25,7 @@ use crate::tree::Tree;
 use std::cell::RefCell;
 
 /// ρ, in units of what the body itself resists with. Equilibria do not depend on it.
-const STIFFNESS: f64 = 1e5;
+const STIFFNESS: f64 = 1e3;
 
 /// What an input works on.
 #[derive(Clone, Copy, Debug)]

@@ -152,6 +152,16 @@ def test_volumes_lead_to_the_states_of_their_pressures() -> None:
         assert np.abs(residual).max() < 1e-9
 
 
+def test_a_state_under_pressure_is_one_under_volume() -> None:
+    pressed = load(EXAMPLE).equilibrium("0:60:30 kPa")
+    syringe = load(EXAMPLE, changes=VOLUME)
+    there = float(pressed.volume[-1, 0] - pressed.volume[0, 0])
+    path = syringe.equilibrium([there], start=pressed)
+    np.testing.assert_allclose(path.applied[0, 0], 60e3, rtol=1e-8)
+    back = load(EXAMPLE).equilibrium("60 kPa", start=path[0])
+    np.testing.assert_allclose(back.q, pressed.q[-1:], atol=1e-7)
+
+
 def test_a_held_volume_moves_nothing() -> None:
     syringe = load(EXAMPLE, changes=VOLUME)
     path = syringe.equilibrium([0.0, 1e-6, *[2e-6] * 100, 1e-6, 0.0])
