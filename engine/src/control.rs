@@ -237,6 +237,12 @@ impl Controls {
         visit(&applied);
     }
 
+    /// Second derivative of the energy with the places w along a rate, at a fixed state.
+    pub fn curvature(&self, controls: &[Control], rate: &[f64]) -> f64 {
+        let each = controls.iter().zip(&self.stiffness);
+        each.map(|(control, stiffness)| stiffness * rate[control.input].powi(2)).sum()
+    }
+
     /// The loads at the state evaluated last.
     pub fn applied(&self) -> &[f64] {
         &self.applied

@@ -73,7 +73,7 @@ impl CriticalSearch {
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
-        self.work_rate = dot(&self.load, velocity).abs();
+        self.work_rate = (dot(&self.load, velocity) + system.load_curvature(rate)).abs();
         let definite = system.factorise(0.0) || system.factorise(NULL);
         self.neutral = system.is_singular();
         if !definite || self.neutral {

@@ -47,6 +47,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return status;
         }
         let fallen = (energy - self.system.data().energy()) / self.system.unit_energy();
+        let stored = self.system.load_curvature(&self.rate);
+        let fallen = fallen - 0.5 * (lambda - from).powi(2) * stored;
         self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
         self.system.displacement(&self.start, &mut self.moved);
         if !self.has_left(lambda - from) {
@@ -116,7 +118,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return false;
         }
         let moved = norm(&self.moved);
-        let work = [0, 1].map(|end| dot(&self.load_at_start, &self.velocity[end]).abs());
+        let stored = self.system.load_curvature(&self.rate);
+        let work = [0, 1].map(|end| (dot(&self.load_at_start, &self.velocity[end]) + stored).abs());
         let softening = jump.evident_softening.max(jump.evident_steps * self.options.min_step);
         2.0 * released > softening * moved * moved
             && released > jump.energy_margin * 0.5 * h * h * work[0].max(work[1])
@@ -214,14 +217,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// there is as long as the energy is convex; to drift along a motion that nothing holds takes none.
     fn releases_energy(&mut self, released: f64, h: f64) -> bool {
         self.system.load_gradient(&self.rate, &mut self.work);
-        let work_rate = dot(&self.work, &self.velocity[1]).abs().max(self.critical.work_rate());
+        let stored = self.system.load_curvature(&self.rate);
+        let work_rate = (dot(&self.work, &self.velocity[1]) + stored).abs();
+        let work_rate = work_rate.max(self.critical.work_rate());
         released > self.options.jump.energy_margin * 0.5 * h * h * work_rate
     }
 
     /// Whether no more energy is released than where the energy is convex between both states: there it
     /// lies above its tangent in `start`, where the load's change over `h` is all that is not balanced.
     fn could_be_convex(&self, released: f64, h: f64) -> bool {
-        self.system.is_conservative() && released <= h * dot(&self.load_at_start, &self.moved).abs()
+        let work = dot(&self.load_at_start, &self.moved) + h * self.system.load_curvature(&self.rate);
+        self.system.is_conservative() && released <= h * work.abs()
     }
 
     /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at

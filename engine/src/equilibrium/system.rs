@@ -199,6 +199,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         })
     }
 
+    /// Second derivative of the energy with the load along a rate, at a fixed state, dimensionless: that
+    /// which controls store in their own stiffness.
+    pub(super) fn load_curvature(&self, rate: &[f64]) -> f64 {
+        let stored = self.data.controls.as_ref().map(|c| c.curvature(&self.model.controls, rate));
+        stored.map_or(0.0, |stored| stored / self.unit_energy())
+    }
+
     /// Adds to the current load.
     pub(super) fn add_load(&mut self, change: &[f64]) {
         self.load.iter_mut().zip(change).for_each(|(u, d)| *u += d);
