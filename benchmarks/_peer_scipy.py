@@ -20,7 +20,7 @@ def contests(quick: bool) -> list[Contest]:
     count, ours = (8, 100) if quick else (32, 400)
     geometry, many = random_designs(model, count, seed=4), random_designs(model, ours, seed=4)
     indices, values = model.geometry_slots(geometry)
-    forces = model.evaluation_forces
+    forces = model.evaluation_loads[:, 0]
 
     def design(row: Array) -> tuple[Array, bool]:
         parameters = model.parameters.copy()

@@ -54,6 +54,7 @@ class Generator:
         self.made.kinds["planar" if self.planar else "spatial"] += 1
         self.document = self.made.document
         self.bodies: dict[str, Json] = {}
+        self.sizes: dict[str, float] = {}  # of loads that are no forces
         self.document["bodies"] = self.bodies
         self.weight = self.chance(0.4)
         for number in range(int(self.random.integers(1, 5))):
@@ -70,13 +71,12 @@ class Generator:
             self.add_wrench(number)
         return self.made
 
-    def loads(self, inputs: int, actuated: list[bool]) -> Array:
+    def loads(self, inputs: tuple[str, ...]) -> Array:
         """Draw a path of loads, (steps, inputs): up, up and down, any, or held."""
         steps = int(self.random.integers(1, 6))
-        loads = np.zeros((steps + 1, inputs))
-        for column in range(inputs):
-            # A wrench has its force in the file and is multiplied by its load.
-            size = self.made.force if actuated[column] else 1.0
+        loads = np.zeros((steps + 1, len(inputs)))
+        for column, name in enumerate(inputs):
+            size = self.sizes.get(name, self.made.force)
             last = size * self.between(0.05, 5.0) * (1.0 if self.chance(0.7) else -1.0)
             way = np.linspace(0.0, 1.0, steps + 1)
             shape = str(self.random.choice(["up", "up", "down", "any", "held"]))
@@ -279,6 +279,8 @@ class Generator:
             wrench["moment"] = self.vector(moment, "N*m")
             self.made.kinds["moment"] += 1
         self.document.setdefault("wrenches", {})[f"w{number}"] = wrench
+        # It has its force in the file and is multiplied by its load.
+        self.sizes[f"w{number}"] = 1.0
         self.made.kinds["follower" if follower else "dead force"] += 1
 
     def station(self) -> Json:

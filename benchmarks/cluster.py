@@ -31,7 +31,7 @@ from flexor.design import parameter_set
 from flexor.model import Paths
 from flexor.model.chunks import SIZE
 from flexor.objectives import objective
-from flexor.study import Cluster, Executor, Problem, Threads
+from flexor.study import Cluster, DesignEvaluator, Problem, Threads
 from flexor.study.executors.task import PickledProblem, dumps, evaluate
 
 WORKERS = 2
@@ -61,7 +61,7 @@ def main() -> None:
     designs = chosen.lower + span * random.random((options.batches * SIZE, chosen.size))
     taken = {"threads": Times([], []), "cluster": Times([], [])}
     with Cluster(f"local:{WORKERS}") as cluster, Progress(console=Console(stderr=True)) as progress:
-        executors: dict[str, Executor] = {"threads": Threads(WORKERS), "cluster": cluster}
+        executors: dict[str, DesignEvaluator] = {"threads": Threads(WORKERS), "cluster": cluster}
         expected = problem.evaluate(designs)  # a warm-up, like the next line
         cluster.evaluate(problem, designs)
         for _ in progress.track(range(options.runs), description="batches"):

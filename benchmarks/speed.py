@@ -2,9 +2,10 @@
 
 Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and in a single step, on one
 and two threads, with the calibrated constants and with a stiffer exosuit (E = 1 MPa, chamber on the
-surface, k = 1000 N/m); and a spatial rod with all six strain modes. Cases are interleaved and
-numbers are medians; the time of an iteration is processor time of one thread. The column
-"undisturbed" sums the best times of batches of fifty designs, which excludes other load.
+surface, k = 1000 N/m); the strapped pneumatic finger of 20 elements, 0 to 60 kPa in five steps; and
+a spatial rod with all six strain modes. Cases are interleaved and numbers are medians; the time of
+an iteration is processor time of one thread. The column "undisturbed" sums the best times of
+batches of fifty designs, which excludes other load.
 """
 
 from __future__ import annotations
@@ -72,6 +73,8 @@ def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[Case, ...]]]:
     yield "finger, calibrated", flexor.load("finger", "calibrated"), designs, finger
     pressing = flexor.load("finger", "calibrated", PRESSING)
     yield "finger, E = 1 MPa, k = 1000 N/m", pressing, designs, finger
+    device = flexor.load("pneumatic-finger")
+    yield "pneumatic finger, Ogden", device, max(1, designs // 4), (("0:60:12 kPa", 1),)
     spatial = ((STEPWISE, 1), (AT_ONCE, 1))
     yield "spatial rod, six modes", Model(parse(SPATIAL)), max(1, designs // 10), spatial
 
@@ -90,12 +93,10 @@ def main() -> None:
 
 def measure(designs: int, runs: int) -> Section:
     """Run the benchmark and return its report."""
-    speeds = table(
-        "model", "DOF", "steps / N", "threads", "designs/s", "undisturbed", "µs/iteration"
-    )
+    speeds = table("model", "DOF", "step", "threads", "designs/s", "undisturbed", "µs/iteration")
     counts = table(
         "model",
-        "steps / N",
+        "step",
         "mean",
         "median",
         "designs that snap",
@@ -124,7 +125,7 @@ def measure(designs: int, runs: int) -> Section:
                 speeds.add_row(
                     name if case == chosen[0] else "",
                     str(model.dof),
-                    force.rpartition(":")[2],
+                    step(force),
                     str(threads),
                     f"{count / statistics.median(times[case].wall):,.0f}",
                     f"{count / best[force].sum():,.0f}" if threads == 1 else "",
@@ -133,13 +134,14 @@ def measure(designs: int, runs: int) -> Section:
                     else "",
                 )
             for force, batch in batches.items():
-                counts.add_row(name, force.rpartition(":")[2], *iterations(batch))
+                counts.add_row(name, step(force), *iterations(batch))
             if (STEPWISE, 2) in times:
                 pairs = zip(times[STEPWISE, 1].wall, times[STEPWISE, 2].wall, strict=True)
                 ratios.append(f"{name}: {statistics.median(a / b for a, b in pairs):.2f}")
     section = Section("Speed", "./dev bench speed")
     section.parts += [
-        f"{designs:,} random designs (a tenth of these for the spatial rod), 0 to 5 N in steps of "
+        f"{designs:,} random designs (a quarter of these for the pneumatic finger, a tenth for "
+        "the spatial rod), forces from 0 to 5 N in steps of "
         f"1 N and of 5 N; medians of {runs} runs. Designs per second are wall time, the time of an "
         "iteration is processor time of one thread; *undisturbed* uses the best time of each "
         "batch "
@@ -159,6 +161,12 @@ def iterations(batch: Paths) -> tuple[str, ...]:
     means = [each, each[~snaps], each[snaps]]
     mean, calm, snapping = (f"{part.mean():.1f}" if part.size else "" for part in means)
     return mean, f"{np.median(each):.0f}", f"{100 * snaps.mean():.1f}%", calm, snapping
+
+
+def step(force: str) -> str:
+    """Return the step of a range with its unit."""
+    size = force.rpartition(":")[2]
+    return size if " " in size else f"{size} N"
 
 
 def part_by_part(

@@ -27,11 +27,11 @@ from rich.table import Table
 import flexor
 from flexor.model import Paths
 from flexor.model.chunks import chunks
-from flexor.study import Executor, Problem, Record, Study, optimize, resume
+from flexor.study import DesignEvaluator, Problem, Record, Study, optimize, resume
 
 
 @dataclass(frozen=True)
-class LoggingExecutor(Executor):
+class LoggingExecutor(DesignEvaluator):
     """Evaluates designs and logs every batch before its evaluation."""
 
     log: Path

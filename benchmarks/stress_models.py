@@ -73,22 +73,22 @@ class Count:
     failures: list[str] = field(default_factory=list)
 
 
-def main() -> int:
+def main(generator: type[Generator] = Generator, what: str = "models") -> int:
     """Follow the remaining models and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", type=int, default=10_000)
     parser.add_argument("--first", type=int, default=0, help="number of the first model")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--limit", type=int, default=2000, help="iterations of one load step")
-    parser.add_argument("--state", type=Path, default=Path("stress-models.json"))
-    parser.add_argument("--keep", type=Path, default=Path("stress-models"))
+    parser.add_argument("--state", type=Path, default=Path(f"stress-{what}.json"))
+    parser.add_argument("--keep", type=Path, default=Path(f"stress-{what}"))
     options = parser.parse_args()
     fresh = Count(options.seed, options.limit, engine(), options.first)
     count = resumed(options.state, fresh, ("seed", "limit", "engine", "first"))
     with Progress(console=Console(stderr=True)) as progress:
         bar = progress.add_task("models", total=options.models, completed=count.models)
         while count.models < options.models:
-            follow(count, count.first + count.models, options.keep)
+            follow(count, count.first + count.models, options.keep, generator)
             count.models += 1
             if count.models % PART == 0 or count.models == options.models:
                 save(options.state, count)
@@ -97,20 +97,22 @@ def main() -> int:
     return 1 if count.failures else 0
 
 
-def follow(count: Count, number: int, keep: Path) -> None:
+def follow(count: Count, number: int, keep: Path, draws: type[Generator]) -> None:
     """Draw one model, follow its equilibria and check them."""
     random = np.random.default_rng([count.seed, number])
-    generator = Generator(random)
+    generator = draws(random)
     made = generator.model()
     for kind in made.kinds:
         count.kinds[kind] = count.kinds.get(kind, 0) + 1
     try:
         model = Model(check(made.document, source=f"model {number}"))
     except InputError as error:
+        if ".section" in str(error) and " cannot be made: " in str(error):
+            count.ends["refused"] = count.ends.get("refused", 0) + 1
+            return
         count.failures.append(f"model {number}: refused: {error}")
         return
-    wrenches = {name for name, w in made.document.get("wrenches", {}).items() if w["input"]}
-    loads = generator.loads(len(model.inputs), [name not in wrenches for name in model.inputs])
+    loads = generator.loads(model.inputs)
     began = time.thread_time()
     try:
         found = model.engine.path(
@@ -205,7 +207,7 @@ def difference_units(model: Model, made: RandomModel, q: Array, load: Array) -> 
         if name in angular:
             units[i] = 1.0 if angular[name] else made.length
         else:
-            units[i] = 1.0 / made.length if "twist" in name or "bend" in name else 1.0
+            units[i] = 1.0  # a strain, or an angle between the rod's ends
     diagonal = np.abs(np.diag(differenced(model, q, load, 1e-4 * units)))
     energies = diagonal * units**2
     energy = energies[energies > 0.0].min(initial=np.inf)

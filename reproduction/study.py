@@ -187,7 +187,7 @@ def follow(
     chosen = flexor.load(FINGER, constants, changes) if changes else model(FINGER, constants)
     points = chosen.design.points
     geometry = parameter_set(name, chosen.design).geometry(np.array(design)[None, :], points)
-    return chosen.equilibrium(chosen.evaluation_forces, design=geometry)
+    return chosen.equilibrium(design=geometry)
 
 
 def tip_angle(path: flexor.Path, step: int = -1) -> float:

@@ -17,6 +17,7 @@ from flexor.model.schema.force import Force
 from flexor.model.schema.material import Material
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section import KINDS
+from flexor.model.schema.skin import Layer
 from flexor.model.schema.strain import BASES, MODES
 from flexor.model.schema.table import Table
 
@@ -26,6 +27,7 @@ TABLES: dict[str, type[Table]] = {
     "Top level": schema.ModelFile,
     "Rods": schema.Rod,
     "Links": schema.Link,
+    "Skins": Layer,
     "Placement": schema.Placement,
     "Spheres": schema.SphereGroup,
     **{

@@ -58,3 +58,10 @@ def test_random_models_called_stable_are_minima(run: Run) -> None:
 @pytest.mark.parametrize("number", [812, 2168, 4052, 9897])
 def test_models_that_failed_once(run: Run, number: int) -> None:
     run("stress_models", "--first", str(number), "--models", "1")
+
+
+def test_random_devices_called_stable_are_minima(run: Run) -> None:
+    output = run("stress_devices", "--models", "60", "--seed", "5")
+    assert "60 models from number 0, seed 5" in output
+    for kind in ("half-round", "box", "tube", "composite", "ogden", "pressure", "two sections"):
+        assert kind in output

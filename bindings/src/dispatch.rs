@@ -51,6 +51,10 @@ pub struct State {
     pub lengths: Vec<f64>,
     pub volumes: Vec<f64>,
     pub tensions: Vec<f64>,
+    pub obstacles: Vec<f64>,
+    pub loops: Vec<f64>,
+    /// −1 for a material that nothing is made of.
+    pub stretch_frames: Vec<[i64; 2]>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
     pub contacts: Vec<ContactForce>,
@@ -65,6 +69,8 @@ pub struct ContactForce {
     pub force: [f64; 3],
     pub point: [f64; 3],
     pub depth: f64,
+    /// NaN except on an elastic foundation.
+    pub pressure: f64,
 }
 
 impl AnyModel {
@@ -79,10 +85,13 @@ impl AnyModel {
             State {
                 volumes,
                 tensions: data.spring_tensions(model),
+                obstacles: data.half_space_forces(model),
+                loops: data.loop_tensions(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),
                 lengths: data.actuator_lengths(model, q),
+                stretch_frames: data.stretch_frames(model, q).iter().map(|f| f.map(|f| f.map_or(-1, |f| f as i64))).collect(),
                 frames: data.homogeneous_frames(),
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
                 contacts: data.contact_forces(model).iter().map(|t| ContactForce {
@@ -92,6 +101,7 @@ impl AnyModel {
                     force: spatial(&t.force.0),
                     point: spatial(&t.point.0),
                     depth: t.depth,
+                    pressure: t.pressure.unwrap_or(f64::NAN),
                 }).collect(),
             }
         })

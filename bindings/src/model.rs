@@ -157,6 +157,35 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.tensions.into_pyarray(py))
     }
 
+    fn loop_tensions<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.loops.into_pyarray(py))
+    }
+
+    fn half_space_forces<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.obstacles.into_pyarray(py))
+    }
+
+    /// Frames where each material is stretched least and most; −1 where it is not.
+    fn stretch_frames<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let frames = self.state(&parameters, &q, None)?.stretch_frames;
+        frames.as_flattened().to_pyarray(py).reshape([frames.len(), 2])
+    }
+
     fn frames<'py>(
         &self,
         py: Python<'py>,
@@ -196,6 +225,7 @@ impl Model {
         out.set_item("force", vectors(|t| t.force)?)?;
         out.set_item("point", vectors(|t| t.point)?)?;
         out.set_item("depth", contacts.iter().map(|t| t.depth).collect::<Vec<_>>().into_pyarray(py))?;
+        out.set_item("pressure", contacts.iter().map(|t| t.pressure).collect::<Vec<_>>().into_pyarray(py))?;
         Ok(out)
     }
 
@@ -280,6 +310,8 @@ impl Model {
         out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
         out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;
         out.set_item("tip_force", result.tip_force.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("max_overlap", result.overlap.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("max_contact_pressure", result.pressure.into_pyarray(py).reshape(shape)?)?;
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
         out.set_item("applied", result.applied.into_pyarray(py).reshape([designs, steps, inputs])?)?;
         out.set_item("volume", result.volume.into_pyarray(py).reshape([designs, steps, volumes])?)?;
@@ -346,6 +378,8 @@ impl Model {
         out.set_item("pairs", found.pairs.into_pyarray(py))?;
         out.set_item("touching", found.touching.into_pyarray(py))?;
         out.set_item("tip_force", found.tip_force.into_pyarray(py))?;
+        out.set_item("max_overlap", found.overlap.into_pyarray(py))?;
+        out.set_item("max_contact_pressure", found.pressure.into_pyarray(py))?;
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
         out.set_item("volume", found.volume.into_pyarray(py).reshape([points, volumes])?)?;
         out.set_item("stretch", found.stretch.into_pyarray(py).reshape([points, materials, 2])?)?;

@@ -64,10 +64,14 @@ pub struct BatchResult {
     pub pairs: Vec<u32>,
     /// Spheres of first groups that touch.
     pub touching: Vec<u32>,
-    /// Resultant contact force on the tip spheres [N].
+    /// Resultant contact force on the tip [N].
     pub tip_force: Vec<f64>,
     /// Load of each input; of one that is controlled by its conjugate, what was found.
     pub applied: Vec<f64>,
+    /// Largest overlap of a contact [m].
+    pub overlap: Vec<f64>,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: Vec<f64>,
     /// Volume of each pressurised cavity [m³].
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
@@ -115,6 +119,8 @@ struct Row<'a> {
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
     applied: &'a mut [f64],
+    overlap: &'a mut [f64],
+    pressure: &'a mut [f64],
     volume: &'a mut [f64],
     stretch: &'a mut [f64],
     gradient: &'a mut [f64],
@@ -139,12 +145,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         let design = row.design;
         row.free.extend(report.free.iter().map(|coordinate| [design, index, *coordinate]));
         row.iterations[index] = report.iterations as u32;
+        if report.status.is_equilibrium() || report.status == Status::Stalled {
+            row.residual[index] = report.accuracy.residual;
+            row.tolerance[index] = report.accuracy.tolerance;
+        }
         if !report.status.is_equilibrium() {
             return;
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
-        row.residual[index] = report.accuracy.residual;
-        row.tolerance[index] = report.accuracy.tolerance;
         row.energy[index] = system.data().potential(self.model);
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
@@ -152,6 +160,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
         row.tip_force[index] = contact.tip_force;
         let load = system.applied_load();
         row.applied[index * load.len()..(index + 1) * load.len()].copy_from_slice(load);
+        row.overlap[index] = contact.overlap;
+        row.pressure[index] = contact.pressure;
         let (volumes, materials) = (self.model.pressure_count(), 2 * self.model.material_count());
         system.data().volumes(self.model, report.q, &mut row.volume[index * volumes..][..volumes]);
         system.data().stretches(self.model, report.q, &mut row.stretch[index * materials..][..materials]);
@@ -199,6 +209,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             touching: vec![0; count],
             tip_force: vec![0.0; count],
             applied: vec![f64::NAN; count * inputs],
+            overlap: vec![0.0; count],
+            pressure: vec![0.0; count],
             volume: vec![f64::NAN; count * self.pressure_count()],
             stretch: vec![f64::NAN; count * 2 * self.material_count()],
             gradient: vec![f64::NAN; batch.designs * width],
@@ -264,6 +276,8 @@ fn split_rows(
         touching,
         tip_force,
         applied,
+        overlap,
+        pressure,
         volume,
         stretch,
         gradient,
@@ -274,7 +288,8 @@ fn split_rows(
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
-    let (mut applied, mut volume, mut stretch) = (&mut applied[..], &mut volume[..], &mut stretch[..]);
+    let (mut applied, mut overlap, mut pressure) = (&mut applied[..], &mut overlap[..], &mut pressure[..]);
+    let (mut volume, mut stretch) = (&mut volume[..], &mut stretch[..]);
     let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
     designs
@@ -292,6 +307,8 @@ fn split_rows(
             touching: cut(&mut touching, steps),
             tip_force: cut(&mut tip_force, steps),
             applied: cut(&mut applied, steps * inputs),
+            overlap: cut(&mut overlap, steps),
+            pressure: cut(&mut pressure, steps),
             volume: cut(&mut volume, steps * volumes),
             stretch: cut(&mut stretch, steps * stretches),
             gradient: cut(&mut gradient, width),

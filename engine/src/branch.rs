@@ -29,8 +29,12 @@ pub struct Branch {
     pub pairs: Vec<u32>,
     /// Spheres of first groups that touch.
     pub touching: Vec<u32>,
-    /// Resultant contact force on the tip spheres [N].
+    /// Resultant contact force on the tip [N].
     pub tip_force: Vec<f64>,
+    /// Largest overlap of a contact [m].
+    pub overlap: Vec<f64>,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: Vec<f64>,
     /// Volume of each pressurised cavity [m³].
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
@@ -40,9 +44,7 @@ pub struct Branch {
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Branch {
     fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
         let found = report.status.is_equilibrium();
-        let contact = system.data().contact_summary(system.model());
-        let (pairs, touching, tip_force) =
-            if found { (contact.pairs, contact.touching, contact.tip_force) } else { (0, 0, 0.0) };
+        let contact = if found { system.data().contact_summary(system.model()) } else { Default::default() };
         let number = |x: f64| if found { x } else { f64::NAN };
         self.loads.extend_from_slice(system.load());
         self.q.extend(report.q.iter().map(|x| number(*x)));
@@ -53,9 +55,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Br
         self.residual.push(number(report.accuracy.residual));
         self.tolerance.push(number(report.accuracy.tolerance));
         self.energy.push(number(system.data().energy()));
-        self.pairs.push(pairs);
-        self.touching.push(touching);
-        self.tip_force.push(tip_force);
+        self.pairs.push(contact.pairs);
+        self.touching.push(contact.touching);
+        self.tip_force.push(contact.tip_force);
+        self.overlap.push(contact.overlap);
+        self.pressure.push(contact.pressure);
         let model = system.model();
         let (volumes, stretches) = (self.volume.len(), self.stretch.len());
         self.volume.resize(volumes + model.pressure_count(), f64::NAN);

@@ -16,7 +16,7 @@
 use crate::design::Design;
 use crate::forces::element::ForceElement;
 use crate::forces::pressure::Pressures;
-use crate::forces::state::State;
+use crate::forces::state::{Law, State};
 use crate::geometry::Geometry;
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
@@ -53,9 +53,7 @@ impl Control {
                 if input < threads { Conjugate::Length(input) } else { Conjugate::Volume(input - threads) }
             };
             match inputs.iter().position(|input| input == name) {
-                Some(input) if input < threads + pressures => {
-                    Ok(Self { input, conjugate: conjugate(input) })
-                }
+                Some(input) if input < threads + pressures => Ok(Self { input, conjugate: conjugate(input) }),
                 _ => Err(ModelError::new(field(), "must be a chamber, a cable or a pressure")),
             }
         };
@@ -177,27 +175,22 @@ impl Controls {
         kinematics: &Kinematics<G, D, P>,
         q: &[f64],
     ) {
-        let at = State { tree: &model.tree, geometry: &design.geometry, kinematics, q, load: &[] };
+        let at = State {
+            tree: &model.tree,
+            geometry: &design.geometry,
+            kinematics,
+            q,
+            load: &[],
+            law: Law::Actual,
+        };
         self.gradient.fill(0.0);
         for (control, out) in model.controls.iter().zip(self.gradient.chunks_mut(self.dof)) {
             let rate = self.rate.get_mut();
             rate.fill(0.0);
             rate[control.input] = -1.0;
             let none = |_: usize, _: &_, _: &mut [f64]| {};
-            model.forces.actuators.add_load_derivative(
-                &at,
-                &design.forces.actuators,
-                rate,
-                out,
-                &none,
-            );
-            model.forces.pressures.add_load_derivative(
-                &at,
-                &design.forces.pressures,
-                rate,
-                out,
-                &none,
-            );
+            model.forces.actuators.add_load_derivative(&at, &design.forces.actuators, rate, out, &none);
+            model.forces.pressures.add_load_derivative(&at, &design.forces.pressures, rate, out, &none);
         }
     }
 

@@ -6,11 +6,12 @@ use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, Switch};
 use crate::forces::magnitudes::Magnitudes;
-use crate::forces::state::State;
+use crate::forces::state::{Law, State};
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
+use crate::tree::Shape;
 
 /// A reusable workspace; evaluating and solving allocate no memory.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) assembly: Assembly<D, P>,
     /// Present where loads of controlled inputs are changes of their conjugates; else they are forces.
     pub(crate) controls: Option<Controls>,
+    /// How stiff terms make forces of distances.
+    pub(crate) law: Law,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
@@ -29,6 +32,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             design: Design::new(model),
             kinematics: Kinematics::new(&model.tree),
             assembly: Assembly::new(model),
+            law: Law::Actual,
             controls: None,
         }
     }
@@ -62,11 +66,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, controls } = self;
+        let Self { design, kinematics, assembly, law, controls } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         kinematics.update(tree, geometry, q);
         let load = controls.as_mut().map_or(load, |controls| controls.apply(model, design, q, load));
-        assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load });
+        assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load, law });
         if let Some(controls) = controls {
             assembly.energy += controls.energy(&model.controls);
         }
@@ -80,10 +85,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The same, but of a tangent with the form of a chain only what its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, controls } = self;
+        let Self { design, kinematics, assembly, law, controls } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         let load = controls.as_ref().map_or(load, Controls::applied);
-        assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load });
+        assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load, law });
         if let Some(controls) = controls {
             controls.update_gradient(model, design, kinematics, q);
             controls.add_tangent(&mut assembly.tangent);
@@ -143,7 +149,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
         let load = self.controls.as_ref().map_or(load, Controls::applied);
-        State { tree, geometry, kinematics: &self.kinematics, q, load }
+        State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
     /// How large the forces on each coordinate are at the state whose tangent was evaluated last, given its
@@ -174,7 +180,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
     pub fn contact_summary(&self, model: &Model<G, D, P>) -> ContactSummary {
-        model.forces.contacts.summary(&self.design.geometry.parameters, &self.assembly.forces.contacts)
+        self.summary_and_tip(model).0
+    }
+
+    /// Unit vector of the contact force on the tip, if something touches it.
+    pub(crate) fn tip_direction(&self, model: &Model<G, D, P>) -> Option<Vector<P>> {
+        let (summary, tip) = self.summary_and_tip(model);
+        (summary.tip_force > 0.0).then(|| tip * (1.0 / summary.tip_force))
+    }
+
+    fn summary_and_tip(&self, model: &Model<G, D, P>) -> (ContactSummary, Vector<P>) {
+        let (parameters, states) = (&self.design.geometry.parameters, &self.assembly.forces);
+        let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
+        model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
+        model.forces.foundations.summarise(&states.foundations, &mut summary, &mut tip);
+        summary.tip_force = tip.norm();
+        (summary, tip)
     }
 
     /// Length of each actuator's path [m] at the state `q`.
@@ -192,9 +213,43 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
-    /// Least and greatest stretch of the fibres of each material at the state `q`.
+    /// Tension of each strap around a link [N] at the last state evaluated.
+    pub fn loop_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.loops.tensions(&self.assembly.forces.loops)
+    }
+
+    /// Force on each half-space along its normal [N] at the last state evaluated.
+    pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        let at = self.state(model, &[], &[]);
+        model.forces.half_spaces.forces(&at, &self.assembly.forces.half_spaces)
+    }
+
+    /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are
+    /// none.
     pub fn stretches(&self, model: &Model<G, D, P>, q: &[f64], out: &mut [f64]) {
-        model.forces.fibres.stretches(&model.tree, &self.design.geometry.parameters, q, out);
+        out.fill(f64::NAN);
+        let p = &self.design.geometry.parameters;
+        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, _, stretch| {
+            out[2 * m] = out[2 * m].min(stretch);
+            out[2 * m + 1] = out[2 * m + 1].max(stretch);
+        });
+    }
+
+    /// Frames where these are.
+    pub fn stretch_frames(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<[Option<usize>; 2]> {
+        let mut ends = vec![0.0; 2 * model.material_count()];
+        self.stretches(model, q, &mut ends);
+        let mut frames = vec![[None; 2]; model.material_count()];
+        let p = &self.design.geometry.parameters;
+        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, [rod, point], stretch| {
+            let body = model.bodies.iter().find(|b| matches!(b.shape, Shape::Rod(r) if r == rod));
+            for (end, frame) in frames[m].iter_mut().enumerate() {
+                if frame.is_none() && stretch == ends[2 * m + end] {
+                    *frame = body.map(|body| body.base_frame + point);
+                }
+            }
+        });
+        frames
     }
 
     /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of
@@ -211,11 +266,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
     }
 
+    /// Keeps the forces that springs and contacts would have after a motion of the points, distances to first
+    /// order, at the state evaluated last.
+    pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &[Vector<P>]) {
+        let Self { design, kinematics, assembly, law, .. } = self;
+        let (tree, geometry) = (&model.tree, &design.geometry);
+        let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
+        model.forces.keep(&at, motion, &mut assembly.forces);
+    }
+
     /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
-        let Self { design, kinematics, assembly, .. } = self;
+        let Self { design, kinematics, assembly, law, .. } = self;
+        let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
-        assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[] });
+        assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[], law });
     }
 
     /// World twists of the frames and velocities of the points as the coordinates change at `rates`, in

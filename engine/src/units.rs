@@ -34,6 +34,7 @@ pub(crate) struct Units {
     pub own_energy: Vec<f64>,
     /// Whether elasticity holds the coordinate.
     pub elastic: Vec<bool>,
+    all_elastic: bool,
     /// One radian, a strain of one, or for a translation the length of the longest of these bodies.
     pub natural: Vec<f64>,
     kind: Vec<Kind>,
@@ -58,6 +59,7 @@ impl Units {
             energy: 1.0,
             own_energy: vec![1.0; n],
             elastic: vec![false; n],
+            all_elastic: false,
             natural: vec![1.0; n],
             kind,
             stiffness: vec![0.0; n],
@@ -95,12 +97,18 @@ impl Units {
                 self.elastic[i] = self.stiffness[i] > limit;
             }
         }
+        self.all_elastic = self.elastic.iter().all(|elastic| *elastic);
         self.set_scale(model);
+    }
+
+    /// Whether a coordinate is a length.
+    pub fn is_length(&self, coordinate: usize) -> bool {
+        self.kind[coordinate] == Kind::Length
     }
 
     /// Whether elasticity holds every coordinate.
     pub fn all_elastic(&self) -> bool {
-        self.elastic.iter().all(|elastic| *elastic)
+        self.all_elastic
     }
 
     /// Takes the stiffnesses of what is not elastic from the forces that act on it, over a natural unit;

@@ -5,9 +5,9 @@ mod systems;
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
-use flexor_engine::sensitivity::Adjoint;
 use flexor_engine::strain::{BasisKind, Mode};
 use flexor_engine::{Batch, Data};
+use systems::differences::derivatives;
 use systems::{body, empty, joint, rod, strain};
 
 const STIFFNESS: f64 = 200.0;
@@ -117,62 +117,7 @@ fn sunk(planar: bool) -> Description {
 }
 
 fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
-    let d = sunk(D == 3);
-    let model = Model::<G, D, P>::new(&d).unwrap();
-    let n = model.dof();
-    let q: Vec<f64> = (0..n).map(|i| 0.05 * (1.3 * i as f64 + 1.0).sin()).collect();
-    let lambda: Vec<f64> = (0..n).map(|i| (0.7 * i as f64 + 2.0).cos()).collect();
-    let mut data = Data::new(&model);
-    data.evaluate(&model, &q, &[]);
-    assert!(data.contact_forces(&model).len() > 3);
-    let (residual, tangent) = (data.residual().to_vec(), data.tangent().to_vec());
-    let h = 1e-4;
-    let stencil = [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];
-    let size = |v: &[f64]| v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    for j in 0..n {
-        let (mut slope, mut column) = (0.0, vec![0.0; n]);
-        for (step, weight) in stencil {
-            let mut moved = q.clone();
-            moved[j] += step * h;
-            data.evaluate_residual(&model, &moved, &[]);
-            slope += weight * data.energy() / (60.0 * h);
-            column.iter_mut().zip(data.residual()).for_each(|(c, r)| *c += weight * r / (60.0 * h));
-        }
-        assert!((slope - residual[j]).abs() < 1e-8 * size(&residual), "{j}: {slope} {}", residual[j]);
-        for i in 0..n {
-            let error = (column[i] - tangent[i * n + j]).abs();
-            assert!(error < 1e-8 * size(&tangent), "{i}, {j}: {} {}", column[i], tangent[i * n + j]);
-        }
-    }
-    let all: Vec<usize> = (0..model.parameters().len()).collect();
-    let mut adjoint = Adjoint::new(&model, &all);
-    data.evaluate(&model, &q, &[]);
-    let exact = adjoint.virtual_work_gradient(&model, &data, &q, &[], &lambda).to_vec();
-    let mut checked = 0;
-    for (name, range) in model.layout().iter() {
-        for i in range.clone() {
-            let component = i - range.start;
-            let turns = name.ends_with("rotation");
-            // A planar system has no third direction to move in.
-            if D == 3 && (turns || name.ends_with("translation")) && (component == 1) != turns {
-                continue;
-            }
-            let p = model.parameters();
-            let h = 1e-4 * if p[i] == 0.0 { 0.1 } else { p[i].abs() };
-            let mut difference = 0.0;
-            for (step, weight) in stencil {
-                let mut moved = p.to_vec();
-                moved[i] += step * h;
-                data.set_parameters(&model, &moved);
-                data.evaluate_residual(&model, &q, &[]);
-                let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
-                difference += weight * work / (60.0 * h);
-            }
-            let scale = 1e-8 * (size(&residual) / h).min(1e3) + 1e-7 * difference.abs();
-            assert!((difference - exact[i]).abs() < scale, "{name}[{component}]: {difference} {}", exact[i]);
-            checked += 1;
-        }
-    }
+    let checked = derivatives::<G, D, P>(&sunk(D == 3), 0.05, |contacts| contacts.len() > 3);
     assert!(checked > 20);
 }
 

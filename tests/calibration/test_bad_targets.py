@@ -2,6 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from flexor.calibration import calibrate
+from flexor.errors import InputError
+
 E = """
 [[constant]]
 name = "E"
@@ -172,3 +175,23 @@ def test_ranges_without_any_equilibrium_are_said_so(flexor, targets) -> None:
     ran = flexor("calibrate", "finger", path, "--samples", "4")
     assert ran.code == 2
     assert "gives equilibria for all targets" in ran.err
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"seed": -1}, "seed is -1: it must be at least 0."),
+        ({"samples": 0}, "samples is 0: it must be at least 1."),
+        ({"samples": 1.5}, "samples is 1.5: it must be an integer of at least 1."),
+        ({"starts": -1}, "starts is -1: it must be at least 1."),
+        ({"threads": -1}, "threads is -1"),
+        ({"progress": 3}, "progress is 3: it must be a function."),
+    ],
+)
+def test_arguments_are_checked_before_the_folder_is_made(
+    targets, coarse, tmp_path, given, words
+) -> None:
+    with pytest.raises(InputError) as refusal:
+        calibrate(coarse, targets(E + BEND), folder=tmp_path / "out", **given)
+    assert words in str(refusal.value)
+    assert not (tmp_path / "out").exists()

@@ -144,7 +144,7 @@ def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
     assert process.returncode == 130
     assert out == "" and "Traceback" not in err
     assert err.splitlines()[-1].strip() == (
-        "flexor calibrate finger made-targets.toml --out 'my folder' --resume"
+        "flexor calibrate finger made-targets.toml --samples 4096 --resume --out 'my folder'"
     )
 
 
@@ -206,7 +206,7 @@ def test_a_record_that_no_longer_holds_is_refused(flexor, folder, file) -> None:
 def test_only_one_process_at_a_time(flexor, folder, file) -> None:
     from flexor.store import Lock
 
-    lock = Lock(folder)
+    lock = Lock(folder, "calibration")
     try:
         ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
     finally:

@@ -54,7 +54,7 @@ def test_other_parameters_are_fixed_at_the_start(flexor) -> None:
         (["finger", "--study", "nowhere"], "is not a study"),
         (["finger", "--plot", "x.bmp"], "must end in"),
         (["finger", "--resume", "l"], "takes only the folder"),
-        (["--resume", "nowhere"], "is not a study"),
+        (["--resume", "nowhere"], "is not a landscape"),
     ],
 )
 def test_bad_input_gets_one_sentence(flexor, tmp_path, arguments: list[str], words: str) -> None:
@@ -68,7 +68,7 @@ def test_other_studies_are_rejected(flexor, tmp_path) -> None:
     ran = flexor(*SMALL, "--study", "s")
     assert '--study "s" searched L (L), but the landscape is of R01 (R_0, R_1)' in ran.error
     ran = flexor("landscape", "--resume", "s")
-    assert "is not a landscape: its method is pattern-search" in ran.error
+    assert '"s" is not a landscape: it is a study.' in ran.error
     assert [each.name for each in tmp_path.iterdir()] == ["s"]
 
 

@@ -16,6 +16,7 @@ def test_json_is_one_object_with_the_path(flexor) -> None:
     path = json.loads(ran.out)
     assert set(path) == {
         *("force", "joint_angles", "converged", "stable", "contacts", "tip_force", "events"),
+        *("max_overlap", "places"),
         *("coordinates", "q"),
     }
     assert path["force"] == [0, 1, 2, 3, 4, 5]
@@ -85,7 +86,7 @@ def test_slides_have_a_column_and_several_inputs_rest_without_load(flexor, tmp_p
     file.write_text(SLIDES)
     ran = flexor("simulate", str(file))
     assert ran.code == 0, ran.err
-    assert "cart.d" in ran.out and "mm" in ran.out
+    assert "cart" in ran.out and "mm" in ran.out
     assert "no load is given: --force pull=0:5:1 applies one" in ran.out
 
 

@@ -50,12 +50,27 @@ def test_forms_of_the_command_line(model: Any, given: Any, same: Any) -> None:
         ({"bounds": {"L": 7}}, "expected a lower and an upper bound"),
         ({"bounds": {"L": (None, 1)}}, "bounds has L = None"),
         ({"parameters": []}, "parameter set is []"),
+        ({"seed": -1}, "seed is -1: it must be at least 0."),
+        ({"seed": 1.5}, "seed is 1.5: it must be an integer of at least 0."),
+        ({"budget": "x"}, 'budget is "x": it must be an integer of at least 1.'),
+        ({"budget": 2.5}, "budget is 2.5: it must be an integer of at least 1."),
+        ({"budget": True}, "budget is true: it must be an integer of at least 1."),
+        ({"progress": 3}, "progress is 3: it must be a function."),
+        ({"finish": 3}, "finish is 3: it must be a function."),
+        ({"executor": len}, "executor is a builtin_function_or_method: give a concurrent.futures"),
+        ({"engine_options": {"max_iterations": 0}}, "solver option max_iterations is 0"),
     ],
 )
-def test_wrong_forms(model: Any, given: Any, words: str) -> None:
+def test_wrong_forms(model: Any, tmp_path: Any, given: Any, words: str) -> None:
     with pytest.raises(InputError) as caught:
-        flexor.optimize(model, budget=4, **given)
+        flexor.optimize(model, **{"budget": 4, "folder": tmp_path / "s", **given})
     assert words in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_seed_may_be_of_numpy(model: Any, tmp_path: Any) -> None:
+    flexor.optimize(model, budget=np.int64(3), seed=np.int32(2), folder=tmp_path / "s").close()
+    assert flexor.study.resume(tmp_path / "s", budget=np.int64(4)).evaluations == 4
 
 
 def test_geometry_and_threads(model: Any) -> None:

@@ -99,13 +99,13 @@ def test_the_unmodified_file_is_valid() -> None:
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
             '"springs", "straps", "wrenches", "design", "evaluation", "start", '
-            '"solver", "constants", "use".',
+            '"solver", "constants", "variants", "use".',
         ),
         (
             'length = "4 cm"',
             'lenght = "4 cm"',
             'bodies.bone has an unknown key "lenght" (did you mean "length"?): expected one of '
-            '"kind", "parent", "placement", "joint", "length", "radius", "density".',
+            '"kind", "parent", "placement", "joint", "length", "radius", "skin", "density".',
         ),
         (
             "{ bend_y",

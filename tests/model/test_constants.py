@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexor.errors import InputError
-from flexor.model import parse
+from flexor.model import Model, parse
 
 BASE = """
 name = "rod"
@@ -129,7 +129,7 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
             '"springs", "straps", "wrenches", "design", "evaluation", "start", '
-            '"solver", "constants", "use".',
+            '"solver", "constants", "variants", "use".',
         ),
         (
             "bodies.siut.length",
@@ -137,15 +137,15 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             'bodies has an unknown entry "siut" (did you mean "suit"?): expected "suit".',
         ),
         ("suit", "8 cm", "bodies.suit is a table: change its fields individually."),
-        ("use", "stiff", "use cannot be changed: select a set of constants by name."),
+        ("use", "stiff", "use cannot be changed: select a set by name."),
         ("suit.length", "0 cm", 'bodies.suit.length is "0 cm": it must be greater than zero.'),
         (
             "suit.lenght",
             "8 cm",
             'bodies.suit has an unknown key "lenght" (did you mean "length"?): expected one of '
             '"kind", "parent", "placement", "joint", "length", "radius", "section", "material", '
-            '"young_modulus", "poisson_ratio", "density", "strain", "reference_strain", '
-            '"elements", "gauss_points", "magnus_order".',
+            '"skin", "tip", "self_contact", "young_modulus", "poisson_ratio", "density", "strain", '
+            '"reference_strain", "elements", "gauss_points", "magnus_order".',
         ),
         (
             "suit.length",
@@ -159,3 +159,41 @@ def test_bad_changes(path: str, value: str, sentence: str) -> None:
     with pytest.raises(InputError) as caught:
         parse(BASE, changes={path: value}, source="rod.toml")
     assert str(caught.value) == f"rod.toml: {sentence}"
+
+
+VARIANTS = """
+[variants.long]
+weight = 0.25
+bodies.suit.length = "30 cm"
+
+[variants.strong]
+actuators.chamber.lever = 9.0
+"""
+
+
+def test_variants_change_the_file_as_it_stands() -> None:
+    file = parse(BASE + VARIANTS)
+    assert set(file.variants) == {"long", "strong"} and file.rod("suit").length == 0.1
+    assert parse(file.to_toml()) == file
+    assert Model(file).variants == {"long": 0.25, "strong": 1.0}
+    long = parse(BASE + VARIANTS, use="long")
+    assert long.rod("suit").length == 0.3 and long.rod("suit").young_modulus == 30_000.0
+    # A variant overrides the set that is in use, and another cannot be applied to what is left.
+    strong = parse(BASE + VARIANTS, use="strong")
+    assert strong.actuators["chamber"].lever.z == 9.0
+    assert strong.variants == strong.constants == {} and parse(strong.to_toml()) == strong
+    changed = parse(BASE + VARIANTS, use="long", changes={"suit.length": "20 cm"})
+    assert changed.rod("suit").length == 0.2
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        ("long]\nweight = 0", "variants.long.weight is 0: it must be a number above 0."),
+        ("soft]\nweight = 1", "variants.soft has the name of a set of constants."),
+        ("long]\nbodies.suit.length = 3", "variants.long.bodies.suit.length is 3, a number with"),
+        ("long]\nbody.suit.length = 3", 'variants.long has an unknown table "body"'),
+    ],
+)
+def test_a_bad_variant_is_named(table: str, sentence: str) -> None:
+    assert message(f"{BASE}\n[variants.{table}\n").startswith(f"rod.toml: {sentence}")

@@ -65,7 +65,11 @@ def test_any_text(text: str) -> None:
         parse(text)
 
 
-@given(st.dictionaries(st.sampled_from(["bodies", "name", "planar", "constants", "use"]), VALUES))
+@given(
+    st.dictionaries(
+        st.sampled_from(["bodies", "name", "planar", "constants", "variants", "use"]), VALUES
+    )
+)
 def test_any_tables(document: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         check(document)

@@ -81,7 +81,7 @@ NEWTON = 'write a force with its unit, such as "5 N"'
     [
         (
             [],
-            "force is an empty list: give at least one force in N, such as [0, 1, 2] or 0:5:1.",
+            "force is an empty list: give at least one force, such as 0:5:1.",
         ),
         ([0, float("nan")], "force[1] is nan: it must be a finite number."),
         ([float("inf")], "force[0] is inf: it must be a finite number."),

@@ -61,7 +61,7 @@ def test_design_space(finger: Model) -> None:
     assert space.length_bounds == (0.06, 0.14)
     assert space.radius_bounds == (0.004, 0.012)
     assert space.minimum_radius == 0.005
-    assert finger.evaluation_forces.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
+    assert finger.evaluation_loads[:, 0].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 def test_sample_points_are_the_ones_the_description_used(finger: Model) -> None:
@@ -245,11 +245,16 @@ def test_json_holds_one_entry_per_step(path: Path) -> None:
         "stable",
         "contacts",
         "tip_force",
+        "max_overlap",
+        "places",
         "events",
         "coordinates",
         "q",
     ]
     assert found.pop("coordinates") == path.model.engine.coordinates
+    places = found.pop("places")["max_overlap"]
+    assert [place is None for place in places] == (path.max_overlap == 0.0).tolist()
+    assert places[-1]["body"] == "exosuit"
     assert all(len(entries) == 6 for entries in found.values())
     assert found["force"] == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
     assert found["joint_angles"] == path.joint_angles.tolist()

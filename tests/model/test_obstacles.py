@@ -47,6 +47,9 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
     forces = path.contact_forces(2)
     np.testing.assert_allclose(forces.force, [[0.0, 0.0, 200.0 * (-0.01 - sunk)]], atol=1e-9)
     assert forces.second.tolist() == [-1]
+    on_floor = path.obstacle_forces()["floor"]
+    np.testing.assert_allclose(on_floor, [0.0, 0.0, 200.0 * (-0.01 - sunk)], atol=1e-9)
+    assert path.to_dict()["obstacle_force"] == {"floor": on_floor.tolist()}
     assert path.pairs.tolist() == [0, 0, 0]
 
 

@@ -103,3 +103,64 @@ def test_bad_straps(old: str, new: str, sentence: str) -> None:
     with pytest.raises(InputError) as raised:
         Model(parse(HUNG.replace(old, new)))
     assert str(raised.value).startswith(f"model: {sentence}")
+
+
+LOOPED = """
+name = "looped"
+planar = true
+
+[bodies.limb]
+kind = "link"
+length = "15 cm"
+radius = "1 cm"
+
+[bodies.suit]
+kind = "rod"
+length = "5 cm"
+radius = "5 mm"
+young_modulus = "100 GPa"
+poisson_ratio = 0.5
+placement = { z = "3 cm" }
+joint = { kind = "prismatic", axis = "x", stiffness = "10 N/m" }
+strain = { bend_y = "nodal_linear" }
+elements = 4
+gauss_points = 2
+
+[straps.loop]
+rod = "suit"
+at = 0.5
+to = { body = "limb", loop = true }
+stiffness = "1 N/mm"
+pretension = "2 N"
+
+[wrenches.push]
+body = "suit"
+at = "base"
+force = { x = "1 N" }
+input = true
+"""
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_a_loop_slides_and_holds(planar: bool) -> None:
+    model = Model(parse(LOOPED if planar else LOOPED.replace("planar = true", "planar = false")))
+    path = model.equilibrium([0.0, 0.5, 1.0])
+    assert path.stable.all()
+    np.testing.assert_allclose(path.joint_angles[:, 0], [0.0, 0.05, 0.1], atol=1e-6)
+    np.testing.assert_allclose(path.strap_forces()["loop"], 2.0, rtol=1e-3)
+    # Axes 3 cm apart, surfaces 1.5 cm; 2 N stretch 1 N/mm by 2 mm.
+    assert model.slot("loop.rest_length")[0] == pytest.approx(0.013)
+    tapered = LOOPED.replace('radius = "1 cm"', 'radius = { base = "1 cm", tip = "2.5 cm" }')
+    model = Model(parse(tapered))
+    held = model.equilibrium([0.0])
+    # The gap narrows by a tenth of the way x to the thick end: 10 N/m x = (2 N - 1 N/mm x/10)/10.
+    assert held.joint_angles[0, 0] == pytest.approx(0.01, rel=1e-3)
+    assert held.strap_forces()["loop"][0] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_a_loop_around_a_rod_is_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        parse(LOOPED.replace('body = "limb", loop', 'body = "suit", loop'), source="bad.toml")
+    assert str(caught.value) == (
+        'bad.toml: straps.loop.to.body is "suit", which is a rod: a loop slides along a link.'
+    )

@@ -26,7 +26,7 @@ N, STEPS, JOINTS = 4, 6, 3
 def paths() -> Paths:
     random = np.random.default_rng(11)
     return Paths(
-        model=SimpleNamespace(first_spheres=42, show_load="{:g} N".format),  # type: ignore[arg-type]
+        model=SimpleNamespace(first_spheres=42, show_loads=lambda u: f"{u[0]:g} N"),  # type: ignore[arg-type]
         loads=np.arange(6.0)[:, None],
         joint_angles=random.uniform(-0.2, 1.2, (N, STEPS, JOINTS)),
         tip_force=random.uniform(0.1, 0.5, (N, STEPS)),
@@ -126,7 +126,7 @@ def test_a_users_own_objective_is_one_function_of_the_path() -> None:
         return -float(path.joint_angles[-1, 0])
 
     mine = custom("first joint", first_joint, quantity="first joint", unit="rad")
-    assert mine.force is None
+    assert mine.loads is None
     given = paths()
     np.testing.assert_array_equal(mine.value(given), -given.joint_angles[:, 5, 0])
     given.converged[1, 2] = False
@@ -145,7 +145,7 @@ def test_a_users_nan_is_a_failure_and_a_users_array_is_refused() -> None:
 
 
 def test_loads_can_be_changed() -> None:
-    assert objective("bending").at([0, 2.5, 5, 7.5, 10]).force == (0.0, 2.5, 5.0, 7.5, 10.0)
+    assert objective("bending").at([0, 2.5]).loads == ((0.0,), (2.5,))
 
 
 @pytest.mark.parametrize(

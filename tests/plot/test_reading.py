@@ -46,10 +46,12 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
         force=np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]]),
         point=np.array([[0.0, 0.0, 0.02], [0.004, 0.0, 0.02]]),
         depth=np.array([0.001, 0.001]),
+        pressure=np.array([np.nan, np.nan]),
     )
     exosuit = Rod.model_validate(rod)
     file = SimpleNamespace(
         materials={},
+        straps={},
         rod=lambda name: {"exosuit": exosuit}[name],
         bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},
         actuators={"chamber": Actuator.model_validate({"kind": "chamber", "rod": "exosuit"})},

@@ -75,7 +75,7 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
         (
             {**HALF, "layer": {"thickness": "1 mm", "material": "fabric"}},
             'bodies.rod.section.layer.material refers to the unknown material "fabric": '
-            'expected "silicone"',
+            'expected one of "dragon-skin-10", ',
         ),
         (
             {"kind": "box", "width": "3 mm", "wall": "2 mm"},

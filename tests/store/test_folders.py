@@ -19,8 +19,9 @@ from flexor.cli.app import main
 from flexor.errors import InputError
 from flexor.objectives import custom
 from flexor.store import Database, Lock, environment, replaced
-from flexor.store.environment import decisive
 from flexor.study import Study, optimize, resume
+from flexor.study.comparison import open_comparison
+from flexor.study.landscape import Landscape
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links, pipes and modes of POSIX")
 TARGETS = """
@@ -101,9 +102,7 @@ def test_no_link_in_a_folder_is_followed(
         assert (place / "s" / name).is_file()
         assert not (place / "s" / name).is_symlink()
     assert not list((place / "s").glob(".*"))
-    names = ["record.sqlite", "record.sqlite-wal", "settings.json"]  # are refused
-    if kind != "landscape":  # which is only read, once it is finished
-        names.append("lock")
+    names = ["record.sqlite", "record.sqlite-wal", "settings.json", "lock"]  # are refused
     if kind != "calibration":  # whose targets are given again
         names.append("model.toml")
     for name in names:
@@ -121,8 +120,8 @@ def test_no_link_in_a_folder_is_followed(
             assert run(*command) == 2
             said = capsys.readouterr()
             assert said.err == (
-                f'error: "s/{name}" is {"no file" if special == "pipe" else f"a {special}"}: '
-                "only a regular file is used in its place.\n"
+                f'error: "s/{name}" is not a regular file: it is a '
+                f"{'special file' if special == 'pipe' else special}.\n"
             )
             path.rmdir() if special == "folder" else path.unlink()
             if aside.exists():
@@ -162,8 +161,7 @@ def test_a_folder_in_place_of_an_output_is_refused_before_the_work(
         assert run(*KINDS[kind][1]) == 2
         said = capsys.readouterr().err
         assert said.count("\n") == 1
-        # A finished landscape is only drawn.
-        assert ('into "s"' if kind == "landscape" else f'"s/{name}" cannot be written') in said
+        assert f'"s/{name}" cannot be written' in said
     finally:
         (place / "s" / name).rmdir()
         aside.rename(place / "s" / name)
@@ -199,37 +197,141 @@ def test_the_umask_decides_who_may_read(analytic: ModuleType, tmp_path: Path) ->
 def test_every_kind_says_what_it_was_made_with(made: tuple[str, Path]) -> None:
     kind, place = made
     values = json.loads((place / "s" / "settings.json").read_text())
-    assert values["kind"] == ("study" if kind == "landscape" else kind)
+    assert values["kind"] == kind
     assert values["environment"] == environment()
     assert values["flexor"] == flexor.__version__
 
 
-@pytest.mark.parametrize("key", list(decisive()))
-def test_another_version_or_engine_is_not_gone_on_with(
-    analytic: ModuleType, tmp_path: Path, key: str
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+# In the settings: Flexor, its engine, minor versions, and the package of a method.
+VERSIONS = {
+    "flexor": ("0.1.9", "Flexor"),
+    "engine": ("0123", "another build of the engine"),
+    "engine_path": ("0123", "another build of the engine path"),
+    "python": ("3.1.0", "Python"),
+    "numpy": ("1.0.2", "numpy"),
+}
+
+
+@pytest.mark.parametrize("key", list(VERSIONS))
+def test_finished_work_of_another_version_is_not_written_into(
+    made: tuple[str, Path], monkeypatch: Any, capsys: Any, key: str
 ) -> None:
-    optimize(analytic.AnalyticModel(), "L", budget=5, folder=tmp_path / "s").close()
-    path = tmp_path / "s" / "settings.json"
-    values = json.loads(path.read_text())
-    (values if key == "flexor" else values["environment"])[key] = "0123"
+    kind, place = made
+    monkeypatch.chdir(place)
+    path = place / "s" / "settings.json"
+    kept = path.read_text()
+    values = json.loads(kept)
+    here = flexor.__version__ if key == "flexor" else values["environment"][key]
+    then, name = VERSIONS[key]
+    (values if key == "flexor" else values["environment"])[key] = then
     path.write_text(json.dumps(values))
-    with pytest.raises(InputError) as refusal:
-        resume(tmp_path / "s", model=analytic.AnalyticModel(), budget=9)
-    assert f"0123, this is {decisive()[key]}: resume it with the one that made it" in str(
-        refusal.value
-    )
-    assert Study.open(tmp_path / "s", model=analytic.AnalyticModel()).evaluations == 5
+    before = contents(place / "s")
+    capsys.readouterr()
+    try:
+        assert run(*KINDS[kind][1]) == 2
+        assert capsys.readouterr().err == (
+            f'error: the {kind} "s" was made with {name} {then}, this is {here}: resume it with '
+            "the one that made it or begin another.\n"
+        )
+        (place / "s" / "lock").write_bytes(before["lock"])
+        assert contents(place / "s") == before
+        if kind == "landscape":  # but it is read
+            assert Landscape.open("s").value.shape == (3,)
+        if kind == "comparison":
+            assert open_comparison("s").seeds == (0,)
+        if kind == "study":
+            assert Study.open("s").evaluations == 5
+    finally:
+        path.write_text(kept)
 
 
-def test_a_finished_landscape_of_another_version_is_drawn(tmp_path: Path, monkeypatch: Any) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(*KINDS["landscape"][0]) == 0
+def test_only_packages_that_decide_the_results_are_compared(
+    made: tuple[str, Path], monkeypatch: Any, capsys: Any
+) -> None:
+    kind, place = made
+    monkeypatch.chdir(place)
+    path = place / "s" / "settings.json"
+    kept = path.read_text()
+    values = json.loads(kept)
+    environment = values["environment"]
+    environment.update(cma="0.1", pymoo="0.1", scipy="0.1", python=environment["python"] + "9")
+    path.write_text(json.dumps(values))
+    try:
+        # Pattern searches and grids need none of them.
+        assert run(*KINDS[kind][1]) == (2 if kind == "calibration" else 0)
+        assert ("with scipy 0.1, this is" in capsys.readouterr().err) == (kind == "calibration")
+    finally:
+        path.write_text(kept)
+
+
+@pytest.mark.parametrize(
+    ("method", "package"), [("cma-es", "cma"), ("de", "pymoo"), ("direct", "scipy")]
+)
+def test_the_package_of_a_method_is_compared(
+    analytic: ModuleType, tmp_path: Path, method: str, package: str
+) -> None:
+    optimize(
+        analytic.AnalyticModel(), "R01", method=method, budget=9, folder=tmp_path / "s"
+    ).close()
     path = tmp_path / "s" / "settings.json"
     values = json.loads(path.read_text())
-    path.write_text(json.dumps({**values, "flexor": "9.9.9"}))
-    (tmp_path / "s" / "landscape.csv").unlink()
-    assert run("landscape", "--resume", "s") == 0
-    assert (tmp_path / "s" / "landscape.csv").is_file()
+    values["environment"][package] = "0.1"
+    path.write_text(json.dumps(values))
+    with pytest.raises(InputError, match=f"was made with {package} 0.1, this is [0-9]"):
+        resume(tmp_path / "s", model=analytic.AnalyticModel(), budget=12)
+
+
+def test_no_kind_resumes_another(made: tuple[str, Path], monkeypatch: Any, capsys: Any) -> None:
+    kind, place = made
+    monkeypatch.chdir(place)
+    for other, (_, command, _) in KINDS.items():
+        if other != kind:
+            assert run(*command) == 2
+            assert capsys.readouterr().err == f'error: "s" is not a {other}: it is a {kind}.\n'
+
+
+def test_outputs_are_written_while_the_folder_is_locked(
+    tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    from flexor import plot
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "targets.toml").write_text(TARGETS)
+    save, refused = plot.save, []
+
+    def saving(figure: Any, path: Path) -> Path:
+        with pytest.raises(InputError, match="is in use by another process") as refusal:
+            Lock(path.parent, "study")
+        refused.append(refusal)
+        return save(figure, path)
+
+    monkeypatch.setattr(plot, "save", saving)
+    for kind, (begin, again, files) in KINDS.items():
+        folder = tmp_path / kind
+        words = [[kind if word == "s" else word for word in command] for command in (begin, again)]
+        for command in words:
+            refused.clear()
+            assert run(*command) in (0, 1)
+            assert len(refused) == 2  # PNG and SVG
+        assert {path.name for path in folder.iterdir()} >= set(files)
+        Lock(folder, kind).release()
+
+
+def test_drafts_of_a_killed_process_are_removed(made: tuple[str, Path], monkeypatch: Any) -> None:
+    kind, place = made
+    monkeypatch.chdir(place)
+    drafts = [place / "s" / name for name in (".designs-e0562839.png", ".settings-0123abcd.json")]
+    mine = place / "s" / ".hidden.png"
+    for path in (*drafts, mine):
+        path.write_bytes(b"half")
+    assert run(*KINDS[kind][1]) in (0, 1)
+    assert [path for path in drafts if path.exists()] == []
+    assert mine.exists()
+    mine.unlink()
 
 
 def first_joint(path: Any) -> float:

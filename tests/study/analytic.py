@@ -50,11 +50,11 @@ class AnalyticModel:
         self.calls: list[int] = []
         self.before_batch: Any = lambda model: None
         self.design = Space(points=np.linspace(0.0, 1.0, 5))
-        self.evaluation_forces = np.arange(6.0)
+        self.evaluation_loads = np.arange(6.0)[:, None]
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
-    def show_load(self, load: float) -> str:
-        return f"{load:g} N"
+    def show_loads(self, loads: Any) -> str:
+        return f"{loads[0]:g} N"
 
     def evaluate(
         self,
@@ -67,7 +67,7 @@ class AnalyticModel:
         self.before_batch(self)
         self.calls.append(len(geometry.length))
         time.sleep(self.pause)
-        u = np.asarray(force, dtype=float) / 5.0
+        u = np.asarray(force, dtype=float)[:, 0] / 5.0
         base, tip = geometry.radius[:, 0], geometry.radius[:, -1]
         away = (
             ((geometry.length - 0.11) / 0.04) ** 2
@@ -91,7 +91,7 @@ class AnalyticModel:
             model=self,  # type: ignore[arg-type]
             gradient=np.stack(slopes, axis=1) if gradient else None,
             regularity=words if gradient else None,
-            loads=np.asarray(force, dtype=float)[:, None],
+            loads=np.asarray(force, dtype=float),
             joint_angles=angles,
             tip_force=0.3 * bend[:, None] * u,
             touching=np.broadcast_to((20 * base[:, None] / 0.012).astype(np.uint32), good.shape),

@@ -16,10 +16,11 @@ import flexor
 from flexor.cli.app import main
 from flexor.errors import ClusterError, InputError
 from flexor.objectives import custom
-from flexor.study import Cluster, Pool, Study, StudyProgress, optimize, resume
+from flexor.study import Cluster, Pool, Study, StudyProgress, optimize
 from flexor.study.comparison import compare
 from flexor.study.executors import cluster as clusters
 from flexor.study.executors import task
+from flexor.study.landscape import resume_landscape
 
 Client = pytest.importorskip("distributed").Client
 # One cluster for all of them: its processes take seconds to start.
@@ -199,7 +200,7 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
     assert said.out == ""
     assert said.err.splitlines() == [
         f'error: the cluster "{address}" was lost: its scheduler no longer answers.',
-        "Every design evaluated so far is saved. To resume:",
+        "Everything evaluated so far is saved. To resume:",
         "  flexor landscape --resume 'l s'",
     ]
     with pytest.raises(ClusterError, match=r"was lost: its scheduler no longer answers\.$"):
@@ -208,10 +209,12 @@ def test_a_lost_scheduler_is_told_and_the_study_resumes(
     assert 0 < opened.evaluations < 400
     assert opened.finished is None
     opened.close()
-    assert content(resume(tmp_path / "l s")) == content(local)
+    assert content(resume_landscape(tmp_path / "l s").study) == content(local)
 
 
 def test_one_worker_of_its_own() -> None:
     with Cluster("local:1") as cluster:
         study = optimize(flexor.load("finger", "calibrated"), "L", budget=20, executor=cluster)
+        with pytest.raises(InputError, match=r"executor is a Client: .* client\.get_executor\(\)"):
+            optimize(study.problem.model, "L", executor=cluster._client)
     assert content(study) == content(optimize(flexor.load("finger", "calibrated"), "L", budget=20))

@@ -28,6 +28,7 @@ from flexor.study.comparison import (
     SearchRun,
     compare,
     data_profiles,
+    open_comparison,
     performance_profiles,
     resume_comparison,
 )
@@ -119,7 +120,8 @@ def test_killed_anywhere_it_ends_the_same_and_repeats_nothing(
     last = analytic.AnalyticModel()
     again = compare(last, **GIVEN, folder=tmp_path / "pieces", resume=True)
     assert content(again) == content(whole)
-    assert sum(last.calls) <= 1  # the check that there is a vector
+    # The check that there is a vector, and the start of each set, which must be as recorded.
+    assert sum(last.calls) == 1 + len(whole.sets)
 
 
 def test_sets_methods_and_seeds_may_be_added(analytic: ModuleType, tmp_path: Path) -> None:
@@ -276,8 +278,14 @@ def test_a_start_that_fails_is_drawn_again(analytic: ModuleType) -> None:
         ({"methods": {}}, "give at least one method"),
         ({"objective": "f_exo", "methods": "lm"}, "is not the norm of a vector"),
         ({"seeds": 0}, "seeds is 0: it must be at least 1"),
-        ({"seeds": [1, 1]}, "different whole numbers from 0"),
+        ({"seeds": [1, 1]}, "distinct non-negative integers"),
+        ({"seeds": [1, -1]}, "a seed is -1: it must be at least 0."),
+        ({"seeds": "3"}, 'seeds is "3": it must be an integer of at least 1.'),
+        ({"seeds": 2.0}, "seeds is 2.0: it must be an integer of at least 1."),
         ({"budget": 0}, "budget is 0: it must be at least 1"),
+        ({"budget": 2.5}, "budget is 2.5: it must be an integer of at least 1."),
+        ({"workers": -1}, "workers is -1: it must be at least 0."),
+        ({"progress": 3}, "progress is 3: it must be a function."),
         ({"resume": True}, "resuming a comparison needs its folder"),
     ],
 )
@@ -351,19 +359,30 @@ def test_damaged_settings_are_one_sentence(
         compare(analytic.AnalyticModel(), **given, resume=True)
 
 
-def test_another_version_reads_a_finished_comparison_and_goes_on_with_none(
+def test_a_finished_comparison_is_read(analytic: ModuleType, tmp_path: Path) -> None:
+    model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
+    whole = compare(model, **given, folder=tmp_path / "c")
+    found = open_comparison(tmp_path / "c")
+    assert content(found) == content(whole)
+    for name in ("model", "budget", "sets", "methods", "seeds", "reference"):
+        assert getattr(found, name) == getattr(whole, name)
+    database = Database(tmp_path / "c" / "record.sqlite")
+    database.write(("DELETE FROM searches WHERE search LIKE ?", [("%0]",)]))
+    database.close()
+    with pytest.raises(InputError, match="lacks 1 of 3 searches: resume it"):
+        open_comparison(tmp_path / "c")
+
+
+def test_a_comparison_that_no_longer_reproduces_is_refused(
     analytic: ModuleType, tmp_path: Path
 ) -> None:
     model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
-    whole = compare(model, **given, folder=tmp_path / "c")
-    path = tmp_path / "c" / "settings.json"
-    values = json.loads(path.read_text())
-    values["environment"]["engine"] = "0" * 16
-    path.write_text(json.dumps(values))
-    assert content(compare(model, **given, folder=tmp_path / "c", resume=True)) == content(whole)
-    with pytest.raises(InputError, match="was made with another build of the engine 0000"):
+    compare(model, **given, folder=tmp_path / "c")
+    database = Database(tmp_path / "c" / "record.sqlite")
+    database.note("reference", {"L": 123.0})
+    database.close()
+    with pytest.raises(InputError, match="no longer reproduces: it recorded 123, which is now "):
         compare(model, **{**given, "seeds": 4}, folder=tmp_path / "c", resume=True)
-    assert json.loads(path.read_text())["seeds"] == [0, 1, 2]
 
 
 def test_a_folder_of_the_first_format_is_refused(tmp_path: Path) -> None:

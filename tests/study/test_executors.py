@@ -66,7 +66,7 @@ def test_parts_are_the_whole(analytic: ModuleType, monkeypatch: Any, count: int)
 
 
 def test_an_executor_needs_only_parts(analytic: ModuleType) -> None:
-    class Counting(interface.Executor):
+    class Counting(interface.DesignEvaluator):
         asked = 0
 
         def parts(self, problem: Problem, designs: Any, gradient: bool = False) -> Any:
@@ -107,12 +107,12 @@ def test_a_grid_is_streamed_and_stops_at_its_budget(analytic: ModuleType) -> Non
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("local:0", '"local:0" cannot be started: after "local:" belongs the number of workers'),
-        ("local:-1", "from 1 to 1024, such as"),
-        ("local:", "from 1 to 1024, such as"),
-        ("local", "from 1 to 1024, such as"),
-        ("local:99999", "from 1 to 1024, such as"),
-        ("local:two", "from 1 to 1024, such as"),
+        ("local:0", '"local:0" cannot be started: expected "local:N", N from 1 to 1024.'),
+        ("local:-1", "N from 1 to 1024."),
+        ("local:", "N from 1 to 1024."),
+        ("local", "N from 1 to 1024."),
+        ("local:99999", "N from 1 to 1024."),
+        ("local:two", "N from 1 to 1024."),
         ("", '"" is not an address'),
         ("host:8786", "is not an address: give that of a Dask scheduler"),
         ("tcp://host", "is not an address"),
@@ -153,7 +153,7 @@ def test_without_dask_the_extra_is_named(monkeypatch: Any) -> None:
 
 def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "ANSWER", 0.2)
+    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT", 0.2)
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
@@ -172,7 +172,7 @@ def test_an_unreachable_cluster_is_one_sentence(monkeypatch: Any, tmp_path: Any)
 
 def test_a_server_that_is_no_scheduler_is_not_waited_for(monkeypatch: Any) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "ANSWER", 0.3)
+    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"127.0.0.1:{silent.getsockname()[1]}"
         with pytest.raises(InputError, match=r"no Dask scheduler answers there within 0\.3 s"):
@@ -305,5 +305,5 @@ def test_a_pool_whose_process_dies_is_lost_and_the_study_resumes(
 
 
 def test_what_is_no_executor_is_refused(finger: Problem) -> None:
-    with pytest.raises(InputError, match=r"executor is a int: give the address of a cluster, or"):
+    with pytest.raises(InputError, match=r"executor is a int: give a concurrent.futures.Executor"):
         optimize(finger.model, "L", executor=4)  # type: ignore[arg-type]

@@ -168,11 +168,11 @@ def test_a_lock_needs_no_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(os, "write", full)
-    lock = Lock(tmp_path)
+    lock = Lock(tmp_path, "study")
     with pytest.raises(InputError, match="is in use by another process: wait for it or stop it"):
-        Lock(tmp_path)
+        Lock(tmp_path, "study")
     lock.release()
-    Lock(tmp_path).release()
+    Lock(tmp_path, "study").release()
 
 
 RUN = """

@@ -108,7 +108,8 @@ def test_it_is_a_study_that_resumes_and_opens(analytic: ModuleType, tmp_path: Pa
     assert told[-1] == 0
     opened = Landscape.of(Study.open(tmp_path / "l", model=analytic.AnalyticModel()))
     np.testing.assert_array_equal(opened.value, whole.value)
-    Landscape.of(resume(tmp_path / "l", model=analytic.AnalyticModel()))
+    with pytest.raises(InputError, match='" is not a study: it is a landscape'):
+        resume(tmp_path / "l", model=analytic.AnalyticModel())
     with pytest.raises(InputError, match=r"method\.options\.points = 40, not 41"):
         landscape(analytic.AnalyticModel(), "R01", grid=41, folder=tmp_path / "l", resume=True)
 
@@ -181,7 +182,9 @@ def test_figures_show_what_there_is(analytic: ModuleType, tmp_path: Path) -> Non
         ({"axes": ["R_2"]}, 'unknown parameter of the set R01 "R_2" (did you mean "R_1"?)'),
         ({"axes": ["R_0", "R_0"]}, "one or two different parameters, got R_0, R_0"),
         ({"axes": []}, "one or two different parameters, got none"),
-        ({"grid": 1}, "points of grid is 1: it must be from 2"),
+        ({"grid": 1}, "grid is 1: it must be at least 2."),
+        ({"grid": 2.5}, "grid is 2.5: it must be an integer of at least 2."),
+        ({"progress": 3}, "progress is 3: it must be a function."),
         ({"grid": 3000}, "has 9e+06 designs: at most 4,000,000"),
         ({"parameters": "R02"}, 'unknown parameter set "R02"'),
         ({"objective": "bendng"}, 'did you mean "bending"?'),
@@ -201,5 +204,5 @@ def test_a_study_that_is_no_landscape(analytic: ModuleType, tmp_path: Path) -> N
     study = optimize(analytic.AnalyticModel(), "R01", budget=5, folder=tmp_path / "s")
     with pytest.raises(InputError, match="is not a landscape"):
         Landscape.of(study)
-    with pytest.raises(InputError, match="is not a landscape: its method is pattern-search"):
-        Landscape.check(tmp_path / "s")
+    with pytest.raises(InputError, match="is not a landscape: it is a study"):
+        Landscape.open(tmp_path / "s")

@@ -159,7 +159,7 @@ def test_two_processes_cannot_run_one_study(analytic: ModuleType, tmp_path: Path
     optimize(model, folder=tmp_path / "s", **OPTIONS)
     said = f'the study "{tmp_path / "s"}" is in use by another process (process {here})'
     assert refusals == [f"{said}: wait for it or stop it."]
-    Lock(tmp_path / "s").release()
+    Lock(tmp_path / "s", "study").release()
 
 
 @pytest.mark.parametrize(
@@ -207,7 +207,7 @@ def test_own_functions_must_be_given_and_be_the_same(analytic: ModuleType, tmp_p
         resume(tmp_path / "s", model=model)
     with pytest.raises(InputError, match='uses objective "first", which Flexor does not know'):
         resume(tmp_path / "s", model=model, parameters=make(line))
-    with pytest.raises(InputError, match="objective, parameter set or engine has changed"):
+    with pytest.raises(InputError, match="no longer reproduces: it recorded"):
         resume(tmp_path / "s", model=model, parameters=make(other), objective=wanted)
     study = resume(tmp_path / "s", model=model, parameters=make(line), objective=wanted, budget=40)
     assert study.evaluations == 40
@@ -286,8 +286,8 @@ def break_folder(folder: Path, kind: str) -> None:
         ("future", "has format 3; this version of Flexor reads format 2"),
         ("first", "has format 1; this version of Flexor reads format 2: use the version that"),
         ("comparison", '" is not a study: it is a comparison.'),
-        ("linked", 'settings.json" is a link: only a regular file is used in its place'),
-        ("pipe", 'settings.json" is no file: only a regular file is used in its place'),
+        ("linked", 'settings.json" is not a regular file: it is a link'),
+        ("pipe", 'settings.json" is not a regular file: it is a special file'),
         ("no record", "is damaged: it has no record.sqlite"),
         ("broken record", "cannot be used: file is not a database"),
         ("other record", "is damaged: its record.sqlite is of another study"),

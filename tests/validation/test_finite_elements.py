@@ -128,19 +128,14 @@ def test_an_unwound_chamber_balloons_instead_of_bending(bare: str, wound: str) -
     assert found["height"][-1] > 1.05 > 1.01 > reference["height"][-1]
 
 
-BOX = pytest.mark.xfail(
-    reason="walls of a box are taken to keep their hoop stretch; as they thin, their insides widen"
-)
-
-
 @pytest.mark.parametrize(
     ("name", "column", "tolerance"),
     [
         ("half-round", "angle", 0.06),
         ("half-round-blocked", "force", 0.10),
         ("tube-stretched", "tip_x", 0.05),
-        pytest.param("box-framed", "angle", 0.06, marks=BOX),
-        pytest.param("box-framed-blocked", "force", 0.10, marks=BOX),
+        ("box-framed", "angle", 0.05),
+        ("box-framed-blocked", "force", 0.10),
     ],
 )
 def test_rods_of_wound_sections(name: str, column: str, tolerance: float) -> None:

@@ -85,6 +85,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let load = self.system.load().to_vec();
             let mut bordered = Bordered::new(q0.len(), load.len(), 0);
             bordered.set_base_load(&load);
+            self.system.evaluate_tangent();
+            self.system.factorise(0.0);
+            bordered.pin(self.system.pinned());
             if bordered.solve(&mut self.system, &[], target(&self.options)) {
                 return Ok(stability(&mut self.system));
             }
@@ -183,6 +186,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         let (n, inputs) = (system.state().len(), system.load().len());
         let mut bordered = Bordered::new(n, inputs, 1);
         bordered.set_base_load(&run.start);
+        bordered.pin(system.pinned());
         Self {
             system,
             bordered,

@@ -62,6 +62,8 @@ pub struct Bordered {
     dof: usize,
     /// The multipliers of the state found last.
     pub multipliers: Vec<f64>,
+    /// Coordinates held where they are, as nothing else holds them.
+    pinned: Vec<usize>,
     /// Load without the multipliers.
     base: Vec<f64>,
     load: Vec<f64>,
@@ -83,6 +85,7 @@ impl Bordered {
         Self {
             dof,
             multipliers: vec![0.0; constraints],
+            pinned: vec![],
             base: vec![0.0; inputs],
             load: vec![0.0; inputs],
             gradients: vec![vec![0.0; dof]; constraints],
@@ -98,6 +101,11 @@ impl Bordered {
     /// The load that the multipliers are added to.
     pub fn set_base_load(&mut self, base: &[f64]) {
         self.base.copy_from_slice(base);
+    }
+
+    /// Holds coordinates where they are that nothing else holds.
+    pub(super) fn pin(&mut self, coordinates: &[usize]) {
+        self.pinned.extend_from_slice(coordinates);
     }
 
     /// Newton's method with full steps from the system's state and the multipliers at hand; whether it
@@ -122,6 +130,7 @@ impl Bordered {
             }
             self.step.copy_from(&self.residual);
             self.step.neg_mut();
+            self.pinned.iter().for_each(|c| self.step[*c] = 0.0);
             if !self.lu.solve_mut(&mut self.step) {
                 return false;
             }
@@ -241,6 +250,11 @@ impl Bordered {
                     }
                 }
             }
+        }
+        for &c in &self.pinned {
+            self.matrix.row_mut(c).fill(0.0);
+            self.matrix.column_mut(c).fill(0.0);
+            self.matrix[(c, c)] = 1.0;
         }
         self.lu = self.matrix.clone().lu();
     }

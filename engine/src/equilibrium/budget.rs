@@ -27,12 +27,24 @@ pub(super) struct Budget<'a> {
     cancel: Option<&'a dyn Cancel>,
     iterations: usize,
     deadline: Option<Instant>,
+    /// Checks since the clock and the request to stop were last looked at.
+    checks: usize,
 }
+
+/// Checks per look at them.
+const LOOK: usize = 8;
 
 impl<'a> Budget<'a> {
     pub fn new(options: &ContinuationOptions, cancel: Option<&'a dyn Cancel>) -> Self {
         let max_time = Duration::try_from_secs_f64(options.max_seconds).ok();
-        Self { max_iterations: options.max_iterations, max_time, cancel, iterations: 0, deadline: None }
+        Self {
+            max_iterations: options.max_iterations,
+            max_time,
+            cancel,
+            iterations: 0,
+            deadline: None,
+            checks: 0,
+        }
     }
 
     /// A load step begins.
@@ -51,11 +63,17 @@ impl<'a> Budget<'a> {
     }
 
     /// Why the load step has to end now, if it has to.
-    pub fn exhausted(&self) -> Option<Status> {
+    pub fn exhausted(&mut self) -> Option<Status> {
+        if self.iterations > self.max_iterations {
+            return Some(Status::IterationLimit);
+        }
+        self.checks += 1;
+        if self.checks < LOOK {
+            return None;
+        }
+        self.checks = 0;
         if self.cancel.is_some_and(Cancel::is_requested) {
             Some(Status::Cancelled)
-        } else if self.iterations > self.max_iterations {
-            Some(Status::IterationLimit)
         } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             Some(Status::TimeLimit)
         } else {

@@ -1,10 +1,11 @@
 //! When contacts open and close along a straight motion of the coordinates.
 
 use super::options::PredictorOptions;
+use super::point_motion::PointMotion;
 use super::system::System;
 use crate::forces::element::Switch;
 use crate::lie::LieGroup;
-use crate::linalg::{LANES, Vector};
+use crate::linalg::Vector;
 use crate::model::Model;
 
 /// A sphere that touches another body or may come to.
@@ -20,27 +21,19 @@ struct Pair<const P: usize> {
 }
 
 /// The pairs that may change, and the memory to find them, which grows to what the model needs.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct ContactChanges<const D: usize, const P: usize> {
     pairs: Vec<Pair<P>>,
-    twists: Vec<Vector<D>>,
     wrenches: Vec<Vector<D>>,
-    /// Velocities of all points.
-    points: Vec<Vector<P>>,
-    /// Rates of the coordinates, and the same in blocks.
-    rates: Vec<f64>,
-    blocks: Vec<Vector<LANES>>,
+    motion: PointMotion<D, P>,
 }
 
 impl<const D: usize, const P: usize> ContactChanges<D, P> {
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
         Self {
             pairs: vec![],
-            twists: vec![Vector::ZERO; model.frames.len()],
             wrenches: vec![Vector::ZERO; model.frames.len()],
-            points: vec![Vector::ZERO; model.points.len()],
-            rates: vec![0.0; model.dof],
-            blocks: model.coordinate_blocks.zeros(),
+            motion: PointMotion::new(model),
         }
     }
 
@@ -53,11 +46,11 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         h: f64,
         options: &PredictorOptions,
     ) {
-        self.move_points(system, velocity);
+        self.motion.update(system, velocity);
         self.pairs.clear();
         let model = system.model();
         let data = system.data();
-        let points = &self.points;
+        let points = &self.motion.points;
         let squares = model.spheres.iter().map(|s| points[s.point].dot(&points[s.point]));
         let fastest = squares.fold(0.0, f64::max).sqrt();
         // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
@@ -103,9 +96,9 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
 
     /// Goes on with another velocity of the coordinates.
     pub fn set_velocity<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
-        self.move_points(system, velocity);
+        self.motion.update(system, velocity);
         for pair in &mut self.pairs {
-            pair.rate = pair.switch.rate(&self.points);
+            pair.rate = pair.switch.rate(&self.motion.points);
         }
     }
 
@@ -132,15 +125,5 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         data.assembly.add_forces(model, &mut self.wrenches, gradient);
         gradient.iter_mut().zip(&data.design.units.scale).for_each(|(g, s)| *g *= s);
         stiffness
-    }
-
-    /// Velocities of the points for a dimensionless velocity of the coordinates.
-    fn move_points<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
-        for (r, (v, u)) in self.rates.iter_mut().zip(velocity.iter().zip(system.units())) {
-            *r = v * u;
-        }
-        let model = system.model();
-        model.coordinate_blocks.gather(&self.rates, &mut self.blocks);
-        system.data().velocities(model, &self.blocks, &mut self.twists, &mut self.points);
     }
 }

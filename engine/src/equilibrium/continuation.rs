@@ -24,7 +24,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) system: System<'m, G, D, P>,
     pub(super) predictor: Predictor<D, P>,
     pub(super) options: ContinuationOptions,
-    corrector: Corrector,
+    corrector: Corrector<D, P>,
     trust_region: TrustRegion,
     damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
@@ -40,8 +40,10 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    /// The load's rate in the state at the beginning of a sub-step that jumps, dimensionless.
-    pub(super) load_at_start: Vec<f64>,
+    /// The energy in `start` under the load of the jump at hand.
+    pub(super) energy: f64,
+    /// Whether the equilibrium found last is unstable.
+    pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
     pub(super) places: Places,
 }
@@ -66,10 +68,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let (n, inputs) = (model.dof(), model.inputs().len());
         let zeros = || vec![0.0; n];
         Self {
-            system: System::new(model, Budget::new(&options, cancel)),
+            system: System::new(model, Budget::new(&options, cancel), options.mixed.stiffness),
             predictor: Predictor::new(model, options.predictor),
             options,
-            corrector: Corrector::new(options.corrector, options.newton, n),
+            corrector: Corrector::new(model, &options),
             trust_region: TrustRegion::new(options.trust_region, options.newton, n),
             damped_newton: DampedNewton::new(options.damped_newton, n),
             critical: CriticalSearch::new(options.critical, n),
@@ -80,7 +82,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],
             range: vec![0.0; inputs],
-            load_at_start: zeros(),
+            energy: 0.0,
+            unstable: false,
             work: zeros(),
             places: Places::new(inputs),
         }
@@ -116,13 +119,19 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 let step = LoadStep { index, tangent_reuse };
                 status = if index == 0 {
                     self.system.set_load(target);
-                    let found = self.find_stable(self.options.trust_region.initial_radius, tangent_reuse);
-                    self.hold(found, target, step, sink)
+                    let radius = self.options.trust_region.initial_radius;
+                    let found = self.find_stable(radius, tangent_reuse);
+                    let status = self.hold(found, target, step, sink);
+                    self.unstable = status == Status::Unstable;
+                    status
                 } else {
                     self.follow_to(target, step, sink)
                 };
             } else {
                 status = Status::NotReached;
+            }
+            if status == Status::Stalled {
+                self.system.measure_accuracy(self.options.tolerance);
             }
             let iterations = self.system.budget.iterations();
             let stability = match status {
@@ -147,28 +156,38 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     ) -> Status {
         self.set_segment(target);
         if max_norm(&self.rate) == 0.0 {
-            return Status::Converged;
+            return if self.unstable { Status::Unstable } else { Status::Converged };
         }
         let max_displacement = if !self.system.model().has_switches() {
             self.options.max_displacement
         } else {
             self.options.max_displacement_with_contact
         };
-        let mut control = StepControl::new(self.options.step, self.smallest_step());
+        let smallest = (self.options.min_step * self.span()).min(1.0);
+        let nearest = self.options.locate.end_distance * self.span();
+        let mut control = StepControl::new(self.options.step, smallest, nearest);
         // The factor at hand belongs to the equilibrium just found.
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
-        let mut status = Status::Converged;
+        self.unstable = false;
         let mut lambda = 0.0;
         while lambda < 1.0 {
             self.start.copy_from_slice(self.system.state());
             let ahead = control.target() - lambda;
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
-            let mut next = control.propose(lambda, reach, self.predictor.branch_end());
+            let to_end = self.predictor.branch_end();
+            if control.is_at_end(to_end) && !control.is_rough() {
+                let next = (lambda + smallest).min(1.0);
+                let end = lambda + to_end;
+                lambda = match self.snap(lambda, end, next, step, sink, &mut control) {
+                    Ok(lambda) => lambda,
+                    Err(status) => return status,
+                };
+                self.leave(&mut control);
+                continue;
+            }
+            let mut next = control.propose(lambda, reach, to_end);
             let followed = loop {
                 self.system.set_load_between(&self.start_load, &self.rate, next);
-                if control.is_at_end(self.predictor.branch_end()) {
-                    break false;
-                }
                 if self.correct(next - lambda, self.tolerance_at(next, next - lambda, step)) {
                     break true;
                 }
@@ -182,24 +201,40 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             };
             if followed {
                 self.predictor.learn_curvature(next - lambda, &self.moved, &self.velocity[1]);
-                control.accept(next);
-                status = Status::Converged;
+                control.accept(lambda, next);
+                self.unstable = false;
+                lambda = next;
+                self.swap_ends();
             } else {
-                status = self.jump_to_stable(lambda, next, step, sink);
-                if !status.is_equilibrium() {
-                    return status;
-                }
-                self.predictor.forget_curvature();
-                control.restart();
+                lambda = match self.pass_end(lambda, next, step, sink, &mut control) {
+                    Ok(lambda) => lambda,
+                    Err(status) => return status,
+                };
             }
             if let Some(status) = self.system.budget.exhausted() {
                 return status;
             }
-            lambda = next;
-            self.velocity.swap(0, 1);
-            self.change.swap(0, 1);
         }
-        status
+        if self.unstable { Status::Unstable } else { Status::Converged }
+    }
+
+    /// The equilibrium at hand was not predicted: the next sub-step begins there afresh.
+    pub(super) fn leave(&mut self, control: &mut StepControl) {
+        self.predictor.forget_curvature();
+        control.restart();
+        self.swap_ends();
+    }
+
+    /// The end of a sub-step becomes the beginning of the next.
+    pub(super) fn swap_ends(&mut self) {
+        self.velocity.swap(0, 1);
+        self.change.swap(0, 1);
+    }
+
+    /// Takes velocity and displacement at the equilibrium at hand, whose factor is.
+    pub(super) fn arrive(&mut self) {
+        self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
+        self.system.displacement(&self.start, &mut self.moved);
     }
 
     /// How much each input varies over the path.
@@ -210,11 +245,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         }
     }
 
-    /// The smallest sub-step of the segment: that of the input which it changes most, measured by the
-    /// range of that input alone, so that what another one is held at does not matter.
-    fn smallest_step(&self) -> f64 {
-        let steps = self.range.iter().zip(&self.rate).filter(|(_, rate)| **rate != 0.0);
-        steps.map(|(range, rate)| self.options.min_step * range / rate.abs()).fold(1.0, f64::min)
+    /// The range of the loads over the path as a multiple of the segment: that of the input which it changes
+    /// most, measured by the range of that input alone, so that what another one is held at does not matter.
+    pub(super) fn span(&self) -> f64 {
+        let ranges = self.range.iter().zip(&self.rate).filter(|(_, rate)| **rate != 0.0);
+        ranges.map(|(range, rate)| range / rate.abs()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// How accurate loads of limit points are, on the segment.
+    pub(super) fn located(&self) -> f64 {
+        self.options.locate.located * self.span()
     }
 
     /// Sets the segment from the current load to `target`. A curvature that is known holds for it if it
@@ -242,8 +282,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if self.system.is_lost(NULL.max(max_norm(self.system.residual()))) {
             return false;
         }
-        self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
-        self.system.displacement(&self.start, &mut self.moved);
+        self.arrive();
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
@@ -256,7 +295,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             return CorrectorTolerance { residual: tolerance, tangent_reuse: step.tangent_reuse };
         }
         let accuracy = &self.options.accuracy;
-        let predicted = accuracy.relative_residual * h * self.rate_of_change();
+        // The end of a branch is located from the state before it.
+        let ends = self.predictor.branch_end().is_finite();
+        let share = if ends { accuracy.residual_near_end } else { accuracy.relative_residual };
+        let predicted = share * h * self.rate_of_change();
         let residual = predicted.min(accuracy.max_residual).max(tolerance);
         CorrectorTolerance { residual, tangent_reuse: accuracy.tangent_reuse }
     }
@@ -270,6 +312,29 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// A stable equilibrium near the current state at the current load.
     pub(super) fn find_stable(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+        if self.system.is_stiff() {
+            self.find_by_softening(radius);
+        }
+        self.find_stable_from_here(radius, tangent_reuse)
+    }
+
+    /// Goes to a stable equilibrium with stiff terms made softer, and from there close to one with their own
+    /// stiffness; stays where it is if that fails.
+    fn find_by_softening(&mut self, radius: f64) {
+        let start = self.system.state().to_vec();
+        self.system.soften();
+        let softer = self.find_stable_from_here(radius, 1.0);
+        self.corrector.mixed.start(&mut self.system);
+        let state = self.system.state().to_vec();
+        self.system.harden();
+        if softer != Status::Converged {
+            self.system.set_state(&start);
+        } else if self.corrector.mixed.approach(&mut self.system, self.options.mixed.reach).is_none() {
+            self.system.set_state(&state);
+        }
+    }
+
+    fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         let tolerance = self.options.tolerance;
         if self.system.is_conservative() {
             let target = Target { tolerance, tangent_reuse };

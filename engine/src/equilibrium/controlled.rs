@@ -46,7 +46,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return self.follow_segment(target, step, sink);
         }
         let status = if self.system.is_at(target, self.options.tolerance) {
-            Status::Converged
+            if self.unstable { Status::Unstable } else { Status::Converged }
         } else {
             self.follow_lagging(target, step, sink)
         };

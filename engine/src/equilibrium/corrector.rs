@@ -1,12 +1,14 @@
 //! The corrector of one sub-step: Newton's method from the predicted state.
 
+use super::mixed_newton::{Approach, MixedNewton};
 use super::newton::chord_steps;
-use super::options::{CorrectorOptions, NewtonOptions};
+use super::options::{ContinuationOptions, CorrectorOptions, NewtonOptions};
 use super::predictor::Predictor;
 use super::stability::NULL;
 use super::system::System;
 use super::vector::max_norm;
 use crate::lie::LieGroup;
+use crate::model::Model;
 
 /// When a corrector is done.
 #[derive(Clone, Copy, Debug)]
@@ -20,28 +22,26 @@ pub(super) struct CorrectorTolerance {
 
 /// Newton's method with full steps, which gives up where another branch attracts.
 #[derive(Clone, Debug)]
-pub(super) struct Corrector {
+pub(super) struct Corrector<const D: usize, const P: usize> {
     options: CorrectorOptions,
     newton: NewtonOptions,
     step: Vec<f64>,
+    pub mixed: MixedNewton<D, P>,
 }
 
-/// What predicted chord steps have reached.
-struct Approach {
-    /// Largest residual.
-    size: f64,
-    /// Sum of the steps' lengths.
-    length: f64,
-}
-
-impl Corrector {
-    pub fn new(options: CorrectorOptions, newton: NewtonOptions, dof: usize) -> Self {
-        Self { options, newton, step: vec![0.0; dof] }
+impl<const D: usize, const P: usize> Corrector<D, P> {
+    pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, options: &ContinuationOptions) -> Self {
+        Self {
+            options: options.corrector,
+            newton: options.newton,
+            step: vec![0.0; model.dof()],
+            mixed: MixedNewton::new(model, options.mixed, options.newton),
+        }
     }
 
     /// Goes to the state predicted for `h` ahead of the system's, and from there to the equilibrium under
     /// the system's load. On success the tangent at hand is positive definite and that of the state found.
-    pub fn correct<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    pub fn correct<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         predictor: &Predictor<D, P>,
@@ -49,17 +49,23 @@ impl Corrector {
         tolerance: CorrectorTolerance,
     ) -> bool {
         predictor.displacement(h, &mut self.step);
-        system.advance(&self.step);
         let predicted = max_norm(&self.step);
-        let approach = self.predicted_chords(system, predictor, h, predicted, tolerance.residual);
-        approach.is_some_and(|Approach { size, length }| {
-            self.iterate(system, size, self.options.max_correction * predicted - length, tolerance)
-        })
+        let reach = self.options.max_correction * predicted;
+        let approach = if system.is_stiff() {
+            self.mixed.start(system);
+            system.advance(&self.step);
+            self.mixed.approach(system, reach + self.options.free_correction)
+        } else {
+            system.advance(&self.step);
+            self.predicted_chords(system, predictor, h, predicted, tolerance.residual)
+        };
+        approach
+            .is_some_and(|Approach { size, length }| self.iterate(system, size, reach - length, tolerance))
     }
 
     /// Chord steps from the predicted state with the tangent predicted there; `None` where one of them
     /// shows that the prediction is far off.
-    fn predicted_chords<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn predicted_chords<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         predictor: &Predictor<D, P>,
@@ -95,7 +101,7 @@ impl Corrector {
 
     /// Newton's method with full steps from a state whose residual has this size; fails as soon as the
     /// tangent is not positive definite, and when it goes further than `reach`.
-    fn iterate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn iterate<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         mut size: f64,

@@ -12,23 +12,10 @@ use super::system::System;
 use super::vector::{dot, norm};
 use crate::lie::LieGroup;
 
-/// A critical point ahead of an equilibrium.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CriticalPoint {
-    /// How far ahead, along the load.
-    pub distance: f64,
-    /// Whether the load has next to no part along the eigenvector.
-    pub bifurcation: bool,
-}
-
 /// The search for critical points, with its memory.
 #[derive(Clone, Debug)]
 pub(super) struct CriticalSearch {
     options: CriticalOptions,
-    /// Whether some motion was held by nothing where it began last.
-    neutral: bool,
-    /// Second derivative of the load's work along the branch there.
-    work_rate: f64,
     mode: Vec<f64>,
     left: Vec<f64>,
     load: Vec<f64>,
@@ -39,27 +26,18 @@ pub(super) struct CriticalSearch {
 impl CriticalSearch {
     pub fn new(options: CriticalOptions, dof: usize) -> Self {
         let zeros = || vec![0.0; dof];
-        Self {
-            options,
-            neutral: false,
-            work_rate: 0.0,
-            mode: zeros(),
-            left: zeros(),
-            load: zeros(),
-            step: zeros(),
-            work: zeros(),
-        }
+        Self { options, mode: zeros(), left: zeros(), load: zeros(), step: zeros(), work: zeros() }
     }
 
-    /// Looks ahead of the equilibrium that the system holds, of which a sub-step of `h` fails with the load
-    /// changing at `rate`; `None` where stability is not about to be lost. State and load are lost.
+    /// How far ahead of the equilibrium that the system holds stability is lost, as the load changes at `rate`
+    /// over `h`; `None` where it is not about to be. State and load are lost.
     pub fn find<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         velocity: &[f64],
         rate: &[f64],
         h: f64,
-    ) -> Option<CriticalPoint> {
+    ) -> Option<f64> {
         system.evaluate();
         system.evaluate_tangent();
         // Between the listed loads the state is approximate.
@@ -73,17 +51,11 @@ impl CriticalSearch {
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
-        self.work_rate = (dot(&self.load, velocity) + system.load_curvature(rate)).abs();
         let definite = system.factorise(0.0) || system.factorise(NULL);
-        self.neutral = system.is_singular();
-        if !definite || self.neutral {
+        if !definite || system.is_singular() {
             return None;
         }
         let lowest = self.find_mode(system)?;
-        self.neutral = lowest.abs() <= 10.0 * NULL;
-        if self.neutral {
-            return None;
-        }
         let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);
         let tangent_after = |step: &[f64], change: f64, load_change: f64, system: &mut System<G, D, P>| {
             system.set_load_between(&load, rate, load_change);
@@ -109,11 +81,6 @@ impl CriticalSearch {
         let scale = dot(&self.left, &self.mode);
         let eigenvalue = form(&self.left, &tangent, &self.mode) / scale;
         let total = form(&self.left, &change, &self.mode) / scale;
-        // An eigenvalue that stays at zero is that of a motion along which nothing changes.
-        self.neutral = lowest.abs() + total.abs() * h <= self.options.neutral;
-        if self.neutral {
-            return None;
-        }
         let along = dot(&self.left, &self.load) / dot(&self.left, &self.mode);
         let share = dot(&self.left, &self.load).abs() / (norm(&self.left) * norm(&self.load));
         // The motion over an infinitesimal change of load has this part along the mode.
@@ -125,19 +92,7 @@ impl CriticalSearch {
         } else {
             0.0
         };
-        let distance = distance(eigenvalue, by_mode * eigenvalue, total - by_mode)?;
-        // A load that does no work at all has no share.
-        Some(CriticalPoint { distance, bifurcation: !(share > self.options.bifurcation_share) })
-    }
-
-    /// Second derivative of the load's work along the branch where the search began last.
-    pub fn work_rate(&self) -> f64 {
-        self.work_rate
-    }
-
-    /// Whether some motion was held by nothing where the search began last.
-    pub fn is_neutral(&self) -> bool {
-        self.neutral
+        distance(eigenvalue, by_mode * eigenvalue, total - by_mode)
     }
 
     /// From the mode of the lowest eigenvalue to that of the eigenvalue which vanishes first, by power iteration

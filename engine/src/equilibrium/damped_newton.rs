@@ -47,7 +47,7 @@ impl DampedNewton {
             return relaxed;
         }
         if found != Status::Converged {
-            return found;
+            return if relaxed == Status::Unrestrained { relaxed } else { found };
         }
         system.set_state(&fallback);
         system.evaluate();
@@ -117,6 +117,7 @@ impl DampedNewton {
         system: &mut System<G, D, P>,
         tolerance: f64,
     ) -> Status {
+        let origin = system.state().to_vec();
         let mut size = system.evaluate();
         let mut shift = f64::INFINITY;
         for iteration in 0..self.options.max_relaxation {
@@ -160,6 +161,9 @@ impl DampedNewton {
             }
             system.advance(&self.step);
             size = system.evaluate();
+            if system.has_run_away(&origin) {
+                return Status::Unrestrained;
+            }
         }
         Status::Stalled
     }

@@ -82,6 +82,11 @@ impl<const D: usize> Factor<D> {
         self.free_modes().map_or(&[], Pinned::modes)
     }
 
+    /// Coordinates held fixed, as nothing holds them.
+    pub fn pinned(&self) -> &[usize] {
+        self.free_modes().map_or(&[], Pinned::coordinates)
+    }
+
     /// Whether some motion is held by nothing.
     pub fn is_singular(&self) -> bool {
         self.general.as_ref().map_or(self.free, GeneralFactor::is_singular)

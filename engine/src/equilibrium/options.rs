@@ -98,6 +98,8 @@ options! {
         corrector: CorrectorOptions;
         /// The test that predictor and corrector stayed on one branch.
         same_branch: SameBranchOptions;
+        /// Where branches end.
+        locate: LocateOptions;
         /// Jumps from the end of a branch.
         jump: JumpOptions;
         /// Where branches lose their stability.
@@ -108,6 +110,8 @@ options! {
         damped_newton: DampedNewtonOptions;
         /// Continuation by arc length.
         arc_length: ArcLengthOptions;
+        /// Newton's method with stiff forces as unknowns.
+        mixed: MixedOptions;
         /// Newton and chord steps, wherever they are taken.
         newton: NewtonOptions;
     }
@@ -122,6 +126,8 @@ options! {
         /// Residual between the listed loads, as a share of the predicted displacement and of the change of
         /// the load,
         relative_residual: f64 = 0.03, Interval::from(0.0).to(1.0);
+        /// as a smaller share where the branch is predicted to end,
+        residual_near_end: f64 = 1e-4, Interval::from(0.0).to(1.0);
         /// and at most this (dimensionless).
         max_residual: f64 = 0.1, Interval::from(0.0).to(1.0);
         /// Share of the residual that the last step may leave for its tangent to be kept: between the
@@ -137,10 +143,42 @@ options! {
 options! {
     /// Length of the sub-steps between two listed loads.
     pub struct StepOptions {
-        /// Where the branch is predicted to end, the sub-step covers this share of the distance.
+        /// Where the branch is predicted to end, the first sub-step covers this share of the distance,
         fraction_to_end: f64 = 0.75, Interval::above(0.0).to(1.0);
+        /// and the next ones all but this multiple of the error to be expected of the prediction.
+        end_margin: f64 = 3.0, Interval::from(1.0).to(100.0);
         /// A sub-step of at most this many smallest ones is not halved any more.
         min_step_margin: f64 = 1.5, Interval::from(1.0).to(10.0);
+    }
+}
+
+options! {
+    /// Where branches end. Lengths are dimensionless norms over all coordinates.
+    pub struct LocateOptions {
+        /// Accuracy of the load of a limit point, as a fraction of the range of each input over the path,
+        located: f64 = 1e-8, Interval::above(0.0).to(1.0);
+        /// the distance from which the end in a corner is as accurate as that, as such a fraction,
+        end_distance: f64 = 3e-5, Interval::above(0.0).to(1.0);
+        /// and how far behind the limit point the next equilibrium is sought.
+        beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
+        /// States found on the way to a limit point.
+        max_points: usize = 30, Interval::from(1.0).to(1e3);
+        /// Newton steps for each.
+        max_iterations: usize = 5, Interval::from(1.0).to(1e3);
+        /// Displacement to the first of them, at most
+        longest: f64 = 0.15, Interval::above(0.0).to(1e3);
+        /// and at least;
+        shortest: f64 = 1e-7, Interval::above(0.0).to(1.0);
+        /// where none is found it is shortened to this share.
+        shrinkage: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// The equilibrium where the search begins is corrected by at most this.
+        refinement: f64 = 0.05, Interval::from(0.0).to(1.0);
+        /// A state may lie aside of the direction there by this share of the displacement,
+        turn: f64 = 0.5, Interval::above(0.0).to(10.0);
+        /// and if the displacement is shorter than this
+        corner: f64 = 1e-3, Interval::from(0.0).to(1.0);
+        /// by this multiple, as behind a corner.
+        corner_turn: f64 = 10.0, Interval::above(0.0).to(1e3);
     }
 }
 
@@ -210,27 +248,13 @@ options! {
 options! {
     /// Jumps from the end of a branch to another equilibrium.
     pub struct JumpOptions {
-        /// Trust radius of the first step from the end of a branch.
-        initial_radius: f64 = 0.3, Interval::above(0.0).to(10.0);
-        /// It is a snap if the state moved (dimensionless) by more than this,
+        /// It is an event if the state moves (dimensionless) by more than this;
         min_displacement: f64 = 1e-3, Interval::from(0.0).to(10.0);
-        /// plus this multiple of what the velocities at both ends explain;
+        /// and more energy is released than this, in its unit, and than where it is convex between both states;
+        min_energy: f64 = 1e-11, Interval::from(0.0).to(1.0);
+        /// where the end was not found, it moves by that and this multiple of what the velocities explain.
         speed_margin: f64 = 1.5, Interval::from(1.0).to(1e3);
-        /// the velocity before counts at most as this multiple of that after, as it grows without bound
-        /// towards a fold.
-        max_speed_ratio: f64 = 4.0, Interval::from(1.0).to(1e3);
-        /// A displacement is a snap without a look at the end of the branch if at least this share of the load
-        /// acts along it
-        evident_share: f64 = 0.1, Interval::from(0.0).to(1.0);
-        /// and the mean curvature of the energy released (dimensionless) is at least this
-        evident_softening: f64 = 0.05, Interval::from(0.0).to(1e6);
-        /// and this multiple of the smallest sub-step.
-        evident_steps: f64 = 75.0, Interval::from(0.0).to(1e6);
-        /// Where no limit point is near, it is a snap if the energy released is this multiple of what the
-        /// velocity explains.
-        energy_margin: f64 = 30.0, Interval::from(1.0).to(1e6);
-        /// Where the load has no part along the critical mode, it is a snap if at this share of the way behind
-        /// the critical load
+        /// Where another branch crosses, it is a snap if at this share of the way behind the critical load
         earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
         /// the state would have moved by at least this share of the displacement.
         constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
@@ -238,7 +262,7 @@ options! {
 }
 
 options! {
-    /// Where branches lose their stability.
+    /// Where another branch crosses.
     pub struct CriticalOptions {
         /// Chord steps to the equilibrium where the search begins.
         refinements: usize = 3, Interval::from(0.0).to(100.0);
@@ -250,18 +274,13 @@ options! {
         difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
         /// and largest share of the sub-step over which it is taken.
         step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
-        /// A motion is held by nothing where its eigenvalue and the change of that over a sub-step are below
-        /// this.
-        neutral: f64 = 1e-6, Interval::from(0.0).to(1.0);
-        /// It is a bifurcation if at most this share of the load acts along the eigenvector.
-        bifurcation_share: f64 = 0.02, Interval::from(0.0).to(1.0);
     }
 }
 
 options! {
     /// Minimisation of the energy in a trust region. Radii are dimensionless.
     pub struct TrustRegionOptions {
-        /// Radius of the first step from the reference state.
+        /// Radius of the first step.
         initial_radius: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Largest radius.
         max_radius: f64 = 4.0, Interval::above(0.0).to(1e3);
@@ -343,6 +362,21 @@ options! {
         max_locating: usize = 20, Interval::from(1.0).to(1e3);
         /// to this share of the step.
         located: f64 = 1e-7, Interval::above(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Newton's method with stiff forces as unknowns.
+    pub struct MixedOptions {
+        /// A spring or contact is stiff if it stores more than this multiple of the energy unit when moved by
+        /// the length of the longest body.
+        stiffness: f64 = 1e6, Interval::above(0.0).to(1e300);
+        /// Iterations,
+        max_iterations: usize = 12, Interval::from(0.0).to(1000.0);
+        /// until the residual of the energy itself is below this (dimensionless).
+        residual: f64 = 0.1, Interval::above(0.0).to(10.0);
+        /// From an equilibrium with softer terms they may go this far (dimensionless).
+        reach: f64 = 0.3, Interval::above(0.0).to(10.0);
     }
 }
 

@@ -80,6 +80,11 @@ impl Pinned {
         })
     }
 
+    /// The coordinates held fixed.
+    pub fn coordinates(&self) -> &[usize] {
+        &self.coordinates
+    }
+
     /// The null modes, dimensionless.
     pub fn modes(&self) -> &[Vec<f64>] {
         &self.modes

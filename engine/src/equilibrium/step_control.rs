@@ -6,17 +6,24 @@ use super::options::StepOptions;
 #[derive(Clone, Debug)]
 pub(super) struct StepControl {
     options: StepOptions,
-    /// The smallest sub-step.
+    /// The smallest sub-step, unless the end of the branch is nearer,
     smallest: f64,
+    /// and how near that is met.
+    nearest: f64,
     /// The nearest λ that could not be reached in one sub-step.
     rejected: f64,
     /// Where an end of the branch was last predicted, and how far ahead.
     predicted_end: Option<(f64, f64)>,
+    /// Ends in a row behind which the state was no way off.
+    negligible: usize,
 }
 
+/// So many, and ends are no longer looked for until sub-steps grow.
+const ROUGH: usize = 3;
+
 impl StepControl {
-    pub fn new(options: StepOptions, smallest: f64) -> Self {
-        Self { options, smallest, rejected: f64::INFINITY, predicted_end: None }
+    pub fn new(options: StepOptions, smallest: f64, nearest: f64) -> Self {
+        Self { options, smallest, nearest, rejected: f64::INFINITY, predicted_end: None, negligible: 0 }
     }
 
     /// The λ to go to, if it can be reached.
@@ -28,19 +35,30 @@ impl StepControl {
     /// an end of the branch `to_end` ahead.
     pub fn propose(&mut self, lambda: f64, reach: f64, to_end: f64) -> f64 {
         let target = self.target();
-        let to_end = self.extrapolated_end(lambda, to_end);
-        let mut h = (target - lambda).min(self.options.fraction_to_end * to_end);
-        while h > reach && h > self.smallest {
+        let short_of_end = self.short_of_end(lambda, to_end);
+        let smallest = if self.is_rough() { self.smallest } else { self.smallest.min(short_of_end) };
+        let mut h = (target - lambda).min(short_of_end);
+        while h > reach && h > smallest {
             h *= 0.5;
             self.rejected = lambda + 2.0 * h;
         }
-        let h = h.max(self.smallest);
+        let h = h.max(smallest);
         if lambda + h < target { lambda + h } else { target }
     }
 
-    /// Whether the branch is predicted to end well within the smallest sub-step.
+    /// Whether the branch is predicted to end so near that the prediction is exact.
     pub fn is_at_end(&self, to_end: f64) -> bool {
-        to_end < 0.5 * self.smallest
+        to_end < self.nearest
+    }
+
+    /// Behind an end of the branch the state was no way off.
+    pub fn end_was_negligible(&mut self) {
+        self.negligible += 1;
+    }
+
+    /// Whether branches end and begin again all the time, as with stiff contact.
+    pub fn is_rough(&self) -> bool {
+        self.negligible >= ROUGH
     }
 
     /// The end of a shorter sub-step than that to `next`; `None` where there is none.
@@ -53,7 +71,10 @@ impl StepControl {
     }
 
     /// The sub-step to `next` succeeded.
-    pub fn accept(&mut self, next: f64) {
+    pub fn accept(&mut self, lambda: f64, next: f64) {
+        if next - lambda > 4.0 * self.smallest {
+            self.negligible = 0;
+        }
         if next >= self.rejected {
             self.rejected = f64::INFINITY;
         }
@@ -65,14 +86,21 @@ impl StepControl {
         self.predicted_end = None;
     }
 
-    /// How far ahead of `lambda` the branch ends; infinite when no end is in sight.
+    /// How far to go from `lambda` towards an end of the branch predicted at this distance; infinite where
+    /// none is in sight.
     ///
-    /// Towards a fold the first-order estimate lags behind: two of them are extrapolated.
-    fn extrapolated_end(&mut self, lambda: f64, distance: f64) -> f64 {
+    /// Towards a corner the prediction misses by the square of the distance. Towards a fold it lags behind:
+    /// two of them are extrapolated.
+    fn short_of_end(&mut self, lambda: f64, distance: f64) -> f64 {
         let seen = distance.is_finite().then_some((lambda, distance));
         match std::mem::replace(&mut self.predicted_end, seen) {
-            Some((at, far)) if distance < far => distance.min(distance * (lambda - at) / (far - distance)),
-            _ => distance,
+            Some((at, far)) if distance < far => {
+                let extrapolated = distance.min(distance * (lambda - at) / (far - distance));
+                let missed = (lambda + distance - at - far).abs() * (distance / far).powi(2);
+                let left = (self.options.end_margin * missed).max(0.5 * self.nearest);
+                (extrapolated - left).max(self.options.fraction_to_end * extrapolated)
+            }
+            _ => self.options.fraction_to_end * distance,
         }
     }
 }
@@ -82,7 +110,7 @@ mod tests {
     use super::*;
 
     fn control() -> StepControl {
-        StepControl::new(StepOptions::default(), 0.01)
+        StepControl::new(StepOptions::default(), 0.01, 1e-5)
     }
 
     #[test]
@@ -90,10 +118,10 @@ mod tests {
         let mut control = control();
         assert_eq!(control.propose(0.0, 1.0, f64::INFINITY), 1.0);
         assert_eq!(control.shorten(0.0, 1.0), Some(0.5));
-        control.accept(0.5);
+        control.accept(0.0, 0.5);
         assert_eq!(control.target(), 1.0);
         assert_eq!(control.propose(0.5, 0.3, f64::INFINITY), 0.75);
-        control.accept(0.75);
+        control.accept(0.5, 0.75);
         assert_eq!(control.shorten(0.75, 0.764), None);
     }
 
@@ -104,7 +132,8 @@ mod tests {
         // 0.2 is seen from 0.3, 0.4 was seen from 0: at this rate it is reached after 0.2 · 0.3 / 0.2.
         assert_eq!(control.propose(0.3, 1.0, 0.2), 0.3 + 0.75 * 0.2);
         // And 0.05 from 0.45: after 0.05 · 0.15 / 0.15.
-        assert_eq!(control.propose(0.45, 1.0, 0.05), 0.45 + 0.75 * 0.05);
+        // Both see the same end: the next sub-step goes all the way but for what counts as being there.
+        assert_eq!(control.propose(0.45, 1.0, 0.05), 0.45 + (0.05 - 0.5e-5));
         control.restart();
         assert_eq!(control.propose(0.5, 1.0, 0.4), 0.5 + 0.75 * 0.4);
     }

@@ -57,7 +57,8 @@ impl Subproblem {
         let (lowest_diagonal, size) = system.tangent_bounds();
         let steepest = norm(system.residual()) / radius;
         let mut low = if definite { 0.0 } else { (-lowest_diagonal).max(0.0) };
-        let mut high = steepest + size;
+        // Both bounds are the same where the tangent is diagonal.
+        let mut high = (steepest + size).max(low * (1.0 + 2.0 * self.options.hard_case_gap));
         let mut shift = if definite {
             self.secular_update(system, 0.0, radius)
         } else {

@@ -7,8 +7,11 @@ use super::stability::{NULL, Stability};
 use super::vector::dot;
 use crate::Data;
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::state::Law;
 use crate::lie::LieGroup;
+use crate::linalg::Vector;
 use crate::model::Model;
+use crate::tree::Shape;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
 ///
@@ -32,6 +35,14 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Coordinates that nothing holds by themselves, at the tangent at hand.
     loose: Vec<usize>,
+    /// Whether forces balance but for rounding that is a large share of them.
+    lost_in_rounding: bool,
+    /// Coordinates that ran away in the last minimisation.
+    runaway: Vec<usize>,
+    /// Parameters that hold stiffnesses far above those of the structure, with their values and softer ones.
+    stiff: Vec<(usize, [f64; 2])>,
+    /// Multiple of the structure's stiffness above which one is far above.
+    stiff_ratio: f64,
     /// What the load step at hand may still cost.
     pub(super) budget: Budget<'m>,
 }
@@ -48,10 +59,12 @@ pub struct Accuracy {
 /// Rounding of a residual, in units of what one rounding of its terms makes.
 const ROUNDINGS: f64 = 8.0;
 /// Where rounding alone is more than this share of the forces, nothing is solved.
-const MEANINGLESS: f64 = 1e-3;
+const MEANINGLESS: f64 = 1e-2;
+/// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
+const RUNAWAY: [f64; 2] = [1e3, 3e3];
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
-    pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>) -> Self {
+    pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
         let n = model.dof();
         let mut data = Data::new(model);
         data.control(model);
@@ -67,6 +80,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             loose: vec![],
+            lost_in_rounding: false,
+            runaway: vec![],
+            stiff: vec![],
+            stiff_ratio,
             budget,
         };
         system.set_units();
@@ -86,6 +103,44 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         for (weight, own) in self.weight.iter_mut().zip(&units.own_energy) {
             *weight = units.energy / own;
+        }
+        self.find_stiff_terms();
+    }
+
+    fn find_stiff_terms(&mut self) {
+        let parameters = &self.data.design.geometry.parameters;
+        let lengths = self.model.bodies.iter().map(|body| match &body.shape {
+            Shape::Rod(rod) => parameters[self.model.rods[*rod].length],
+            Shape::Link(link) => parameters[link.length],
+        });
+        let length = lengths.fold(0.0, f64::max);
+        let energy = self.data.design.units.own_energy.iter().copied().fold(0.0, f64::max);
+        let limit = self.stiff_ratio * energy / (length * length);
+        let stiff = &mut self.stiff;
+        stiff.clear();
+        self.model.forces.for_each_stiffness::<G, D>(parameters, &mut |slot, multiple| {
+            if parameters[slot] * multiple > limit {
+                stiff.push((slot, [parameters[slot], limit / multiple]));
+            }
+        });
+    }
+
+    /// Whether springs or contacts are far stiffer than the structure.
+    pub(super) fn is_stiff(&self) -> bool {
+        !self.stiff.is_empty()
+    }
+
+    /// Makes these softer,
+    pub(super) fn soften(&mut self) {
+        for (slot, [_, softer]) in &self.stiff {
+            self.data.design.geometry.parameters[*slot] = *softer;
+        }
+    }
+
+    /// and as stiff as they are.
+    pub(super) fn harden(&mut self) {
+        for (slot, [own, _]) in &self.stiff {
+            self.data.design.geometry.parameters[*slot] = *own;
         }
     }
 
@@ -270,6 +325,27 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if self.data.energy().is_finite() { largest } else { f64::NAN }
     }
 
+    /// Evaluates the residual with stiff terms acting in both directions that have a kept force.
+    pub(super) fn evaluate_two_sided(&mut self) -> f64 {
+        self.data.law = Law::TwoSided;
+        let size = self.evaluate();
+        self.data.law = Law::Actual;
+        size
+    }
+
+    /// Evaluates the tangent at the current state with the forces kept: an iteration.
+    pub(super) fn evaluate_tangent_with_kept_forces(&mut self) {
+        self.data.law = Law::Kept;
+        self.data.evaluate_residual(self.model, &self.q, &self.load);
+        self.evaluate_tangent();
+        self.data.law = Law::Actual;
+    }
+
+    /// Keeps the forces of stiff terms after a motion of the points.
+    pub(super) fn keep_forces(&mut self, motion: &[Vector<P>]) {
+        self.data.keep_forces(self.model, motion);
+    }
+
     /// Evaluates the tangent at the current state, after its residual: an iteration.
     pub(super) fn evaluate_tangent(&mut self) {
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
@@ -329,9 +405,27 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         })
     }
 
-    /// The coordinates of which the motions consist that nothing holds; empty where there are none.
+    /// Coordinates held fixed in the factor at hand, as nothing holds them.
+    pub(super) fn pinned(&self) -> &[usize] {
+        self.factor.pinned()
+    }
+
+    /// Whether coordinates that elasticity does not hold have run away from `start`.
+    pub(super) fn has_run_away(&mut self, start: &[f64]) -> bool {
+        let units = &self.data.design.units;
+        self.runaway.clear();
+        for (i, (q, s)) in self.q.iter().zip(start).enumerate().filter(|(i, _)| !units.elastic[*i]) {
+            if (q - s).abs() > RUNAWAY[usize::from(units.is_length(i))] * units.natural[i] {
+                self.runaway.push(i);
+            }
+        }
+        !self.runaway.is_empty()
+    }
+
+    /// The coordinates of which the motions consist that nothing holds, or which ran away; empty where there
+    /// are none.
     pub(super) fn free_coordinates(&self) -> Vec<usize> {
-        let mut free = vec![];
+        let mut free = self.runaway.clone();
         for mode in self.factor.null_modes() {
             let most = mode.iter().fold(0.0f64, |m, z| m.max(z.abs()));
             let joints: Vec<usize> = self.model.joints.iter().map(|joint| joint.dof).collect();
@@ -390,7 +484,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
         let n = self.q.len();
         let (units, tangent) = (&self.data.design.units, self.data.tangent());
-        let mut worst = 0.0;
+        let (mut worst, mut balanced, mut meaningless) = (0.0, true, false);
         self.accuracy = Accuracy { residual: 0.0, tolerance };
         for (i, g) in self.data.residual().iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
@@ -401,19 +495,33 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;
-            let excess = if *g == 0.0 { 0.0 } else { g.abs() / allowed };
-            let largest = unit.max(units.stiffness[i] * units.natural[i]);
-            let accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
-            if !(excess <= 1.0) || *g != 0.0 && rounding > MEANINGLESS * largest {
-                self.accuracy = accuracy;
-                return false;
+            if *g == 0.0 {
+                continue;
             }
+            let largest = unit.max(units.stiffness[i] * units.natural[i]);
+            let (excess, share) = (g.abs() / allowed, rounding / (MEANINGLESS * largest));
+            balanced &= excess <= 1.0;
+            meaningless |= share > 1.0;
+            let excess = excess.max(share);
             if excess > worst {
                 worst = excess;
-                self.accuracy = accuracy;
+                self.accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
             }
         }
-        true
+        self.lost_in_rounding = balanced && meaningless;
+        balanced && !meaningless
+    }
+
+    /// Finds how well forces balance in the current state.
+    pub(super) fn measure_accuracy(&mut self, tolerance: f64) {
+        self.evaluate();
+        self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
+        self.is_balanced(tolerance);
+    }
+
+    /// Whether forces balanced to rounding, but rounding is too large a share of them.
+    pub(super) fn is_lost_in_rounding(&self) -> bool {
+        self.lost_in_rounding
     }
 
     /// How well forces balance, as found last.

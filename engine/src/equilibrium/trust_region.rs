@@ -24,10 +24,15 @@ pub(super) struct TrustRegion {
     options: TrustRegionOptions,
     newton: NewtonOptions,
     subproblem: Subproblem,
+    /// Where the minimisation began.
+    start: Vec<f64>,
     /// The state and residual that a rejected step goes back to.
     state: Vec<f64>,
     residual: Vec<f64>,
     moved: Vec<f64>,
+    /// The best state of an improved step, and a correction to it.
+    best: Vec<f64>,
+    correction: Vec<f64>,
 }
 
 impl TrustRegion {
@@ -37,9 +42,12 @@ impl TrustRegion {
             options,
             newton,
             subproblem,
+            start: vec![0.0; dof],
             state: vec![0.0; dof],
             residual: vec![0.0; dof],
             moved: vec![0.0; dof],
+            best: vec![0.0; dof],
+            correction: vec![0.0; dof],
         }
     }
 
@@ -51,6 +59,7 @@ impl TrustRegion {
         target: Target,
     ) -> Status {
         let Target { tolerance, tangent_reuse } = target;
+        self.start.copy_from_slice(system.state());
         let mut size = system.evaluate();
         if !size.is_finite() {
             return Status::Diverged;
@@ -68,9 +77,14 @@ impl TrustRegion {
             let Some(step) = self.subproblem.solve(system, radius, tolerance) else { break Status::Diverged };
             let length = norm(&self.subproblem.step);
             let longest = max_norm(&self.subproblem.step);
-            if step.definite && longest <= self.newton.small_step && system.is_balanced(tolerance) {
-                system.factorise(0.0);
-                break Status::Converged;
+            if step.definite && longest <= self.newton.small_step {
+                if system.is_balanced(tolerance) {
+                    system.factorise(0.0);
+                    break Status::Converged;
+                }
+                if system.is_lost_in_rounding() {
+                    break Status::Stalled;
+                }
             }
             if radius < self.options.min_radius {
                 break Status::Stalled;
@@ -108,7 +122,7 @@ impl TrustRegion {
                 continue;
             }
             unrestrained = if step.free { unrestrained + 1 } else { 0 };
-            if unrestrained > self.options.max_free_steps {
+            if unrestrained > self.options.max_free_steps || system.has_run_away(&self.start) {
                 break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
@@ -163,28 +177,27 @@ impl TrustRegion {
         lost: bool,
     ) -> (f64, bool) {
         let better = |found: f64, best: f64| found > best || !best.is_finite();
-        let mut best = system.state().to_vec();
+        self.best.copy_from_slice(system.state());
         let longest = self.options.max_correction * max_norm(&self.subproblem.step);
-        let mut correction = vec![0.0; best.len()];
         for _ in 0..if step.part > 0.0 { self.options.max_corrections } else { 0 } {
             // What the quadratic model leaves of the residual: H p = −part · g − shift · p.
             let linear = self.residual.iter().zip(&self.subproblem.step);
             let expected = linear.map(|(g, p)| (1.0 - step.part) * g - step.shift * p);
-            for ((c, r), e) in correction.iter_mut().zip(system.residual()).zip(expected) {
+            for ((c, r), e) in self.correction.iter_mut().zip(system.residual()).zip(expected) {
                 *c = e - r;
             }
-            system.solve(&mut correction);
-            if !(max_norm(&correction) <= longest) {
+            system.solve(&mut self.correction);
+            if !(max_norm(&self.correction) <= longest) {
                 break;
             }
-            system.advance(&correction);
+            system.advance(&self.correction);
             system.evaluate();
             let found = self.gain(system, energy, lost);
             if !better(found, *actual) {
                 break;
             }
             *actual = found;
-            best.copy_from_slice(system.state());
+            self.best.copy_from_slice(system.state());
         }
         let search = step.definite && !(*actual > self.options.poor_ratio * step.decrease);
         if search {
@@ -197,7 +210,7 @@ impl TrustRegion {
                 let found = self.gain(system, energy, lost);
                 if finite && better(found, *actual) {
                     *actual = found;
-                    best.copy_from_slice(system.state());
+                    self.best.copy_from_slice(system.state());
                 }
                 // The energy falls at first; it is lowest where its slope changes sign.
                 let slope = dot(system.residual(), &self.subproblem.step);
@@ -221,7 +234,7 @@ impl TrustRegion {
                 };
             }
         }
-        system.set_state(&best);
+        system.set_state(&self.best);
         (system.evaluate(), search)
     }
 

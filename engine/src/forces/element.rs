@@ -73,6 +73,8 @@ pub struct ContactForce<const P: usize> {
     pub force: Vector<P>,
     /// Overlap d [m].
     pub depth: f64,
+    /// Largest pressure [Pa], on an elastic foundation.
+    pub pressure: Option<f64>,
     /// Middle of the overlap [m].
     pub point: Vector<P>,
 }
@@ -187,6 +189,13 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         _visit: &mut impl FnMut(Switch<P>),
     ) {
     }
+
+    /// Visits the parameters that hold stiffnesses of springs and contacts, with what they are multiplied by.
+    fn for_each_stiffness(&self, _parameters: &[f64], _visit: &mut impl FnMut(usize, f64)) {}
+
+    /// Keeps the forces that stiff terms would have after a motion of the points, with distances to first
+    /// order, for [`Law::Kept`](super::state::Law).
+    fn keep(&self, _at: &State<G, D, P>, _motion: &[Vector<P>], _state: &mut Self::State) {}
 
     /// Whether the state is where the residual has one-sided derivatives only, for a motion of some of
     /// the points along a direction that `moves` confirms.

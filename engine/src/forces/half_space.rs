@@ -5,7 +5,7 @@
 
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
-use super::state::State;
+use super::state::{Law, State};
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
@@ -52,6 +52,14 @@ pub(crate) struct Pressed {
     depth: f64,
 }
 
+/// The spheres in contact.
+#[derive(Clone, Debug)]
+pub(crate) struct HalfSpaceState {
+    pressed: Vec<Pressed>,
+    /// The forces kept of half-space and sphere.
+    kept: Vec<(usize, usize, f64)>,
+}
+
 /// Gap below which a sphere counts as being at the threshold, relative to its radius.
 const THRESHOLD: f64 = 1e-7;
 
@@ -82,6 +90,19 @@ impl<const P: usize> HalfSpaces<P> {
             built.push(HalfSpace { spheres, point, normal, stiffness });
         }
         Ok(Self(built))
+    }
+
+    /// Force on each half-space along its normal [N], from what the residual left.
+    pub fn forces<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &HalfSpaceState,
+    ) -> Vec<f64> {
+        let mut forces = vec![0.0; self.0.len()];
+        for Pressed { half_space, depth, .. } in &state.pressed {
+            forces[*half_space] += at.parameters()[self.0[*half_space].stiffness] * depth;
+        }
+        forces
     }
 
     /// Visits the spheres that lack less than `margin` of a half-space.
@@ -116,6 +137,13 @@ impl<const P: usize> HalfSpaces<P> {
     }
 }
 
+impl Pressed {
+    /// Whether a force kept is its own.
+    fn has(&self, (half_space, sphere, _): &(usize, usize, f64)) -> bool {
+        self.half_space == *half_space && self.sphere == *sphere
+    }
+}
+
 impl<const P: usize> HalfSpace<P> {
     #[inline]
     fn depth<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>, sphere: usize) -> f64 {
@@ -126,16 +154,16 @@ impl<const P: usize> HalfSpace<P> {
 
 impl<const P: usize> ForceMemory<P> for HalfSpaces<P> {
     type Design = ();
-    /// The spheres in contact.
-    type State = Vec<Pressed>;
+    type State = HalfSpaceState;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for HalfSpaces<P> {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) -> Vec<Pressed> {
-        Vec::with_capacity(self.0.iter().map(|half_space| half_space.spheres.len()).sum())
+    fn state(&self, _: &Tree<G, D, P>) -> HalfSpaceState {
+        let most = self.0.iter().map(|half_space| half_space.spheres.len()).sum();
+        HalfSpaceState { pressed: Vec::with_capacity(most), kept: vec![] }
     }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
@@ -150,12 +178,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &mut Vec<Pressed>,
+        state: &mut HalfSpaceState,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        state.clear();
-        self.for_each_near(at, 0.0, |_, pressed| state.push(pressed));
-        for (half_space, k, _, point, depth) in self.pressed(at, state) {
+        let HalfSpaceState { pressed, kept } = state;
+        pressed.clear();
+        let margin = if at.law == Law::Actual { 0.0 } else { f64::INFINITY };
+        self.for_each_near(at, margin, |half_space, mut near| {
+            if at.law != Law::Actual {
+                let found = kept.iter().find(|kept| near.has(kept));
+                if found.is_none() && near.depth <= 0.0 {
+                    return;
+                }
+                if at.law == Law::Kept {
+                    near.depth = found.map_or(0.0, |kept| kept.2 / at.parameters()[half_space.stiffness]);
+                }
+            }
+            pressed.push(near);
+        });
+        for (half_space, k, _, point, depth) in self.pressed(at, pressed) {
             out.energy += 0.5 * k * depth * depth;
             out.add_force::<G, P>(at.frame(point), at.point(point), &(half_space.normal * (-k * depth)));
         }
@@ -165,7 +206,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Pressed>,
+        HalfSpaceState { pressed: state, .. }: &HalfSpaceState,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         for (half_space, k, _, point, depth) in self.pressed(at, state) {
@@ -176,8 +217,24 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Pressed>, out: &mut Magnitudes<P>) {
-        for (half_space, k, sphere, point, depth) in self.pressed(at, state) {
+    fn for_each_stiffness(&self, _: &[f64], visit: &mut impl FnMut(usize, f64)) {
+        self.0.iter().for_each(|half_space| visit(half_space.stiffness, 1.0));
+    }
+
+    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], state: &mut HalfSpaceState) {
+        let before = std::mem::take(&mut state.kept);
+        self.for_each_near(at, f64::INFINITY, |half_space, near| {
+            let acts = near.depth > 0.0 || before.iter().any(|kept| near.has(kept));
+            let depth = near.depth - half_space.normal.dot(&motion[at.tree.spheres[near.sphere].point]);
+            if acts && depth > 0.0 {
+                let force = at.parameters()[half_space.stiffness] * depth;
+                state.kept.push((near.half_space, near.sphere, force));
+            }
+        });
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &HalfSpaceState, out: &mut Magnitudes<P>) {
+        for (half_space, k, sphere, point, depth) in self.pressed(at, &state.pressed) {
             let places =
                 at.point(point).norm() + at.point(half_space.point).norm() + at.geometry.radii[sphere];
             out.add_of_distance(at, point, k * depth, [k, places]);
@@ -187,7 +244,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn for_each_switch(
         &self,
         at: &State<G, D, P>,
-        _: &Vec<Pressed>,
+        _: &HalfSpaceState,
         margin: f64,
         visit: &mut impl FnMut(Switch<P>),
     ) {
@@ -211,8 +268,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         })
     }
 
-    fn contact_forces(&self, at: &State<G, D, P>, state: &Vec<Pressed>, out: &mut Vec<ContactForce<P>>) {
-        for (half_space, k, first, point, depth) in self.pressed(at, state) {
+    fn contact_forces(&self, at: &State<G, D, P>, state: &HalfSpaceState, out: &mut Vec<ContactForce<P>>) {
+        for (half_space, k, first, point, depth) in self.pressed(at, &state.pressed) {
             let normal = half_space.normal;
             let inward = at.geometry.radii[first] - 0.5 * depth;
             out.push(ContactForce {
@@ -222,6 +279,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 cone: false,
                 force: normal * (k * depth),
                 depth,
+                pressure: None,
                 point: *at.point(point) - normal * inward,
             });
         }
@@ -231,7 +289,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Pressed>,
+        HalfSpaceState { pressed: state, .. }: &HalfSpaceState,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
@@ -248,7 +306,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Pressed>,
+        HalfSpaceState { pressed: state, .. }: &HalfSpaceState,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,

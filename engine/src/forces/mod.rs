@@ -9,6 +9,7 @@ pub(crate) mod contact;
 pub(crate) mod elasticity;
 pub(crate) mod element;
 pub(crate) mod fibres;
+pub(crate) mod foundation;
 pub(crate) mod gravity;
 pub(crate) mod half_space;
 pub(crate) mod joint;

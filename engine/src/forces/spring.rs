@@ -2,7 +2,7 @@
 
 use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
-use super::state::State;
+use super::state::{Law, State};
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -86,7 +86,7 @@ impl Springs {
         at: &State<G, D, P>,
     ) -> Vec<f64> {
         let tension = |spring: &Spring| {
-            spring.taut(at).map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch)
+            spring.taut(at, None).map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch)
         };
         self.0.iter().map(tension).collect()
     }
@@ -95,8 +95,9 @@ impl Springs {
     fn taut<'a, G: LieGroup<D, P>, const D: usize, const P: usize>(
         &'a self,
         at: &'a State<G, D, P>,
+        kept: &'a [Option<Vector<P>>],
     ) -> impl Iterator<Item = (&'a Spring, Taut<P>)> {
-        self.0.iter().filter_map(|spring| Some((spring, spring.taut(at)?)))
+        self.0.iter().zip(kept).filter_map(|(spring, kept)| Some((spring, spring.taut(at, kept.as_ref())?)))
     }
 }
 
@@ -104,12 +105,14 @@ impl Spring {
     fn taut<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
+        kept: Option<&Vector<P>>,
     ) -> Option<Taut<P>> {
         let [k, rest] = [self.stiffness, self.rest_length].map(|i| at.parameters()[i]);
         let r = *at.point(self.ends[0]) - *at.point(self.ends[1]);
         let length = r.norm();
         let stretch = length - rest;
-        if self.slack && stretch <= 0.0 {
+        let kept = kept.filter(|_| at.law != Law::Actual);
+        if self.slack && stretch <= 0.0 && kept.is_none() {
             return None;
         }
         let energy = 0.5 * k * stretch * stretch;
@@ -117,26 +120,31 @@ impl Spring {
         // the curvature across it is as negative as it is close by, so that they part where they can.
         let smallest = COINCIDENT * rest;
         let direction = if length == 0.0 { Vector::unit(P - 1) } else { r * (1.0 / length) };
+        let kept = (at.law == Law::Kept).then(|| kept.copied().unwrap_or(Vector::ZERO));
         Some(if rest == 0.0 {
             // Isotropic: no direction is singled out.
-            Taut { stretch, energy, force: r * k, direction, hessian: [k, k] }
+            Taut { stretch, energy, force: kept.unwrap_or(r * k), direction, hessian: [k, k] }
         } else {
-            let hessian = [k, k * stretch / length.max(smallest)];
-            Taut { stretch, energy, force: direction * (k * stretch), direction, hessian }
+            let tension = kept.map_or(k * stretch, |force| force.dot(&direction));
+            let hessian = [k, tension / length.max(smallest)];
+            Taut { stretch, energy, force: direction * tension, direction, hessian }
         })
     }
 }
 
 impl<const P: usize> ForceMemory<P> for Springs {
     type Design = ();
-    type State = ();
+    /// The force kept of each.
+    type State = Vec<Option<Vector<P>>>;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Springs {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) {}
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<Option<Vector<P>>> {
+        vec![None; self.0.len()]
+    }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
         self.0.iter().all(|s| [s.stiffness, s.rest_length].iter().all(|i| parameters[*i] >= 0.0))
@@ -150,10 +158,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &mut (),
+        kept: &mut Vec<Option<Vector<P>>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        for (spring, taut) in self.taut(at) {
+        for (spring, taut) in self.taut(at, kept) {
             let [a, b] = spring.ends;
             out.energy += taut.energy;
             out.add_force::<G, P>(at.frame(a), at.point(a), &taut.force);
@@ -161,15 +169,47 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_tangent(&self, at: &State<G, D, P>, _: &(), _: &(), Terms { frames: out, .. }: &mut Terms<D>) {
-        for (spring, Taut { force, direction, hessian, .. }) in self.taut(at) {
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        kept: &Vec<Option<Vector<P>>>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for (spring, Taut { force, direction, hessian, .. }) in self.taut(at, kept) {
             let frames = spring.ends.map(|end| at.frame(end));
             out.add_pair::<G, P>(frames, spring.ends.map(|end| at.point(end)), &force, &direction, hessian);
         }
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
-        for (spring, taut) in self.taut(at) {
+    fn for_each_stiffness(&self, _: &[f64], visit: &mut impl FnMut(usize, f64)) {
+        self.0.iter().for_each(|spring| visit(spring.stiffness, 1.0));
+    }
+
+    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], kept: &mut Vec<Option<Vector<P>>>) {
+        for (spring, kept) in self.0.iter().zip(kept) {
+            let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
+            let [a, b] = spring.ends;
+            let r = *at.point(a) - *at.point(b);
+            let (moved, length) = (r + (motion[a] - motion[b]), r.norm());
+            let direction = r * (1.0 / length);
+            let stretch = moved.dot(&direction) - rest;
+            *kept = if rest == 0.0 {
+                Some(moved * k)
+            } else {
+                (length > 0.0 && !(spring.slack && stretch <= 0.0)).then(|| direction * (k * stretch))
+            };
+        }
+    }
+
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        kept: &Vec<Option<Vector<P>>>,
+        out: &mut Magnitudes<P>,
+    ) {
+        for (spring, taut) in self.taut(at, kept) {
             let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
             let [a, b] = spring.ends.map(|end| at.point(end).norm());
             let places = a + b + rest;
@@ -181,12 +221,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &(),
+        kept: &Vec<Option<Vector<P>>>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for (spring, taut) in self.taut(at) {
+        for (spring, taut) in self.taut(at, kept) {
             let [va, vb] = spring.ends.map(|end| motion.velocities.points[end]);
             let extension = taut.direction.dot(&(va - vb));
             gradient[spring.stiffness] += taut.stretch * extension;
@@ -198,13 +238,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &(),
+        kept: &Vec<Option<Vector<P>>>,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
         let VirtualMotion { velocities: virtual_motion, .. } = motion;
-        for (spring, Taut { force, direction, hessian: [normal, tangential], .. }) in self.taut(at) {
+        for (spring, Taut { force, direction, hessian: [normal, tangential], .. }) in self.taut(at, kept) {
             let [va, vb] = spring.ends.map(|end| virtual_motion.points[end]);
             let [da, db] = spring.ends.map(|end| velocities.points[end]);
             let [sa, sb] =

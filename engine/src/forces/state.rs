@@ -6,6 +6,21 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tree::Tree;
 
+/// How stiff terms, springs and contacts, make forces of distances.
+///
+/// Newton's method takes their forces for unknowns λ of their own, with k d = λ to be met at the end: the
+/// curved path of a stiff contact then limits its steps no more than that of a soft one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Law {
+    /// As they are.
+    #[default]
+    Actual,
+    /// Terms whose force was kept act in both directions.
+    TwoSided,
+    /// The forces are those kept, whatever the distances.
+    Kept,
+}
+
 /// A state under load.
 #[derive(Debug)]
 pub(crate) struct State<'a, G, const D: usize, const P: usize> {
@@ -14,6 +29,7 @@ pub(crate) struct State<'a, G, const D: usize, const P: usize> {
     pub kinematics: &'a Kinematics<G, D, P>,
     pub q: &'a [f64],
     pub load: &'a [f64],
+    pub law: Law,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> State<'_, G, D, P> {

@@ -36,8 +36,11 @@ impl Components {
                 AttachmentDescription::Body { body, .. } => Some(body.as_str()),
             }));
         }
-        for contact in &d.contacts {
-            let touching = d.spheres.iter().filter(|g| g.name == contact.first || g.name == contact.second);
+        let contacts = d.contacts.iter().map(|contact| [&contact.first, &contact.second]);
+        let foundations = d.foundations.iter().map(|f| [&f.first, &f.second]);
+        let loops = d.loops.iter().map(|strap| [&strap.spheres; 2]);
+        for groups in contacts.chain(foundations).chain(loops) {
+            let touching = d.spheres.iter().filter(|group| groups.contains(&&group.name));
             join(&mut touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str()));
         }
         let mut roots = root.clone();

@@ -7,6 +7,7 @@ pub use crate::forces::contact::{ContactDescription, RoundConeDescription};
 pub use crate::forces::fibres::{
     FibreDescription, FibreRodDescription, FibreSectionDescription, Law, MaterialDescription,
 };
+pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription};
 pub use crate::forces::half_space::HalfSpaceDescription;
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
@@ -31,6 +32,12 @@ pub struct Description {
     /// Contacts between groups.
     #[serde(default)]
     pub contacts: Vec<ContactDescription>,
+    /// Contacts of rods with links through elastic foundations.
+    #[serde(default)]
+    pub foundations: Vec<FoundationDescription>,
+    /// Straps around links.
+    #[serde(default)]
+    pub loops: Vec<StrapLoopDescription>,
     /// Fixed planes that spheres press on.
     #[serde(default)]
     pub half_spaces: Vec<HalfSpaceDescription>,

@@ -6,6 +6,7 @@ use crate::forces::contact::Contacts;
 use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::fibres::FibreSections;
+use crate::forces::foundation::{Foundations, StrapLoops};
 use crate::forces::gravity::Gravity;
 use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
@@ -162,6 +163,23 @@ macro_rules! registry {
                 $(self.$name.for_each_switch(at, &states.$name, margin, visit);)*
             }
 
+            pub fn for_each_stiffness<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                parameters: &[f64],
+                visit: &mut impl FnMut(usize, f64),
+            ) {
+                $(ForceElement::<G, D, P>::for_each_stiffness(&self.$name, parameters, visit);)*
+            }
+
+            pub fn keep<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                at: &State<G, D, P>,
+                motion: &[Vector<P>],
+                states: &mut States<P>,
+            ) {
+                $(self.$name.keep(at, motion, &mut states.$name);)*
+            }
+
             pub fn are_at_threshold<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 at: &State<G, D, P>,
@@ -230,6 +248,8 @@ registry! {
     gravity: Gravity<P> = |tree, description| Gravity::build(tree, &description.gravity)?;
     springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
+    foundations: Foundations = |tree, description| Foundations::build(tree, &description.foundations)?;
+    loops: StrapLoops = |tree, description| StrapLoops::build(tree, &description.loops)?;
     half_spaces: HalfSpaces<P> = |tree, description| HalfSpaces::build(tree, &description.half_spaces)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
 }

@@ -118,8 +118,9 @@ fn unit(slot: &str, description: &Description) -> Option<&'static str> {
             let per_length = description.contacts.iter().any(|c| c.name == owner && c.per_length);
             Some(if per_length { "N/m^2" } else { "N/m" })
         }
+        "foundation" => Some("Pa/m"),
         "length" | "radius" | "slope" | "radius_base" | "radius_tip" | "translation" | "lever"
-        | "rest_length" => Some("m"),
+        | "rest_length" | "half_width" => Some("m"),
         _ => None,
     }
 }

@@ -14,17 +14,15 @@ pub(super) fn set_gradient<G: LieGroup<D, P>, const D: usize, const P: usize>(
     wrench: &mut [Vector<D>],
     out: &mut [f64],
 ) -> bool {
-    let (contacts, state) = (&model.forces.contacts, &data.assembly.forces.contacts);
-    let p = &data.design.geometry.parameters;
     out.fill(0.0);
-    let Some(direction) = contacts.tip_direction(p, state) else { return false };
+    let Some(direction) = data.tip_direction(model) else { return false };
     wrench.fill(Vector::ZERO);
-    for (_, k, pair) in contacts.tip_pairs(p, state) {
-        for (point, change) in pair.points(&model.tree).into_iter().zip(force_change(pair, k, &direction)) {
+    for_each_change(model, data, &direction, |points, changes| {
+        for (point, change) in points.into_iter().zip(changes) {
             let jacobian = G::point_jacobian(&data.kinematics.points[point]);
             wrench[model.points[point].frame] += jacobian.transpose_times(&change);
         }
-    }
+    });
     data.assembly.add_forces(model, wrench, out);
     true
 }
@@ -36,17 +34,30 @@ pub(super) fn add_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
     design_velocities: &[DesignVelocity<D, P>],
     out: &mut [f64],
 ) {
-    let (contacts, state) = (&model.forces.contacts, &data.assembly.forces.contacts);
-    let p = &data.design.geometry.parameters;
-    let Some(direction) = contacts.tip_direction(p, state) else { return };
-    contacts.add_tip_force_parameters(&data.state(model, &[], &[]), state, &direction, out);
-    for design_velocity in design_velocities {
-        for (_, k, pair) in contacts.tip_pairs(p, state) {
-            let along = pair.motion(&model.tree, design_velocity.velocities().points);
-            let changes = force_change(pair, k, &direction);
+    let Some(direction) = data.tip_direction(model) else { return };
+    let (at, states) = (data.state(model, &[], &[]), &data.assembly.forces);
+    model.forces.contacts.add_tip_force_parameters(&at, &states.contacts, &direction, out);
+    model.forces.foundations.add_tip_force_parameters(&at, &states.foundations, &direction, out);
+    for_each_change(model, data, &direction, |points, changes| {
+        for design_velocity in design_velocities {
+            let along = points.map(|point| design_velocity.velocities().points[point]);
             out[design_velocity.parameter] += changes.iter().zip(&along).map(|(c, d)| c.dot(d)).sum::<f64>();
         }
+    });
+}
+
+/// Visits what touches the tip: its points p, a, b and the derivatives of F_t with respect to these.
+fn for_each_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    direction: &Vector<P>,
+    mut visit: impl FnMut([usize; 3], [Vector<P>; 3]),
+) {
+    let (p, states) = (&data.design.geometry.parameters, &data.assembly.forces);
+    for (_, k, pair) in model.forces.contacts.tip_pairs(p, &states.contacts) {
+        visit(pair.points(&model.tree), force_change(pair, k, direction));
     }
+    model.forces.foundations.for_each_tip_change(&model.tree, &states.foundations, direction, visit);
 }
 
 /// Derivatives of the force k d n along a direction with respect to the three points of a pair.

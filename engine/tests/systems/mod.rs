@@ -2,6 +2,8 @@
 
 #![allow(dead_code)]
 
+pub mod differences;
+
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode, sample_points};
 

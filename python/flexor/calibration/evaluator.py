@@ -73,7 +73,7 @@ class Evaluator:
         """Differentiate the residuals of some runs at a point (c,) by k coordinates, (r, k).
 
         Central differences over a thousandth of each range for paths and a hundredth for optima,
-        which are searched anew next to the one at the point; NaN where a run failed.
+        which are searched again next to the one at the point; NaN where a run failed.
         """
         return np.concatenate([self._jacobian(u, columns, run) for run in runs])
 

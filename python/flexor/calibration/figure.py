@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MET, _MISSED, _PREDICTED = FORCE, CHAMBER, "#8A939B"
-_MOST = 24  # rows of targets that are drawn one by one
+_MAX_TARGET_ROWS = 24
 
 
 def draw(calibration: Calibration) -> Figure:
@@ -31,7 +31,9 @@ def draw(calibration: Calibration) -> Figure:
     shown = [row for row in rows(calibration.best) if math.isfinite(row.found)]
     found = calibration.identifiability
     count = len(found.constants)
-    height = max(2.6, 0.75 + 0.2 * min(len(shown), _MOST), 1.15 * math.ceil(count / 2) + 1.2)
+    height = max(
+        2.6, 0.75 + 0.2 * min(len(shown), _MAX_TARGET_ROWS), 1.15 * math.ceil(count / 2) + 1.2
+    )
     with style():
         figure = Figure(figsize=(PAGE, height), layout="constrained")
         left, right = np.ravel(np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 1.05))))
@@ -46,7 +48,7 @@ def draw(calibration: Calibration) -> Figure:
 
 
 def _targets(axes: Axes, shown: list[Row]) -> None:
-    shown = shown[:_MOST]
+    shown = shown[:_MAX_TARGET_ROWS]
     for place, row in enumerate(shown):
         size = row.tolerance if math.isfinite(row.tolerance) else 0.05 * abs(row.wanted) or 1.0
         off = row.off / size

@@ -9,11 +9,11 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 
-_FAILED = 1e4  # residual of a failed path, so that the step is rejected
-_EVALUATIONS = 40  # of the residuals, besides those for derivatives
-_EVALUATIONS_WITH_OPTIMA = 20
-_INSIDE = 1e-9  # least squares starts inside the bounds
-_GOOD = 0.01  # misfit at which a fit with optima ends: a tenth of a standard deviation
+_FAILED_RESIDUAL = 1e4  # residual of a failed path, so that the step is rejected
+_MAX_EVALUATIONS = 40  # of the residuals, besides those for derivatives
+_MAX_EVALUATIONS_WITH_OPTIMA = 20
+_BOUND_MARGIN = 1e-9  # between the start of least squares and the bounds
+_TARGET_MISFIT = 0.01  # at which a fit with optima ends: a tenth of a standard deviation
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,14 +41,14 @@ def fit_locally(evaluator: Evaluator, start: Array, fixed: tuple[int, ...] = ())
     """
     free = [i for i in range(len(start)) if i not in fixed]
     problem = evaluator.problem
-    evaluations = _EVALUATIONS
+    evaluations = _MAX_EVALUATIONS
     if problem.needs_optima:
         if problem.path_runs:
-            start = _least_squares(evaluator, start, free, problem.path_runs, _EVALUATIONS)
-        evaluations = _EVALUATIONS_WITH_OPTIMA
+            start = _least_squares(evaluator, start, free, problem.path_runs, _MAX_EVALUATIONS)
+        evaluations = _MAX_EVALUATIONS_WITH_OPTIMA
     u = _least_squares(evaluator, start, free, problem.fitted_runs, evaluations)
     found = evaluator.residuals(u[None, :], problem.fitted_runs, threads=1)[0]
-    return Minimum(u, np.asarray(np.nan_to_num(found, nan=_FAILED)))
+    return Minimum(u, np.asarray(np.nan_to_num(found, nan=_FAILED_RESIDUAL)))
 
 
 def _least_squares(
@@ -65,8 +65,8 @@ def _least_squares(
 
     def residuals(v: Array) -> Array:
         found = evaluator.residuals(point(v)[None, :], runs, threads=1)[0]
-        found = np.asarray(np.nan_to_num(found, nan=_FAILED))
-        if with_optima and float(found @ found) < _GOOD:
+        found = np.asarray(np.nan_to_num(found, nan=_FAILED_RESIDUAL))
+        if with_optima and float(found @ found) < _TARGET_MISFIT:
             raise _GoodEnough(point(v))
         return found
 
@@ -75,7 +75,7 @@ def _least_squares(
     try:
         ended = least_squares(
             residuals,
-            np.clip(start[free], _INSIDE, 1.0 - _INSIDE),
+            np.clip(start[free], _BOUND_MARGIN, 1.0 - _BOUND_MARGIN),
             jac=lambda v: np.nan_to_num(evaluator.jacobian(point(v), free, runs)),
             bounds=(0.0, 1.0),
             ftol=1e-10,

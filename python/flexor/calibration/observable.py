@@ -40,7 +40,7 @@ def observable(target: Target, model: Model, place: str) -> Observable:
     if target.observable in ("bending", "angle"):
         return Observable(ANGLE, _angles(target, model, place))
     if target.observable in ("tip-force", "contacts"):
-        if not model.file.contacts:
+        if not model.first_spheres:
             raise InputError(
                 f'{place}.observable is "{target.observable}", but the model "{model.name}" has no '
                 "contact."
@@ -48,6 +48,13 @@ def observable(target: Target, model: Model, place: str) -> Observable:
         if target.observable == "contacts":
             return Observable(None, lambda paths: paths.touching.astype(np.float64))
         return Observable(FORCE, lambda paths: paths.tip_force)
+    if target.observable == "obstacle-force":
+        names = tuple(model.file.obstacles)
+        if target.of not in names:
+            raise InputError(
+                f"{place}.of is the {unknown_name('obstacle', str(target.of), names)}."
+            )
+        return Observable(FORCE, _on_obstacle(names.index(str(target.of))))
     body, row = _frame(target, model, place)
     if target.observable == "rotation":
         return Observable(ANGLE, lambda paths: _rotation(paths, body)[..., row])
@@ -66,11 +73,22 @@ def _angles(target: Target, model: Model, place: str) -> Callable[[ObservedPaths
     if target.of is None:
         columns = list(angular.values())
         return lambda paths: np.asarray(paths.q[:, :, columns].sum(axis=2))
-    short = {name.removesuffix(".theta"): column for name, column in angular.items()}
+    short = {model.joint_labels[name]: column for name, column in angular.items()}
     if target.of not in short and target.of not in angular:
         raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
     column = {**short, **angular}[target.of]
     return lambda paths: np.asarray(paths.q[:, :, column])
+
+
+def _on_obstacle(index: int) -> Callable[[ObservedPaths], Array]:
+    def forces(paths: ObservedPaths) -> Array:
+        found = np.full(paths.q.shape[:2], np.nan)
+        for i, step in np.argwhere(np.isfinite(paths.q).all(axis=2)):
+            engine, parameters = paths.model.engine, paths.parameters[i]
+            found[i, step] = engine.half_space_forces(parameters, paths.q[i, step])[index]
+        return found
+
+    return forces
 
 
 def _frame(target: Target, model: Model, place: str) -> tuple[str, int]:

@@ -48,6 +48,12 @@ class Problem:
         """Whether the fit needs searches for optimal designs."""
         return self.path_runs != self.fitted_runs
 
+    @cached_property
+    def packages(self) -> set[str]:
+        """Packages whose versions decide the results: SciPy fits, methods search for optima."""
+        searches = [run.method for run in self.runs if isinstance(run, OptimumRun)]
+        return {"scipy", *(name for each in searches for name in getattr(each, "packages", ()))}
+
     def x(self, u: Array) -> Array:
         """Return constants (n, c), SI, of points (n, c) of the unit cube."""
         return np.stack([c.value(u[:, i]) for i, c in enumerate(self.constants)], axis=1)

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
+from flexor.arguments import check_callable, integer
 from flexor.calibration.problem import bind_problem
 from flexor.calibration.reading import read
 from flexor.calibration.record import CALIBRATION, TARGETS, Record
@@ -12,6 +16,7 @@ from flexor.calibration.result import Calibration
 from flexor.calibration.screening import default_samples
 from flexor.calibration.stages import ProgressCallback, Stages
 from flexor.model import Model
+from flexor.model.solver import useful_threads
 from flexor.store import Workspace
 
 
@@ -26,6 +31,7 @@ def calibrate(
     resume: bool = False,
     threads: int = 0,
     progress: ProgressCallback | None = None,
+    finish: Callable[[Calibration], None] | None = None,
 ) -> Calibration:
     """Fit constants of models to targets.
 
@@ -47,7 +53,9 @@ def calibrate(
     threads : int
         0 for one per core. Results do not depend on it.
     progress : callable, optional
-        Called with a `Progress` from time to time.
+        Called with a `Progress` periodically.
+    finish : callable, optional
+        Called with the calibration while its folder is locked, to write files into it.
 
     Returns
     -------
@@ -68,8 +76,14 @@ def calibrate(
     """
     file, text = read(targets)
     problem = bind_problem(file, model, str(targets))
-    starts = starts or file.search.starts
-    samples = samples or file.search.samples or default_samples(len(problem.constants))
+    seed = integer("seed", seed, 0)
+    useful_threads(threads)
+    check_callable("progress", progress)
+    check_callable("finish", finish)
+    starts = file.search.starts if starts is None else integer("starts", starts, 1)
+    if samples is None:
+        samples = file.search.samples or default_samples(len(problem.constants))
+    samples = integer("samples", samples, 1)
     settings = {
         "targets": hashlib.sha256(text.encode()).hexdigest(),
         "models": {name: system.reference.hash for name, system in problem.systems.items()},
@@ -77,15 +91,16 @@ def calibrate(
         "samples": samples,
         "starts": starts,
     }
-    with Workspace(CALIBRATION, folder, settings, {TARGETS: text}, resume) as workspace:
-        workspace.check_versions()
+    files, packages = {TARGETS: text}, problem.packages
+    with Workspace(CALIBRATION, folder, settings, files, resume, packages=packages) as workspace:
         record = Record(workspace.database)
+        if first := record.first():
+            (run, _, constants), recorded = first
+            x = np.frombuffer(constants, dtype="<f8")[None, :]
+            workspace.check_reproduces(recorded, problem.runs[run].evaluate(x)[0])
         stages = Stages(problem, record, threads, progress)
-        if resume:
-            stages.check_reproduces()
         fits, identifiability = stages.analyse(stages.minima(samples, starts, seed))
-        workspace.database.close()
-        return Calibration(
+        found = Calibration(
             title=file.title,
             source=str(targets),
             fits=tuple(fits),
@@ -94,3 +109,7 @@ def calibrate(
             evaluations=len(record),
             folder=workspace.folder,
         )
+        if finish is not None:
+            finish(found)
+        workspace.database.close()
+        return found

@@ -9,9 +9,21 @@ from pydantic import BeforeValidator, Field, model_validator
 from flexor.model.schema.table import Choice, Count, Name, Table, Text
 from flexor.model.validation import describe, field_error, first_repeated
 
-QUANTITIES = ("bending", "angle", "tip-force", "contacts", "x", "y", "z", "rotation", "optimum")
+QUANTITIES = (
+    "bending",
+    "angle",
+    "tip-force",
+    "contacts",
+    "obstacle-force",
+    "x",
+    "y",
+    "z",
+    "rotation",
+    "optimum",
+)
 _OF = {
     "angle": "the joint",
+    "obstacle-force": "the obstacle",
     "x": "the body",
     "y": "the body",
     "z": "the body",

@@ -10,9 +10,9 @@ from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 from flexor.errors import InputError
 
-_CHUNK = 256
-_APART = 0.05  # of a range, by which starts must differ in at least one constant
-_SPARE = 4  # times the number of starts are evaluated fully, so that different ones are among them
+_BATCH = 256  # points tried before the misfit that still matters is updated
+_START_SEPARATION = 0.05  # in parts of a range, in at least one constant
+_CANDIDATES_PER_START = 4  # evaluated fully, so that distinct starts are among them
 
 
 def default_samples(constants: int) -> int:
@@ -42,12 +42,12 @@ def screen(
     paths = problem.path_runs
     optima = [run for run in problem.fitted_runs if run not in paths]
     misfit = np.full(samples, np.inf)
-    for first in range(0, samples, _CHUNK):
-        rows = slice(first, first + _CHUNK)
-        known = np.sort(misfit[:first])[: _SPARE * starts]
-        worst = float(known[-1]) if len(known) == _SPARE * starts else np.inf
+    for first in range(0, samples, _BATCH):
+        rows = slice(first, first + _BATCH)
+        known = np.sort(misfit[:first])[: _CANDIDATES_PER_START * starts]
+        worst = float(known[-1]) if len(known) == _CANDIDATES_PER_START * starts else np.inf
         misfit[rows] = evaluator.misfit(points[rows], paths, worst)
-        report(min(first + _CHUNK, samples), float(misfit.min()))
+        report(min(first + _BATCH, samples), float(misfit.min()))
     if optima:  # searched for at the points that are best without; the others are dropped
         order = np.argsort(misfit, kind="stable")[: 2 * starts]
         without, misfit = misfit, np.full(samples, np.inf)
@@ -57,7 +57,7 @@ def screen(
     order = np.argsort(misfit, kind="stable")
     chosen: list[int] = []
     for row in order[np.isfinite(misfit[order])]:
-        if all(np.max(np.abs(points[row] - points[other])) > _APART for other in chosen):
+        if all(np.max(np.abs(points[row] - points[other])) > _START_SEPARATION for other in chosen):
             chosen.append(int(row))
         if len(chosen) == starts:
             break

@@ -22,15 +22,14 @@ from flexor.calibration.problem import Problem
 from flexor.calibration.record import Record
 from flexor.calibration.result import Fit
 from flexor.calibration.screening import screen
-from flexor.errors import InputError
 from flexor.model.interruption import end_all
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-_FITS = 8  # that are reported
-_PREDICTED = 4  # for which held-out targets are evaluated
-_REPEATS = 3  # of the analysis, when a profile finds a better fit
-_APART = 0.02  # parts of a range by which reported fits differ
+_REPORTED_FITS = 8
+_PREDICTED_FITS = 4  # for which held-out targets are evaluated
+_MAX_REPEATS = 3  # of the analysis, when a profile finds a better fit
+_FIT_SEPARATION = 0.02  # in parts of a range, between reported fits
 
 
 @dataclass(frozen=True)
@@ -58,20 +57,6 @@ class Stages:
         self._evaluator = Evaluator(problem, record, threads)
         self._lowest = np.inf
 
-    def check_reproduces(self) -> None:
-        """Raise InputError if the first recorded evaluation now gives another result."""
-        first = self._record.first()
-        if first is None:
-            return
-        (run, _, constants), recorded = first
-        x = np.frombuffer(constants, dtype="<f8")[None, :]
-        found = self._problem.runs[run].evaluate(x)[0]
-        if not np.allclose(found, recorded, rtol=1e-6, atol=1e-9, equal_nan=True):
-            raise InputError(
-                "the record of the calibration no longer reproduces (the models or the engine "
-                "have changed): begin another."
-            )
-
     def minima(self, samples: int, starts: int, seed: int) -> list[Minimum]:
         """Find the distinct local minima, the best first."""
 
@@ -92,12 +77,12 @@ class Stages:
         others = [
             fit
             for fit in fits[1:]
-            if fit.met and np.max(np.abs(fit.minimum.u - minimum.u)) > _APART
+            if fit.met and np.max(np.abs(fit.minimum.u - minimum.u)) > _FIT_SEPARATION
         ]
-        fits = [best, *others[: _FITS - 1]]
+        fits = [best, *others[: _REPORTED_FITS - 1]]
         if any(not target.fitted for target in self._problem.targets):
-            for i in range(min(len(fits), _PREDICTED)):
-                self._report("predicting held-out targets", i, min(len(fits), _PREDICTED))
+            for i in range(min(len(fits), _PREDICTED_FITS)):
+                self._report("predicting held-out targets", i, min(len(fits), _PREDICTED_FITS))
                 fits[i] = replace(fits[i], values=self._values(fits[i].minimum, held_out=True))
         return fits, identifiability
 
@@ -107,7 +92,7 @@ class Stages:
         Profiles are left out if fits need searches for optima.
         """
         found = local_identifiability(self._evaluator, minimum)
-        for _ in range(0 if self._problem.needs_optima else _REPEATS):
+        for _ in range(0 if self._problem.needs_optima else _MAX_REPEATS):
             jobs = [(minimum, i, float(found.deviation[i])) for i in range(len(minimum.u))]
             profiles = self._map(
                 lambda job: profile_likelihood(self._evaluator, *job), jobs, "profiling"

@@ -90,9 +90,10 @@ def _loads(target: Target, system: System, place: str) -> Array:
     model = system.reference
     if target.force is None and not model.inputs:
         return np.zeros((1, 0))
-    given = model.evaluation_forces if target.force is None else target.force
     try:
-        return read_loads(given, model.input_dimensions)
+        if target.force is None:
+            return model.evaluation_loads
+        return read_loads(target.force, model.input_dimensions)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
@@ -175,6 +176,6 @@ def _optimum(target: Target, system: System, place: str) -> tuple[BoundTarget, O
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
     if target.force is not None:
-        wanted = wanted.at(_loads(target, system, place)[:, 0])
+        wanted = wanted.at(_loads(target, system, place))
     run = OptimumRun(system, chosen, wanted, search)
     return BoundTarget(target, unit, value, tolerance, ()), run, run.column(part)

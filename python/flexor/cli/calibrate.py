@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import re
 import shlex
-import time
+from contextlib import nullcontext
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from flexor.cli import options
-from flexor.cli.console import note, print_json, say
-from flexor.cli.folders import INTERRUPTED, new_folder, save_figure
+from flexor.cli.console import print_json, say
+from flexor.cli.folders import carry_out, new_folder, save_figure
 from flexor.cli.materials import Law, Strains, calibrate_material
 from flexor.cli.progress import CalibrationBar, duration
 from flexor.cli.table import number, show
@@ -29,6 +29,7 @@ _MISFIT = 2.0  # residuals in tolerances above which a model is said not to expl
 
 
 def calibrate(
+    context: typer.Context,
     model: Annotated[
         str,
         typer.Argument(metavar="MODEL", help="Model file or preset; or the CSV of a tensile test."),
@@ -94,7 +95,8 @@ def calibrate(
         raise InputError("expected MODEL and one file TARGETS, or the CSV files of tensile tests.")
     targets = inputs[0]
     from flexor import calibration
-    from flexor.calibration import figure, report
+    from flexor.calibration import figure
+    from flexor.calibration import report as reports
 
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
@@ -102,34 +104,47 @@ def calibrate(
     if resume and folder is None:
         raise InputError("--resume needs --out, the folder to go on with.")
     place = folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)
-    began = time.monotonic()
-    try:
-        with CalibrationBar() as progress:
-            found = calibration.calibrate(
-                loaded,
-                targets,
-                seed=seed,
-                samples=samples,
-                starts=starts,
-                folder=place,
-                resume=resume,
-                threads=threads,
-                progress=progress,
-            )
-    except KeyboardInterrupt:
-        again = f"flexor calibrate {shlex.quote(model)} {shlex.quote(targets)}"
-        note(
-            "interrupted; everything evaluated so far is kept. To go on, with the same options:\n"
-            f"  {again} --out {shlex.quote(str(place))} --resume"
+
+    def report(found: Calibration, seconds: float) -> int:
+        files = reports.write(found, place, name)
+        files += save_figure(figure.draw(found), place, "calibration")
+        if as_json:
+            print_json(reports.to_dict(found))
+        else:
+            _show(found, seconds, files)
+        return 0 if found.best.met else 1
+
+    def work(executor: None, **shared: Any) -> None:
+        calibration.calibrate(
+            loaded,
+            targets,
+            seed=seed,
+            samples=samples,
+            starts=starts,
+            folder=place,
+            resume=resume,
+            threads=threads,
+            **shared,
         )
-        return INTERRUPTED
-    files = report.write(found, place, name)
-    files += save_figure(figure.draw(found), place, "calibration")
-    if as_json:
-        print_json(report.to_dict(found))
-    else:
-        _show(found, time.monotonic() - began, files)
-    return 0 if found.best.met else 1
+
+    again = shlex.join(
+        ["flexor", "calibrate", model, targets, *_given(context), "--resume", "--out"]
+    )
+    return carry_out(again, place, nullcontext(), CalibrationBar(), work, report)
+
+
+def _given(context: typer.Context) -> list[str]:
+    """Return the options given that resuming must repeat."""
+    words: list[str] = []
+    for each in context.command.params:
+        source = context.get_parameter_source(each.name or "")
+        if each.param_type_name == "option" and source and source.name == "COMMANDLINE":
+            value = context.params[each.name or ""]
+            if each.name in ("seed", "samples", "starts", "name", "constants"):
+                words += [max(each.opts, key=len), str(value)]
+            elif each.name == "changes":
+                words += [word for change in value for word in ("--set", change)]
+    return words
 
 
 def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,11 +12,10 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
-from flexor.cli.folders import check_resumable, cluster_at, interrupted, new_folder, save_figure
+from flexor.cli.folders import carry_out, check_resumable, cluster_at, new_folder, save_figure
 from flexor.cli.progress import ComparisonBar, duration
 from flexor.cli.table import number, show
-from flexor.cli.values import load_changed, numbers
-from flexor.errors import ClusterError
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study.comparison import MethodComparison
@@ -54,7 +53,7 @@ def compare(
         int,
         typer.Option(callback=options.at_least(1), help="Maximum number of designs per search."),
     ] = 500,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     folder: options.Folder = None,
     resume: options.Resume = None,
     workers: Annotated[
@@ -92,41 +91,36 @@ def compare(
 
     free = ("workers", "cluster", "plot", "as_json")
     check_resumable(context, "comparison", model, folder, resume, *free)
-    began, place = time.monotonic(), resume
-    try:
-        with cluster_at(cluster) as executor, ComparisonBar() as progress:
-            if resume is not None:
-                result = comparison.resume_comparison(
-                    resume, progress=progress, executor=executor, workers=workers
-                )
-            else:
-                assert model is not None
-                loaded = load_changed(model, constants, changes)
-                place = folder or new_folder(loaded.name, objective, "comparison")
-                result = comparison.compare(
-                    loaded,
-                    comparison.PAPER_SETS if parameters is None else parameters,
-                    objective,
-                    methods=methods,
-                    seeds=seeds,
-                    budget=budget,
-                    force=force,
-                    folder=place,
-                    progress=progress,
-                    executor=executor,
-                    workers=workers,
-                    engine_options=numbers("--solver", solver or []),
-                )
-    except (KeyboardInterrupt, ClusterError) as error:
-        return interrupted(place, "flexor compare --resume", error)
-    assert place is not None
-    files = _keep(result, place, plot)
-    seconds = time.monotonic() - began
-    if as_json:
-        print_json(_as_json(result, seconds, place, files))
+    if resume is not None:
+        place, work = resume, partial(comparison.resume_comparison, resume, workers=workers)
     else:
-        _print_summary(result, seconds, files)
-    return 0
+        assert model is not None
+        loaded = load_changed(model, constants, changes)
+        place = folder or new_folder(loaded.name, objective, "comparison")
+        work = partial(
+            comparison.compare,
+            loaded,
+            comparison.PAPER_SETS if parameters is None else parameters,
+            objective,
+            methods=methods,
+            seeds=seeds,
+            budget=budget,
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
+            folder=place,
+            workers=workers,
+            engine_options=numbers("--solver", solver or []),
+        )
+
+    def report(result: MethodComparison, seconds: float) -> int:
+        files = _keep(result, place, plot)
+        if as_json:
+            print_json(_as_json(result, seconds, place, files))
+        else:
+            _print_summary(result, seconds, files)
+        return 0
+
+    where = cluster_at(cluster)
+    return carry_out("flexor compare --resume", place, where, ComparisonBar(), work, report)
 
 
 def _print_summary(result: MethodComparison, seconds: float, files: list[FilePath]) -> None:

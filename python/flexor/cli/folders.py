@@ -5,10 +5,11 @@ from __future__ import annotations
 import logging
 import re
 import shlex
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -18,7 +19,8 @@ from flexor.errors import ClusterError, InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexor.study import Executor
+    from flexor.cli.progress import LiveLine
+    from flexor.study import DesignEvaluator
 
 STUDIES = Path("studies")
 INTERRUPTED, LOST = 130, 3  # exit codes
@@ -58,7 +60,7 @@ def check_resumable(
 
 
 @contextmanager
-def executor_for(threads: int, cluster: str | None) -> Iterator[Executor]:
+def executor_for(threads: int, cluster: str | None) -> Iterator[DesignEvaluator]:
     """Provide the executor selected by `--threads` and `--cluster`."""
     from flexor.study import Threads
 
@@ -69,7 +71,7 @@ def executor_for(threads: int, cluster: str | None) -> Iterator[Executor]:
 
 
 @contextmanager
-def cluster_at(address: str | None) -> Iterator[Executor | None]:
+def cluster_at(address: str | None) -> Iterator[DesignEvaluator | None]:
     """Connect to the cluster at an address, if one is given."""
     if address is None:
         yield None
@@ -86,17 +88,48 @@ def cluster_at(address: str | None) -> Iterator[Executor | None]:
         yield executor
 
 
-def interrupted(place: Path | None, command: str, error: BaseException) -> int:
+def carry_out(
+    resuming: str,
+    place: Path,
+    executor: AbstractContextManager[Any],
+    bar: LiveLine,
+    work: Callable[..., object],
+    report: Callable[[Any, float], int],
+) -> int:
+    """Do the work of a command in a folder; return the exit code.
+
+    ``work`` is called with an executor, the progress bar and what it is to call with its result
+    while the folder is locked: ``report`` writes the outputs, given the result and the time that
+    it took [s], and returns the exit code. ``resuming`` is the command that resumes, without the
+    folder.
+    """
+    began, code = time.monotonic(), 0
+
+    def finish(result: Any) -> None:
+        nonlocal code
+        bar.stop()
+        code = report(result, time.monotonic() - began)
+
+    try:
+        with executor as where, bar:
+            work(executor=where, progress=bar, finish=finish)
+    except (KeyboardInterrupt, ClusterError) as error:
+        return _interrupted(place, resuming, error)
+    return code
+
+
+def _interrupted(place: Path, resuming: str, error: BaseException) -> int:
     """Report an interruption or the loss of a cluster, and how to resume; return the exit code."""
     lost = isinstance(error, ClusterError)
-    if place is None or not (place / "settings.json").exists():
-        print_error(str(error) if lost else "interrupted before anything was computed.")
-    else:
-        if lost:
-            print_error(str(error))
-        begin = "Every" if lost else "interrupted; every"
-        again = f"{command} {shlex.quote(str(place))}"
-        note(f"{begin} design evaluated so far is saved. To resume:\n  {again}")
+    begin = "Everything" if lost else "interrupted; everything"
+    if lost:
+        print_error(str(error))
+    if (place / "settings.json").exists():
+        note(
+            f"{begin} evaluated so far is saved. To resume:\n  {resuming} {shlex.quote(str(place))}"
+        )
+    elif not lost:
+        print_error("interrupted before anything was computed.")
     return LOST if lost else INTERRUPTED
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,10 +10,10 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
-from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder, save_figure
+from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
-from flexor.cli.values import load_changed, numbers
-from flexor.errors import ClusterError, InputError
+from flexor.cli.values import load_changed, numbers, one_or_assignments
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
@@ -42,7 +42,7 @@ def landscape(
             help="Values of the fixed parameters, such as `L=8 cm`; the model's own by default."
         ),
     ] = None,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     searches: Annotated[
         list[FilePath] | None,
         typer.Option(
@@ -63,7 +63,7 @@ def landscape(
 ) -> int:
     """Evaluate and plot an objective on a grid over one or two parameters.
 
-    Every evaluated design is recorded immediately in the study folder, so a landscape can be
+    Every evaluated design is recorded immediately in the landscape folder, so a landscape can be
     interrupted (Ctrl-C) and resumed. The completed folder contains the arrays (`landscape.npz`),
     a row per design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): a
     surface and a contour plot with the minimum of the grid, the designs that snap and those that
@@ -79,53 +79,46 @@ def landscape(
     from flexor import study as studies
     from flexor.design import parameter_set
     from flexor.study import landscape as landscapes
-    from flexor.study.landscape import Landscape, SearchPath
+    from flexor.study.landscape import SearchPath
 
     free = ("searches", "threads", "cluster", "plot", "as_json")
     check_resumable(context, "landscape", model, folder, resume, *free)
     overlays = [(each, studies.Study.open(each)) for each in searches or []]
-    began, place = time.monotonic(), resume
-    try:
-        with executor_for(threads, cluster) as executor, SearchProgress() as progress:
-            if resume is not None:
-                Landscape.check(resume)
-                study = studies.Study.open(resume)
-                if study.finished is None:
-                    study.close()
-                    study = studies.resume(resume, progress=progress, executor=executor)
-                result = Landscape.of(study)
-            else:
-                assert model is not None
-                loaded = load_changed(model, constants, changes)
-                chosen = parameter_set(parameters, loaded.design)
-                for each, search in overlays:
-                    _check_same_set(each, search, chosen)
-                place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
-                result = landscapes.landscape(
-                    loaded,
-                    chosen,
-                    objective,
-                    grid=grid,
-                    axes=None if axes is None else [label.strip() for label in axes.split(",")],
-                    start=_fixed(start, chosen),
-                    force=force,
-                    folder=place,
-                    progress=progress,
-                    executor=executor,
-                    engine_options=numbers("--solver", solver or []),
-                )
-    except (KeyboardInterrupt, ClusterError) as error:
-        return interrupted(place, "flexor landscape --resume", error)
-    seconds = time.monotonic() - began
-    for each, search in overlays:
-        _check_same_set(each, search, result.problem.parameters)
-    paths = [SearchPath.from_study(search, each.name) for each, search in overlays]
-    files = _keep(result, paths, plot)
-    if as_json:
-        print_json(_as_json(result, seconds, files))
+    if resume is not None:
+        place, work = resume, partial(landscapes.resume_landscape, resume)
     else:
-        _print_summary(result, seconds, files)
-    return 0
+        assert model is not None
+        loaded = load_changed(model, constants, changes)
+        chosen = parameter_set(parameters, loaded.design)
+        for each, search in overlays:
+            _check_same_set(each, search, chosen)
+        place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
+        work = partial(
+            landscapes.landscape,
+            loaded,
+            chosen,
+            objective,
+            grid=grid,
+            axes=None if axes is None else [label.strip() for label in axes.split(",")],
+            start=_fixed(start, chosen),
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
+            folder=place,
+            engine_options=numbers("--solver", solver or []),
+        )
+
+    def report(result: Landscape, seconds: float) -> int:
+        for each, search in overlays:
+            _check_same_set(each, search, result.problem.parameters)
+        paths = [SearchPath.from_study(search, each.name) for each, search in overlays]
+        files = _keep(result, paths, plot)
+        if as_json:
+            print_json(_as_json(result, seconds, files))
+        else:
+            _print_summary(result, seconds, files)
+        return 0
+
+    where = executor_for(threads, cluster)
+    return carry_out("flexor landscape --resume", place, where, SearchProgress(), work, report)
 
 
 def _fixed(start: str | None, chosen: ParameterSet) -> list[list[float]] | None:

@@ -18,7 +18,8 @@ def presets() -> None:
     for name in model.presets():
         file = model.load(name).file
         sets = [
-            f"{chosen} (default)" if chosen == file.use else chosen for chosen in file.constants
+            f"{chosen} (default)" if chosen == file.use else chosen
+            for chosen in (*file.constants, *file.variants)
         ]
         rows.append((name, file.title, ", ".join(sets)))
     show(("model", "description", "constants"), rows, left=3)

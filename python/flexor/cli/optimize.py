@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import time
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json
-from flexor.cli.folders import check_resumable, executor_for, interrupted, new_folder
-from flexor.cli.values import load_changed, numbers
-from flexor.errors import ClusterError
+from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -40,7 +39,7 @@ def optimize(
             "0.7 cm, 0.8 cm`, or `R_0=0.7 cm`; may be repeated. By default the model's exosuit."
         ),
     ] = None,
-    force: options.EvaluationForce = None,
+    force: options.Load = None,
     seed: options.Seed = 0,
     budget: Annotated[
         int | None,
@@ -82,43 +81,41 @@ def optimize(
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
-    began, place = time.monotonic(), resume
-    try:
-        with executor_for(threads, cluster) as executor, SearchProgress() as progress:
-            if resume is not None:
-                study = studies.resume(resume, budget=budget, progress=progress, executor=executor)
-            else:
-                assert model is not None
-                loaded = load_changed(model, constants, changes)
-                chosen = parameter_set(parameters, loaded.design)
-                place = folder or new_folder(loaded.name, chosen.name, objective)
-                study = studies.optimize(
-                    loaded,
-                    chosen,
-                    objective,
-                    method,
-                    method_options=numbers("--option", method_options or []),
-                    start=starts(start or [], chosen),
-                    force=force,
-                    seed=seed,
-                    budget=budget,
-                    folder=place,
-                    progress=progress,
-                    executor=executor,
-                    engine_options=numbers("--solver", solver or []),
-                )
-    except (KeyboardInterrupt, ClusterError) as error:
-        return interrupted(place, "flexor optimize --resume", error)
-    seconds = time.monotonic() - began
-    if as_json:
-        print_json(outcome.as_json(study, seconds))
+    if resume is not None:
+        place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
-        outcome.print_summary(study, seconds, resumed=resume is not None)
-    if plot is not None or not as_json:
-        outcome.draw(study, plot, quiet=as_json)
-    if show:
-        _open(study)
-    return 0
+        assert model is not None
+        loaded = load_changed(model, constants, changes)
+        chosen = parameter_set(parameters, loaded.design)
+        place = folder or new_folder(loaded.name, chosen.name, objective)
+        work = partial(
+            studies.optimize,
+            loaded,
+            chosen,
+            objective,
+            method,
+            method_options=numbers("--option", method_options or []),
+            start=starts(start or [], chosen),
+            force=one_or_assignments("--load", force, "chamber=0:5:1"),
+            seed=seed,
+            budget=budget,
+            folder=place,
+            engine_options=numbers("--solver", solver or []),
+        )
+
+    def report(study: Study, seconds: float) -> int:
+        if as_json:
+            print_json(outcome.as_json(study, seconds))
+        else:
+            outcome.print_summary(study, seconds, resumed=resume is not None)
+        if plot is not None or not as_json:
+            outcome.draw(study, plot, quiet=as_json)
+        if show:
+            _open(study)
+        return 0
+
+    where = executor_for(threads, cluster)
+    return carry_out("flexor optimize --resume", place, where, SearchProgress(), work, report)
 
 
 def _open(study: Study) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexor.errors import InputError
+from flexor.arguments import integer
 
 
 def _writable(figure: Path | None) -> Path | None:
@@ -24,9 +24,7 @@ def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | No
     """Return the check of an option that is a number of at least ``least``."""
 
     def check(parameter: typer.CallbackParam, value: int | None) -> int | None:
-        if value is not None and value < least:
-            raise InputError(f"{parameter.opts[0]} is {value}: it must be at least {least}.")
-        return value
+        return None if value is None else integer(parameter.opts[0], value, least)
 
     return check
 
@@ -43,9 +41,14 @@ Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
 Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
-EvaluationForce = Annotated[
-    str | None,
-    typer.Option(help="Forces in N, as for `simulate`; the objective is evaluated at the last."),
+Load = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--load",
+        "--force",
+        metavar="LOADS",
+        help="Loads, as for `simulate`; the objective is evaluated at the last.",
+    ),
 ]
 Folder = Annotated[
     Path | None,
@@ -69,7 +72,12 @@ Cluster = Annotated[
     ),
 ]
 Constants = Annotated[
-    str | None, typer.Option(help="Set of constants of the file to use, such as `printed`.")
+    str | None,
+    typer.Option(
+        "--variant",
+        "--constants",
+        help="Variant or set of constants of the file to use, such as `printed`.",
+    ),
 ]
 Set = Annotated[
     list[str] | None,

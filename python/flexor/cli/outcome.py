@@ -143,7 +143,7 @@ def _signed(degrees: float) -> str:
 
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
-    force = study.problem.model.show_load(study.problem.force[-1])
+    force = study.problem.model.show_loads(study.problem.loads[-1])
     objective = study.problem.objective
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexor.study import StudyProgress
     from flexor.study.comparison import ComparisonProgress
 
-# Seconds between lines where output is no terminal.
+# Seconds between lines if output is not a terminal.
 LINE_EVERY = 30.0
 
 
@@ -46,6 +46,10 @@ class LiveLine:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """Remove the line."""
         if self._shown:
             self._bar.stop()
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from math import degrees
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
-from flexor.cli.table import fixed, number, show
+from flexor.cli.path_report import report
 from flexor.cli.values import load_changed, numbers, one_or_assignments
-
-if TYPE_CHECKING:
-    from flexor.model import Event, Path
 
 
 def simulate(
@@ -102,93 +98,3 @@ def simulate(
         figures.save(figures.path(path), plot)
         note(f"figure: {plot}")
     return 0 if bool(path.converged.all()) else 1
-
-
-def report(path: Path) -> None:
-    """Print a path as a table, and its events."""
-    import numpy as np
-
-    from flexor.model import explained
-
-    angular = path.model.angular_joints
-    columns = [path.model.joints.index(name) for name in angular]
-    angles = np.degrees(path.joint_angles[:, columns])
-    several = len(path.model.inputs) > 1
-    inputs = path.model.inputs if several else (path.model.load_name(),)
-    units = [path.model.load_unit(i) for i in range(len(inputs))]
-    headings = [
-        f"{name} / {unit}".removesuffix(" / ")
-        for name, (_, unit) in zip(inputs, units, strict=True)
-    ]
-    found = path.found_loads()
-    found_units = [dimension.shown for dimension in path.model.controlled.values()]
-    headings += [
-        f"{dimension.name.split(' ', 1)[1]}{f' of {name}' if several else ''} / {unit}"
-        for (name, dimension), (_, unit) in zip(
-            path.model.controlled.items(), found_units, strict=True
-        )
-    ]
-    headings += [*(f"{name.removesuffix('.theta')} / °" for name in angular)]
-    axes = {tuple(each["axis"]) for each in path.model.engine.joints if each["name"] in angular}
-    summed = len(angular) > 1 and len(axes) == 1
-    headings += ["sum / °"] if summed else []
-    slides = [name for name in path.model.joints if name not in angular]
-    travel = 1e3 * path.joint_angles[:, [path.model.joints.index(name) for name in slides]]
-    headings += [f"{name} / mm" for name in slides]
-    tips = [] if angular else list(path.model.rods)
-    headings += [f"{rod} tip x, y, z / cm" for rod in tips]
-    has_contacts = bool(path.model.file.contacts)
-    headings += [*(["contacts", "tip force / N"] if has_contacts else []), "state", "events"]
-    rows = []
-    for step in range(len(path)):
-        forces = path.loads[step] if several else path.force[step : step + 1]
-        cells = [
-            number(float(force) / size) for force, (size, _) in zip(forces, units, strict=True)
-        ]
-        cells += [
-            number(float(column[step]) / size)
-            for column, (size, _) in zip(found.values(), found_units, strict=True)
-        ]
-        cells += [fixed(angle) for angle in angles[step]]
-        if summed:
-            cells.append(fixed(angles[step].sum()))
-        cells += [fixed(length) for length in travel[step]]
-        for rod in tips:
-            tip = 100.0 * path.frames(step)[rod][-1, :3, 3]
-            cells.append(", ".join(fixed(x) for x in tip))
-        if has_contacts:
-            cells += [str(path.touching[step]), number(float(path.tip_force[step]))]
-        events = [event.kind.replace("_", " ") for event in path.events if event.step == step]
-        cells += [_state(path, step), ", ".join(events)]
-        rows.append(cells)
-    show(headings, rows, left=0)
-    failed = path.status[~path.converged]
-    if len(failed):
-        say(explained(failed[0]))
-    free = dict.fromkeys(name for names in path.free for name in names)
-    if free:
-        say(f"held by nothing: {', '.join(free)}")
-    for warning in path.warnings:
-        say(f"warning: {warning}")
-    for event in path.events:
-        say(_describe_event(event, path))
-
-
-def _state(path: Path, step: int) -> str:
-    if not path.converged[step]:
-        return str(path.status[step]).replace("_", " ")
-    return str(path.stability[step])
-
-
-def _describe_event(event: Event, path: Path) -> str:
-    moves = []
-    for name, *values in zip(
-        path.model.joints, event.angles_before, event.angles_after, strict=True
-    ):
-        angle = name in path.model.angular_joints
-        before, after = (
-            f"{fixed(degrees(value))}°" if angle else f"{fixed(1e3 * value)} mm" for value in values
-        )
-        moves.append(f"{name.removesuffix('.theta')} {before} to {after}")
-    what = f"{event.kind.replace('_', ' ')} at {path.model.show_load(event.force, '.4g')}"
-    return f"{what}: {', '.join(moves)}" if moves else what

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexor.materials.library import find, library
 from flexor.materials.material import KINDS, Material
 
-__all__ = ["KINDS", "Material"]
+__all__ = ["KINDS", "Material", "find", "library"]

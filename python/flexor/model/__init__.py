@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import Event
+from flexor.model.extremes import Extreme
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loading import load
 from flexor.model.loads import forces
@@ -15,13 +16,14 @@ from flexor.model.model import Model
 from flexor.model.reading import parse, presets, read
 from flexor.model.results import Path, Paths, State
 from flexor.model.schema import ModelFile
-from flexor.model.status import MEANINGS, explained
+from flexor.model.status import MEANINGS, explained, why_stalled
 
 __all__ = [
     "MEANINGS",
     "ContactForces",
     "DesignSpace",
     "Event",
+    "Extreme",
     "Geometry",
     "GeometryJacobian",
     "Model",
@@ -35,4 +37,5 @@ __all__ = [
     "parse",
     "presets",
     "read",
+    "why_stalled",
 ]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
+from flexor.model import constants
 from flexor.model.schema import ModelFile
 from flexor.model.toml import MAX_DEPTH
 from flexor.model.validation import describe
@@ -32,9 +33,11 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     keys = _resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
     result = _with(document, keys, value)
-    sets = document.get("constants")
-    if isinstance(sets, Mapping):
-        result["constants"] = {
+    for table in constants.TABLES:
+        sets = document.get(table)
+        if not isinstance(sets, Mapping):
+            continue
+        result[table] = {
             name: _with(values, keys, value) if _defines(values, keys) else values
             for name, values in sets.items()
         }
@@ -51,10 +54,8 @@ def _resolve(document: Document, keys: list[str], source: str) -> list[str]:
             allowed = (*tables, *ModelFile.model_fields)
             raise InputError(f"{source}: {unknown_name('field', keys[0], allowed)}.")
         keys = [tables[keys[0]], *keys]
-    if keys[0] in ("constants", "use"):
-        raise InputError(
-            f"{source}: {keys[0]} cannot be changed: select a set of constants by name."
-        )
+    if keys[0] in (*constants.TABLES, "use"):
+        raise InputError(f"{source}: {keys[0]} cannot be changed: select a set by name.")
     if keys[0] in _NAMED and len(keys) > 1 and keys[1] not in document.get(keys[0], {}):
         what = unknown_name("entry", keys[1], document.get(keys[0], {}))
         raise InputError(f"{source}: {keys[0]} has an {what}.")

@@ -26,3 +26,4 @@ class ContactForces:
     force: Array  # (m, 3), force on the first sphere [N]; the second feels its opposite
     point: Array  # (m, 3), middle of the overlap [m]
     depth: Array  # (m,), overlap d of (8) [m]
+    pressure: Array  # (m,), largest pressure of contact through skins, otherwise NaN [Pa]

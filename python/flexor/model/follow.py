@@ -33,6 +33,8 @@ _EngineArray = Literal[
     "touching",
     "tip_force",
     "applied",
+    "max_overlap",
+    "max_contact_pressure",
     "volume",
     "stretch",
 ]

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.model.hoop import LIMIT
+
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
@@ -63,6 +65,20 @@ def straps_exceeded(path: Path) -> list[str]:
             found.append(
                 f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
                 f"limit of {limit:.4g} N"
+            )
+    return found
+
+
+def balloons(path: Path) -> list[str]:
+    """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
+    found = []
+    for name, strains in path.hoop_strain().items():
+        if (strains > LIMIT).any():
+            pressure = path.loads[np.argmax(strains > LIMIT), path.model.inputs.index(name)]
+            found.append(
+                f'the cavity of "{name}" is not wound and widens by an estimated '
+                f"{100.0 * strains.max():.3g} %, from {pressure / 1e3:.4g} kPa on beyond the "
+                f"{100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
             )
     return found
 

@@ -25,7 +25,7 @@ def load(
     model
         Path of a model file, name of a preset (see `presets`), or a `ModelFile`.
     constants
-        Set of constants to use instead of the file's own choice.
+        Variant or set of constants to use instead of the file's own choice.
     changes
         Values that override those of the file, by dotted path such as ``"exosuit.length"``.
 

@@ -20,7 +20,7 @@ _MAX_STEPS = 1_000_000
 _BARE = (FORCE, MOMENT, LOAD_FACTOR)  # whose texts may be plain numbers
 
 
-def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
+def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> Array:
     """Parse a list of loads: forces, unless they have another dimension.
 
     Parameters
@@ -33,6 +33,8 @@ def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
     dimension
         Dimension of the loads. Texts with pressures (``"0:60:5 kPa"``), volumes and lengths need a
         unit.
+    name
+        What they are, for messages.
 
     Returns
     -------
@@ -45,11 +47,11 @@ def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
         If the list is empty, or an entry is not a finite force.
     """
     if isinstance(force, str):
-        entries: list[tuple[str, object]] = [("force", part) for part in force.split(",")]
+        entries: list[tuple[str, object]] = [(name, part) for part in force.split(",")]
     elif isinstance(force, (int, float)):
-        entries = [("force", force)]
+        entries = [(name, force)]
     else:
-        entries = [(f"force[{index}]", entry) for index, entry in enumerate(force)]
+        entries = [(f"{name}[{index}]", entry) for index, entry in enumerate(force)]
     values: list[float] = []
     for path, entry in entries:
         if isinstance(entry, str) and ":" in entry:
@@ -61,7 +63,8 @@ def forces(force: Forces, dimension: Dimension = FORCE) -> Array:
             raise InputError(f"{path} is too long: a path has at most {_MAX_STEPS:,} steps.")
     if not values:
         raise InputError(
-            "force is an empty list: give at least one force in N, such as [0, 1, 2] or 0:5:1."
+            f"{name} is an empty list: give at least one {dimension.name.split()[-1]}, such as "
+            f"{_example(dimension)}."
         )
     return np.array(values)
 
@@ -70,26 +73,33 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension])
     """Parse the loads of all inputs of these dimensions, (steps, inputs) [SI].
 
     A table has forces by the name of the input: an input that is left out stays at zero, a single
-    force is held constant.
+    force is held constant. An array or a list of lists has all of them, in SI units.
     """
+    table = None if isinstance(force, (str, Mapping)) else _table(force)
+    if table is not None:
+        if table.shape[1] != len(inputs) or not len(table) or not np.isfinite(table).all():
+            raise InputError(
+                f"force is a table of {table.shape[0]} x {table.shape[1]} numbers: expected rows "
+                f"of {len(inputs)} finite ones, one for each input."
+            )
+        return table
     if not isinstance(force, Mapping):
         if len(inputs) == 1:
-            return forces(force, *inputs.values())[:, None]
-        column = forces(force)
-        if not inputs and not column.any():
-            return np.zeros((len(column), 0))
+            return forces(force, next(iter(inputs.values())))[:, None]
         if not inputs:
+            if not (column := forces(force)).any():
+                return np.zeros((len(column), 0))
             raise InputError("force is given, but the model has no actuator: leave it out.")
         listed = ", ".join(f'"{name}"' for name in inputs)
         raise InputError(
             f"force must name its input, one of {listed}: use a dict in Python, and "
-            f"{next(iter(inputs))}=0:5:1 on the command line."
+            f"{next(iter(inputs))}={_example(next(iter(inputs.values())))} on the command line."
         )
     columns = {}
     for name, values in force.items():
         if name not in inputs:
             raise unknown("input", name, inputs)
-        columns[name] = forces(values, inputs[name])
+        columns[name] = forces(values, inputs[name], f"load of {name}")
     steps = max((len(column) for column in columns.values()), default=1)
     result = np.zeros((steps, len(inputs)))
     for name, column in columns.items():
@@ -102,18 +112,20 @@ def loads(force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension])
     return result
 
 
-def evaluation_forces(
-    force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension]
-) -> Array:
-    """Parse the forces at which designs are evaluated: as `forces`, or by the name of the input."""
-    if not isinstance(force, Mapping):
-        return forces(force, *list(inputs.values())[:1])
-    if len(inputs) > 1:
-        raise InputError(
-            f"force is a table, but designs of a model with {len(inputs)} inputs cannot be "
-            "evaluated: give a model with one."
-        )
-    return loads(force, inputs)[:, 0]
+def _table(force: object) -> Array | None:
+    """Return loads of several inputs that are an array or a list of lists, (steps, inputs)."""
+    nested = isinstance(force, np.ndarray) or (
+        isinstance(force, Sequence) and len(force) and isinstance(force[0], Sequence)
+    )
+    if not nested or (isinstance(force, Sequence) and isinstance(force[0], str)):
+        return None
+    found = np.asarray(force, dtype=float)
+    return found if found.ndim == 2 else None
+
+
+def _example(dimension: Dimension) -> str:
+    last, _, unit = dimension.example.partition(" ")
+    return "0:5:1" if dimension in _BARE else f"0:{last}:{5 if len(last) > 1 else 1} {unit}"
 
 
 def _value(value: object, path: str, dimension: Dimension) -> float:
@@ -157,9 +169,7 @@ def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list
         numbers.append(Decimal(1))
     finite = [n for n in numbers if n is not None and n.is_finite()]
     if len(finite) != 3 or len(numbers) != 3:
-        last, _, unit = dimension.example.partition(" ")
-        example = "0:5:1" if dimension in _BARE else f"0:{last}:1 {unit}"
-        tail = f"write start:stop:step{dimension.in_unit}, such as {example}"
+        tail = f"write start:stop:step{dimension.in_unit}, such as {_example(dimension)}"
         raise InputError(f'{path} is "{text}": {tail}.')
     start, stop, step = finite
     if step <= 0:

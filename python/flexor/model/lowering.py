@@ -18,10 +18,12 @@ from flexor.model.schema import (
     RevoluteJoint,
     Rod,
 )
+from flexor.model.schema.foundation import lower_self_contact, lower_skins
 from flexor.model.schema.profile import surface
 from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
+from flexor.model.schema.strap import Loop
 from flexor.model.schema.vector import direction
 
 Json = dict[str, Any]
@@ -40,6 +42,15 @@ def lower(file: ModelFile) -> Json:
     for name, group in file.spheres.items():
         spheres = group.lower(file.bodies, name in solid)
         described.setdefault("spheres", []).append({"name": name, "spheres": spheres})
+    for groups, foundation in lower_skins(file):
+        described.setdefault("spheres", []).extend(groups)
+        described.setdefault("foundations", []).append(foundation)
+    for name, strap in file.straps.items():
+        if isinstance(strap.to, Loop):
+            described.setdefault("spheres", []).append(strap.group(name, file))
+    for own, contact in lower_self_contact(file):
+        described.setdefault("spheres", []).append(own)
+        described.setdefault("contacts", []).append(contact)
     materials = [material.lower(name) for name, material in file.materials.items()]
     if materials:
         described["materials"] = materials
@@ -48,7 +59,7 @@ def lower(file: ModelFile) -> Json:
             fibres = lower_fibres(name, body, file.materials, file.planar)
             described.setdefault("fibres", []).append(fibres)
     for _, name, force in file.forces():
-        described.setdefault(force.description, []).append(force.lower(name, file))
+        described.setdefault(force.listed(), []).append(force.lower(name, file))
     controls = [name for name, each in file.actuators.items() if each.loads is not each.applied]
     if controls:
         described["controls"] = controls

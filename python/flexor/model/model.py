@@ -48,6 +48,8 @@ class Model(Structure):
         try:
             self._start = Start(coordinates(file.start, self)) if file.start else None
             self._solver = solver_options(file.solver)
+            if file.evaluation.loads:
+                self._loads(None)
         except InputError as error:
             raise InputError(f"{source or file.name}: {error}") from None
 
@@ -124,9 +126,9 @@ class Model(Structure):
         ----------
         force
             Forces in N, texts with a unit, ``"start:stop:step"``, or a table of these by the name
-            of the input. They may rise, fall and be negative; the path starts without load even if
-            its first force is not zero. Unless given, the steps to the file's evaluation force; no
-            load if the model has several inputs.
+            of the input; or an array (steps, inputs). They may rise, fall and be negative; the path
+            starts without load even if its first force is not zero. Unless given, those of the
+            file's ``[evaluation]``; no load if it has none for several inputs.
         design
             Geometry of the designed rod (n = 1); the file's own unless given.
         start
@@ -168,9 +170,9 @@ class Model(Structure):
     def _loads(self, force: Force | None) -> Array:
         if force is not None:
             return loads(force, self.input_dimensions)
-        if len(self.inputs) != 1:
+        if len(self.inputs) != 1 and not self.file.evaluation.loads:
             return np.zeros((1, len(self.inputs)))
-        return loads(self.evaluation_forces, self.input_dimensions)
+        return self.evaluation_loads
 
 
 def rebuilt(text: str, hash: str) -> Model:

@@ -114,7 +114,5 @@ def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> 
         return ModelFile.model_validate(complete)
     except ValidationError as error:
         path, tail = first_error(error, complete)
-    if chosen is not None and path in constants.leaves(document["constants"][chosen]):
-        path = f"constants.{chosen}.{path}"
-    path = shortened(path, 200)
+    path = shortened(constants.place(document, chosen, path), 200)
     raise InputError(f"{source}: {path} {tail}." if path else f"{source}: it {tail}.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, cast, overload
 
@@ -14,8 +14,10 @@ from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
+from flexor.model.extremes import Extreme, contact_pressure, extremes
 from flexor.model.geometry import Geometry, GeometryJacobian
-from flexor.model.limits import materials_exceeded, straps_exceeded
+from flexor.model.hoop import hoop_strains
+from flexor.model.limits import balloons, materials_exceeded, straps_exceeded
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -76,7 +78,11 @@ class Results:
     pairs, touching : (n, s) arrays
         Touching pairs of spheres, and n_c, the spheres of the contacts' first groups that touch.
     tip_force : (n, s) array
-        F_t (14), the contact force on the tip spheres [N].
+        F_t (14), the contact force on the tip [N].
+    max_overlap : (n, s) array
+        Largest overlap of bodies in contact [m]; zero where nothing touches.
+    max_contact_pressure : (n, s) array
+        Largest pressure of contact through skins [Pa], likewise.
     volume : (n, s, pressures) array
         Volume of each cavity under pressure, in the order of the model's pressures [m³].
     stretch : (n, s, materials, 2) array
@@ -127,6 +133,8 @@ class Results:
     touching: NDArray[np.integer] = field(default=_NONE, metadata=_PATH_RECORDED)
     tip_force: Array = field(default=_NONE, metadata=_PATH_RECORDED)
     applied: Array = field(default=_NONE, metadata=_PATH)
+    max_overlap: Array = field(default=_NONE, metadata=_PATH)
+    max_contact_pressure: Array = field(default=_NONE, metadata=_PATH)
     volume: Array = field(default=_NONE, metadata=_PATH)
     stretch: Array = field(default=_NONE, metadata=_PATH)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
@@ -151,6 +159,11 @@ class Results:
         """Largest strain |λ - 1| of a fibre, (n, s); NaN without fibres or equilibrium."""
         strain = np.abs(self.stretch - 1.0)
         return np.asarray(np.fmax.reduce(strain, axis=(-2, -1), initial=np.nan))
+
+    @property
+    def min_stretch(self) -> Array:
+        """Smallest stretch of a fibre, (n, s); where it is not above 0, a section folds."""
+        return np.asarray(np.fmin.reduce(self.stretch, axis=(-2, -1), initial=np.nan))
 
     @property
     def parameters(self) -> Array:
@@ -210,7 +223,7 @@ class State(Results):
 
     def __repr__(self) -> str:
         ends = str(self.stability)
-        load = self.model.show_load(float(self.force))
+        load = self.model.show_loads(self.loads)
         return f"<State of {self.model.name!r}: {load}, {self.status}, {ends}>"
 
     def frames(self) -> dict[str, Array]:
@@ -240,6 +253,14 @@ class State(Results):
     def contact_forces(self) -> ContactForces:
         """Return the contact forces (8)."""
         return ContactForces(**self.model.engine.contacts(self.parameters, self.q))
+
+    def contact_pressure(self) -> dict[str, Array]:
+        """Return X and contact pressure along bodies; see `flexor.model.extremes`."""
+        return contact_pressure(self)
+
+    def extremes(self) -> dict[str, Extreme]:
+        """Return the largest overlap, pressure and strain with their places, likewise."""
+        return extremes(self)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -276,7 +297,7 @@ class Path(Results):
         worst = failed[0] if len(failed) else ""
         ends = worst or next((str(s) for s in self.stability if s != "stable"), "stable")
         snaps = f", {len(self.events)} events" if self.events else ""
-        steps = f"{len(self)} steps to {self.model.show_load(self.force[-1])}"
+        steps = f"{len(self)} steps to {self.model.show_loads(self.loads[-1])}"
         return f"<Path of {self.model.name!r}: {steps}, {ends}{snaps}>"
 
     def __len__(self) -> int:
@@ -314,10 +335,14 @@ class Path(Results):
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with chambers and
             cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
-            [Pa] or ``tension`` [N], with straps ``strap_force`` [N], with
-            materials ``max_strain``, the largest of a fibre, and `warnings`; ``events`` (those on
-            the way to the step), and ``q``, the generalized coordinates by which another path can
-            start there, with their names ``coordinates``; a number that does not exist is None.
+            [Pa] or ``tension`` [N], with straps ``strap_force`` [N] and with obstacles
+            ``obstacle_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
+            ``max_contact_pressure`` [Pa], with materials ``max_strain`` and ``min_stretch`` of a
+            fibre, with an unwound cavity ``hoop_strain``, an estimate; ``places`` of the largest
+            of these (``body``, ``X`` and the body that it is ``on``), and `warnings`;
+            ``events`` (those on the way to the step), and
+            ``q``, the generalized coordinates by which another path can start there, with their
+            names ``coordinates``; a number that does not exist is None.
         """
         inputs = self.model.inputs
         several = {name: _plain(self.loads[:, i]) for i, name in enumerate(inputs)}
@@ -366,19 +391,61 @@ class Path(Results):
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
-        file = self.model.file
-        tensions = np.full((len(self), len(file.springs) + len(file.straps)), np.nan)
-        if not file.straps:
-            return {}
-        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
-            tensions[step] = self.model.engine.spring_tensions(self.parameters, self.q[step])
-        columns = tensions[:, len(file.springs) :].T
-        return dict(zip(file.straps, columns, strict=True))
+        engine, straps = self.model.engine, self.model.file.straps
+        loops = [name for name, strap in straps.items() if strap.listed() == "loops"]
+        springs = [*self.model.file.springs, *(name for name in straps if name not in loops)]
+        tensions = self._each(loops, engine.loop_tensions)
+        if len(loops) < len(straps):
+            tensions |= self._each(springs, engine.spring_tensions)
+        return {name: tensions[name] for name in straps}
+
+    def obstacle_forces(self) -> dict[str, Array]:
+        """Return the force on each obstacle along its normal [N], likewise."""
+        return self._each(self.model.file.obstacles, self.model.engine.half_space_forces)
+
+    def _each(
+        self, names: Iterable[str], evaluate: Callable[[Array, Array], Array]
+    ) -> dict[str, Array]:
+        """Evaluate a function of parameters and coordinates at each equilibrium, by names."""
+        named = tuple(names)
+        values = np.full((len(self), len(named)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if named else ():
+            values[step] = evaluate(self.parameters, self.q[step])
+        return dict(zip(named, values.T, strict=True))
 
     @property
     def warnings(self) -> list[str]:
-        """Materials and straps beyond their limits, a sentence each."""
-        return materials_exceeded(self) + straps_exceeded(self)
+        """Materials, straps and hoop strains beyond their limits, a sentence each."""
+        return materials_exceeded(self) + straps_exceeded(self) + balloons(self)
+
+    def hoop_strain(self) -> dict[str, Array]:
+        """Return the estimated hoop strain of cavities without winding, (s,), by pressure.
+
+        See `flexor.model.hoop`.
+        """
+        model = self.model
+        radius = {rod: model.slot(f"{rod}.radius", self.parameters) for rod in model.rods}
+        return {
+            name: self.loads[:, model.inputs.index(name)] * strain.max()
+            for name, _, strain in hoop_strains(model.file, radius)
+        }
+
+    @property
+    def contact_quantities(self) -> tuple[str, ...]:
+        """Which of the quantities of contact the model has."""
+        if self.max_overlap is None or not self.model.first_spheres:
+            return ()
+        skins = ("max_contact_pressure",) if self.model.foundations else ()
+        return ("max_overlap", *skins)
+
+    def places(self) -> dict[str, list[dict[str, Any] | None]]:
+        """Return where `State.extremes` are, a list over the steps for each quantity."""
+        found: dict[str, list[dict[str, Any] | None]] = {}
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
+            for key, each in self[int(step)].extremes().items():
+                row = found.setdefault(key, [None] * len(self))
+                row[step] = {"body": each.body, "X": each.X, "on": each.on}
+        return found
 
     def _of_device(self) -> dict[str, Any]:
         shown: dict[str, Any] = {}
@@ -392,8 +459,16 @@ class Path(Results):
             shown.setdefault(kind, {})[name] = _plain(found)
         if forces := self.strap_forces():
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
+        if forces := self.obstacle_forces():
+            shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
         if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
             shown["max_strain"] = _plain(self.max_strain)
+            shown["min_stretch"] = _plain(self.min_stretch)
+        shown |= {key: _plain(getattr(self, key)) for key in self.contact_quantities}
+        if hoop := self.hoop_strain():
+            shown["hoop_strain"] = {name: _plain(strain) for name, strain in hoop.items()}
+        if places := self.places():
+            shown["places"] = places
         if self.model.file.materials or self.model.file.straps:
             shown["warnings"] = self.warnings
         return shown

@@ -5,7 +5,12 @@ The engine has the statuses (`flexor._engine.STATUS`); this says them to people.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexor.model.results import Path
 
 # Status: what it means; what to do.
 MEANINGS = MappingProxyType(
@@ -56,3 +61,26 @@ def explained(status: str) -> str:
     """Say what a status, one of `flexor._engine.STATUS`, means and what one can do."""
     meaning, advice = MEANINGS[status]
     return f"{status}: {meaning}. What to do: {advice}."
+
+
+def why_stalled(path: Path) -> str:
+    """Say how far forces are from balance where a path stalled, and what stiffness is behind it."""
+    step = path.status.tolist().index("stalled")
+    residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
+    said = f"residual {residual:.2g} of the forces, where rounding allows for {tolerance:.2g}"
+    model = path.model
+    tables: dict[str, Iterable[str]] = {
+        "contacts": model.file.contacts,
+        "springs": model.file.springs,
+        "obstacles": model.file.obstacles,
+    }
+    stiff = [
+        (float(model.parameters[model.engine.slots[f"{name}.stiffness"][0]]), f"{table}.{name}")
+        for table, entries in tables.items()
+        for name in entries
+        if f"{name}.stiffness" in model.engine.slots
+    ]
+    if not stiff:
+        return said
+    largest, name = max(stiff)
+    return f"{said}; the largest stiffness is that of {name}, {largest:.3g} N/m"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.constants import weights
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
+from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
-from flexor.model.units import FORCE, PRESSURE, Dimension
+from flexor.model.units import FORCE, Dimension
 
 
 class Structure:
@@ -65,6 +68,11 @@ class Structure:
             for name in self.inputs
         }
 
+    @property
+    def variants(self) -> dict[str, float]:
+        """Weights of the file's variants, by name; `flexor.load` applies one."""
+        return weights({"variants": self.file.variants}, self.name)
+
     @cached_property
     def controlled(self) -> dict[str, Dimension]:
         """Inputs whose loads are found, and the dimension of what is found."""
@@ -95,6 +103,13 @@ class Structure:
         size, unit = self.load_unit(index)
         return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
 
+    def show_loads(self, loads: Array) -> str:
+        """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
+        shown = [self.show_load(load, index=index) for index, load in enumerate(loads.tolist())]
+        if len(shown) > 1:
+            shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
+        return ", ".join(shown) or self.show_load(0.0)
+
     @cached_property
     def rods(self) -> tuple[str, ...]:
         """Names of the rods."""
@@ -109,6 +124,15 @@ class Structure:
     def joints(self) -> tuple[str, ...]:
         """Names of the joints' coordinates."""
         return tuple(joint["name"] for joint in self.engine.joints)
+
+    @cached_property
+    def joint_labels(self) -> dict[str, str]:
+        """Short names of the joints' coordinates: the body's, where its joint has one."""
+        bodies = [joint["body"] for joint in self.engine.joints]
+        return {
+            joint["name"]: joint["body"] if bodies.count(joint["body"]) == 1 else joint["name"]
+            for joint in self.engine.joints
+        }
 
     @cached_property
     def angular_joints(self) -> tuple[str, ...]:
@@ -128,10 +152,34 @@ class Structure:
         return {name: stop - start for name, (start, stop) in groups.items()}
 
     @cached_property
+    def _described(self) -> dict[str, Any]:
+        described: dict[str, Any] = json.loads(self._description)
+        return described
+
+    @property
+    def foundations(self) -> list[dict[str, Any]]:
+        """Contacts through skins, as described to the engine."""
+        found: list[dict[str, Any]] = self._described.get("foundations", [])
+        return found
+
+    @cached_property
+    def sphere_places(self) -> tuple[tuple[str, float | None], ...]:
+        """Body of each sphere, and X if it is a rod."""
+        found: list[tuple[str, float | None]] = []
+        for group in self._described.get("spheres", ()):
+            for sphere in group["spheres"]:
+                body, station = self.file.bodies[sphere["body"]], sphere["station"]
+                point = station["point"] if isinstance(body, Rod) else None
+                x = None if point is None else float(body.sample_points[point])  # type: ignore[union-attr]
+                found.append((sphere["body"], x))
+        return tuple(found)
+
+    @cached_property
     def first_spheres(self) -> int:
-        """Number of spheres of the contacts' first groups."""
+        """Number of spheres of the contacts' first groups, and of points of rods with a skin."""
         groups = {contact.first for contact in self.file.contacts.values()}
-        return sum(self.sphere_groups[name] for name in groups)
+        skins = sum(sum(w > 0.0 for w in each["weights"]) for each in self.foundations)
+        return sum(self.sphere_groups[name] for name in groups) + skins
 
     @cached_property
     def design(self) -> DesignSpace:
@@ -155,21 +203,40 @@ class Structure:
         return self.engine.parameters
 
     @cached_property
-    def evaluation_forces(self) -> Array:
-        """Loads at which a design is evaluated, from zero in the file's steps [N or Pa]."""
+    def evaluation_loads(self) -> Array:
+        """Loads at which a design is evaluated, (steps, inputs) [N or Pa].
+
+        Those of the file's ``[evaluation]``: its ``loads``, or for one input from zero in steps.
+
+        Raises
+        ------
+        InputError
+            If it does not say.
+        """
         evaluation = self.file.evaluation
+        if evaluation.loads:
+            try:
+                return loads(evaluation.loads, self.input_dimensions)
+            except InputError as error:
+                raise InputError(f"evaluation.loads: {error}") from None
+        if len(self.inputs) > 1:
+            raise InputError(
+                f'the model "{self.name}" has {len(self.inputs)} inputs: give the load of each, as '
+                f"evaluation.loads, or by name such as --load {self.inputs[0]}=..."
+            )
         last, step = float(evaluation.force), float(evaluation.step)
         if self.inputs and self.inputs[0] in self.controlled:
             raise InputError(
                 f'"{self.inputs[0]}" of the model "{self.name}" is controlled by its '
-                f"{self.load_name()}: give the loads."
+                f"{self.load_name()}: give evaluation.loads or the loads themselves."
             )
-        if self.inputs and self.input_dimensions[self.inputs[0]] is PRESSURE:
+        if self.pressures:
             if evaluation.pressure is None:
                 raise InputError(f'the model "{self.name}" has no evaluation.pressure: give it.')
             last = float(evaluation.pressure)
             step = float(evaluation.pressure_step or last / 5.0)
-        return np.linspace(0.0, last, max(1, round(last / step)) + 1)
+        column = np.linspace(0.0, last, max(1, round(last / step)) + 1)[:, None]
+        return column if self.inputs else np.zeros((len(column), 0))
 
     def slot(self, name: str, parameters: Array | None = None) -> Array:
         """Return parameters of the engine by name.

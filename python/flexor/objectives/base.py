@@ -24,15 +24,16 @@ class Objective(ABC):
         As written on the command line.
     quantity, unit : str
         Displayed quantity, for example ``"bending"`` in ``"rad"``; `shown` computes it.
-    force : tuple of float or None
-        Actuation forces [N] of the path that is to be followed; None for those of the model's
-        ``[evaluation]``, which are the paper's unless the file says otherwise: 0 to 5 N by 1 N.
+    loads : tuple of tuples of float, or None
+        Loads [N or Pa] of the path that is to be followed, a row a step and one for each input;
+        None for those of the model's ``[evaluation]``, which are the paper's unless the file says
+        otherwise: 0 to 5 N by 1 N.
     """
 
     name: str
     quantity: str
     unit: str
-    force: tuple[float, ...] | None = None
+    loads: tuple[tuple[float, ...], ...] | None = None
 
     @abstractmethod
     def value(self, paths: Paths) -> Array:
@@ -72,9 +73,11 @@ class Objective(ABC):
         """
         raise InputError(f'objective "{self.name}" has no gradient of a residual vector.')
 
-    def at(self, force: ArrayLike) -> Objective:
-        """Return the same objective evaluated at the end of other loads [N]."""
-        return replace(self, force=tuple(float(u) for u in np.atleast_1d(np.asarray(force))))
+    def at(self, loads: ArrayLike) -> Objective:
+        """Return the same objective at the end of other loads, (steps, inputs) [N or Pa]."""
+        rows = np.asarray(loads, dtype=float)
+        rows = rows if rows.ndim == 2 else rows.reshape(-1, 1)
+        return replace(self, loads=tuple(tuple(row) for row in rows.tolist()))
 
 
 def norm(vectors: Array) -> Array:

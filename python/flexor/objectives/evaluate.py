@@ -44,7 +44,7 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
             failure = "is unstable"
         else:
             failure = "is not a finite number"
-        reason[i] = f"{failure} at {paths.model.show_load(paths.force[step])}{status}"
+        reason[i] = f"{failure} at {paths.model.show_loads(paths.loads[step])}{status}"
     if evaluated.any():
         chosen = paths if evaluated.all() else paths[evaluated]
         value[evaluated], shown[evaluated] = objective.value(chosen), objective.shown(chosen)

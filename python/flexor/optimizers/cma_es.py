@@ -36,6 +36,7 @@ class CmaEs(Method):
     title = "CMA-ES"
     aliases = ("cma", "cmaes")
     description = "covariance matrix adaptation evolution strategy with restarts"
+    packages = ("cma",)
 
     population: int = option(
         0, Range(lambda value: value == 0 or value >= 4, "at least 4, or 0 for the default")

@@ -36,6 +36,7 @@ class Direct(Method):
     name = "direct"
     title = "DIRECT"
     description = "dividing rectangles; deterministic"
+    packages = ("scipy",)
 
     local: bool = True
     side: float = option(1e-4, FRACTION)

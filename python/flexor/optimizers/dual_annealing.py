@@ -37,6 +37,7 @@ class DualAnnealing(Method):
     title = "dual annealing"
     aliases = ("annealing", "da")
     description = "generalised simulated annealing with local searches"
+    packages = ("scipy",)
 
     iterations: int = option(1000, at_least(1))
     local: bool = True

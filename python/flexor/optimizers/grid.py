@@ -12,9 +12,8 @@ from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import at_least, option
 
 MAX_DESIGNS = 4_000_000
-# Batch size for functions that do not stream: large enough to keep every core busy, small enough
-# for regular progress reports.
-BATCH = 256
+# Designs in each call of a function that does not stream; one that does chooses for itself.
+UNSTREAMED_BATCH = 256
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Grid(Method):
         """Evaluate every point; the last column varies fastest."""
         start = run.designs(run.starts(1)[:1])[0]
         designs = grid_designs(run.lower, run.upper, start, self.points, self.columns)
-        for done in run.function.stream(designs, BATCH):
+        for done in run.function.stream(designs, UNSTREAMED_BATCH):
             run.step("grid", len(designs) - done)
         return f"{len(designs)} designs"
 

@@ -9,6 +9,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexor.arguments import integer
 from flexor.errors import InputError
 
 FloatArray = NDArray[np.float64]
@@ -77,10 +78,12 @@ class Budget:
 
     def __post_init__(self) -> None:
         """Raise InputError if a limit is not positive."""
-        if self.evaluations is not None and self.evaluations < 1:
-            raise InputError(f"budget is {self.evaluations}: it must be at least 1.")
-        if self.seconds is not None and not self.seconds > 0.0:
-            raise InputError(f"budget is {self.seconds:g} s: it must be greater than zero.")
+        if self.evaluations is not None:
+            object.__setattr__(self, "evaluations", integer("budget", self.evaluations, 1))
+        if self.seconds is not None and not (
+            isinstance(self.seconds, (int, float)) and self.seconds > 0.0
+        ):
+            raise InputError(f"budget is {self.seconds!r} s: it must be greater than zero.")
 
 
 @dataclass(frozen=True)

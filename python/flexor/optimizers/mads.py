@@ -39,6 +39,7 @@ class Mads(Method):
     title = "MADS"
     aliases = ("nomad",)
     description = "mesh adaptive direct search with quadratic models"
+    packages = ("PyNomadBBO",)
 
     models: bool = True
     mesh: float = option(1e-7, FRACTION)

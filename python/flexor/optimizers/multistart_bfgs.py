@@ -37,6 +37,7 @@ class MultistartBfgs(Method):
     title = "multi-start BFGS"
     aliases = ("bfgs", "l-bfgs-b")
     description = "local quasi-Newton searches with exact gradients from several starts"
+    packages = ("scipy",)
     gradients: ClassVar[bool] = True
 
     starts: int = option(8, at_least(1))

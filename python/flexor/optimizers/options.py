@@ -48,6 +48,7 @@ class Options:
     title: ClassVar[str]  # for figures and tables
     aliases: ClassVar[tuple[str, ...]] = ()
     description: ClassVar[str]  # in one line
+    packages: ClassVar[tuple[str, ...]] = ()  # whose versions decide its results, besides NumPy
 
     def __post_init__(self) -> None:
         """Check the options and that the method's library is installed."""

@@ -40,6 +40,7 @@ class PolishedPattern(Method):
     description = (
         "coarse pattern search followed by local quasi-Newton searches with exact gradients"
     )
+    packages = ("scipy",)
     gradients: ClassVar[bool] = True
 
     starts: int = option(1, at_least(1))

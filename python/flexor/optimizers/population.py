@@ -15,6 +15,8 @@ from flexor.optimizers.options import at_least, at_most, option
 class PopulationMethod(Method):
     """A pymoo algorithm that runs until it no longer improves, each generation one batch."""
 
+    packages = ("pymoo",)
+
     population: int
     patience: int
 

@@ -33,6 +33,7 @@ class Surrogate(Method):
     title = "surrogate (EGO)"
     aliases = ("ego", "bayesian")
     description = "Bayesian optimisation, for expensive models"
+    packages = ("egobox",)
 
     evaluations: int = option(200, at_least(1))
     batch: int = option(1, at_least(1))

@@ -16,7 +16,7 @@ from flexor.plot.history import read_history
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
-from flexor.plot.reading import read_scene
+from flexor.plot.reading import marked, read_scene
 from flexor.plot.style import save, writable
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ def path(path: Path) -> Figure:
         found = np.flatnonzero(path.converged)
         steps = found[np.unique(np.linspace(0, len(found) - 1, MOST_SCENES).round().astype(int))]
     scenes = [read_scene(path, int(step)) for step in steps]
+    if scenes and path.converged[steps[-1]]:
+        scenes[-1] = marked(scenes[-1], path, int(steps[-1]))
     planar_model = path.model.planar
     size, unit = path.model.load_unit()
     loads = path.force[list(steps)] / size
@@ -74,13 +76,14 @@ def designs(
     matplotlib.figure.Figure
         One page wide; the titles state the sum of the joint angles at the last load.
     """
+    shown = start_path.model.show_loads
     panels = [
         Design(
             title=title,
             first=read_scene(path, 0),
             last=read_scene(path, -1),
-            first_load=path.model.show_load(path.force[0]),
-            last_load=path.model.show_load(path.force[-1]),
+            first_load=shown(path.loads[0]),
+            last_load=shown(path.loads[-1]),
             bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
         )
         for title, path in zip(titles, (start_path, best_path), strict=True)

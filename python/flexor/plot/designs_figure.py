@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexor.plot import planar, spatial
+from flexor.plot.path_figure import line_handles
 from flexor.plot.scene import Scene, arrow_scale
-from flexor.plot.style import CHAMBER, EXOSUIT, LINE, PAGE, style
+from flexor.plot.style import EXOSUIT, LINE, PAGE, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -71,14 +72,12 @@ def _title(design: Design) -> str:
 
 
 def _handles(designs: Sequence[Design]) -> list[Artist]:
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     first = ", ".join(dict.fromkeys(design.first_load for design in designs))
     last = ", ".join(dict.fromkeys(design.last_load for design in designs))
-    lines = dict.fromkeys(line.label for design in designs for line in design.last.lines)
     return [
         Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label=f"exosuit at {first}"),
         Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label=f"at {last}"),
-        *(Line2D([], [], color=CHAMBER, label=label) for label in lines),
+        *line_handles([design.last for design in designs]),
     ]

@@ -12,7 +12,7 @@ from flexor.arrays import Array
 from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene, arrow_scale
-from flexor.plot.style import CHAMBER, COLUMN, LINE, shades, style
+from flexor.plot.style import COLUMN, LINE, MARK, shades, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -63,7 +63,7 @@ def draw_path(
             height = figure.get_figheight()
             grid.set_height_ratios((height, PANEL))
             figure.set_figheight(height + PANEL)
-        _legends(figure, _load_handles(np.asarray(loads), colours, unit), _line_handles(scenes))
+        _legends(figure, _load_handles(np.asarray(loads), colours, unit), line_handles(scenes))
     return figure
 
 
@@ -80,7 +80,9 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
         columnspacing=1.0,
     )
     if lines:
-        figure.legend(handles=lines, loc="outside lower center", ncols=2, handlelength=1.4)
+        # Marks have long labels.
+        columns = 2 if all(len(str(line.get_label())) < 25 for line in lines) else 1
+        figure.legend(handles=lines, loc="outside lower center", ncols=columns, handlelength=1.4)
 
 
 def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str) -> list[Artist]:
@@ -100,8 +102,16 @@ def _load_handles(loads: Array, colours: Sequence[tuple[float, ...]], unit: str)
     ]
 
 
-def _line_handles(scenes: Sequence[Scene]) -> list[Artist]:
+def line_handles(scenes: Sequence[Scene]) -> list[Artist]:
+    """Return the entries of a legend for the lines and marks of scenes."""
     from matplotlib.lines import Line2D
 
-    labels = dict.fromkeys(line.label for scene in scenes for line in scene.lines)
-    return [Line2D([], [], color=CHAMBER, label=label) for label in labels]
+    lines = {line.label: line.colour for scene in scenes for line in scene.lines}
+    marks = {mark.label: mark.symbol for scene in scenes for mark in scene.marks}
+    return [
+        *(Line2D([], [], color=colour, label=label) for label, colour in lines.items()),
+        *(
+            Line2D([], [], marker=symbol, linestyle="", label=label, **MARK)
+            for label, symbol in marks.items()
+        ),
+    ]

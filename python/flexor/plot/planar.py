@@ -10,7 +10,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene
-from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE, LINE
+from flexor.plot.style import EXOSUIT, FINGER, FORCE, LINE, MARK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,8 +57,10 @@ def draw_scene(
         )
     for line in scene.lines:
         axes.plot(
-            *(CM * _in_plane(line.points).T), color=CHAMBER, linewidth=1.0, zorder=depth + 0.4
+            *(CM * _in_plane(line.points).T), color=line.colour, linewidth=1.0, zorder=depth + 0.4
         )
+    for mark in scene.marks:
+        axes.plot(*(CM * _in_plane(mark.point)), mark.symbol, **MARK, zorder=60.0)
 
 
 def draw_contact_forces(

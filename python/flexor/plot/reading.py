@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
-from flexor.plot.scene import ContactArrow, Line, Link, Rod, Scene
+from flexor.plot.scene import ContactArrow, Line, Link, Mark, Rod, Scene
+from flexor.plot.style import STRAP
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
     from flexor.model.schema.actuator import Actuator
+
+# Of each quantity: symbol, side of the body that it is marked on, unit and label.
+MARKS = {
+    "max_contact_pressure": ("v", -1.0, 1e3, "largest contact pressure, {:.3g} kPa"),
+    "max_strain": ("s", 0.0, 1e-2, "largest strain, {:.3g} %"),
+}
 
 
 def read_scene(path: Path, step: int = -1) -> Scene:
@@ -27,7 +36,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            width = half_width(body, model.file.materials, height)
+            width = half_width(body, model.file.materials, height, _at(station, body.sample_points))
             rods[name] = Rod(name, fine, height, width)
             stations[name] = station
         else:
@@ -43,7 +52,51 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         for name, actuator in model.file.actuators.items()
         if actuator.kind != "pressure"
     ]
-    return Scene(list(rods.values()), links, lines, _contact_arrows(path.contact_forces(step)))
+    lines += [_strap(path, name, frames) for name in model.file.straps]
+    arrows = _contact_arrows(path.contact_forces(step))
+    return Scene(list(rods.values()), links, lines, arrows)
+
+
+def marked(scene: Scene, path: Path, step: int = -1) -> Scene:
+    """Return a scene with marks where contact pressure and strain are largest."""
+    frames, marks = path.frames(step), []
+    for key, each in path[step].extremes().items():
+        if key in MARKS:
+            symbol, side, unit, label = MARKS[key]
+            point = _on_surface(path, frames, each.body, each.X, side)
+            marks.append(Mark(symbol, point, label.format(each.value / unit)))
+    return replace(scene, marks=marks)
+
+
+def _strap(path: Path, name: str, frames: dict[str, Array]) -> Line:
+    """Draw a strap around both bodies: from the rod's top to the other's bottom."""
+    strap = path.model.file.straps[name]
+    if strap.listed() == "loops":
+        base, tip = frames[strap.to.body][[0, -1], :3, 3]
+        held = _on_surface(path, frames, strap.rod, strap.at, 0.0) - base
+        place = float(np.clip(held @ (tip - base) / ((tip - base) @ (tip - base)), 0.0, 1.0))
+    else:
+        place = strap.fraction(path.model.file)
+    ends = ((strap.rod, strap.at), (strap.to.body, place))
+    points = [_on_surface(path, frames, *end, side) for end in ends for side in (1.0, -1.0)]
+    return Line(name, np.array(points), "strap", STRAP)
+
+
+def _on_surface(path: Path, frames: dict[str, Array], name: str, x: float, side: float) -> Array:
+    """Return a point above (1), on (0) or below (-1) the axis of a body, at a fraction x of it."""
+    body, along = path.model.file.bodies[name], frames[name]
+    if isinstance(body, RodTable):
+        index = int(np.argmin(np.abs(body.sample_points - x)))
+        centre, up = along[index, :3, 3], along[index, :3, 2]
+        radius = float(path.model.slot(f"{name}.radius", path.parameters)[index])
+    else:
+        centre, up = (1.0 - x) * along[0, :3, 3] + x * along[-1, :3, 3], along[0, :3, 2]
+        slots = (
+            path.model.slot(f"{name}.radius_{end}", path.parameters) for end in ("base", "tip")
+        )
+        base, tip = (float(slot[0]) for slot in slots)
+        radius = base + x * (tip - base)
+    return np.asarray(centre + side * radius * up)
 
 
 def _line(path: Path, name: str, actuator: Actuator, rod: Rod, station: Array) -> Line:

@@ -1,4 +1,4 @@
-"""The drawable state of a model at one load: bodies, actuator lines and contact forces."""
+"""The drawable state of a model at one load: bodies, lines, contact forces and marks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.plot.style import CHAMBER
 
 LONGEST_ARROW = 1.8  # cm
 
@@ -37,10 +38,20 @@ class Link:
 
 @dataclass(frozen=True)
 class Line:
-    """A line along a rod, such as a chamber or a cable."""
+    """A line, such as a chamber or a cable along a rod, or a strap."""
 
-    name: str  # of the actuator
+    name: str  # of the actuator or the strap
     points: Array  # (m, 3) [m]
+    label: str  # in the legend
+    colour: str = CHAMBER
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The place where a quantity is largest."""
+
+    symbol: str  # of matplotlib
+    point: Array  # (3,) [m]
     label: str  # in the legend
 
 
@@ -60,6 +71,7 @@ class Scene:
     links: list[Link] = field(default_factory=list)
     lines: list[Line] = field(default_factory=list)
     contact_arrows: list[ContactArrow] = field(default_factory=list)
+    marks: list[Mark] = field(default_factory=list)
 
     def extent(self) -> tuple[Array, Array]:
         """Return the corners of the bounding box of all bodies, each of shape (3,) [m]."""

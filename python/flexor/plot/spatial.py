@@ -10,7 +10,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.plot.outline import tube
 from flexor.plot.scene import Link, Scene
-from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE
+from flexor.plot.style import EXOSUIT, FINGER, FORCE, MARK
 
 if TYPE_CHECKING:
     from matplotlib.typing import ColorType
@@ -37,7 +37,9 @@ def draw_scene(
             CM * x, CM * y, CM * z, color=FINGER, alpha=0.8 * opacity, linewidth=0.0, shade=True
         )
     for line in scene.lines:
-        axes.plot(*(CM * line.points.T), color=CHAMBER, linewidth=1.2, zorder=10)
+        axes.plot(*(CM * line.points.T), color=line.colour, linewidth=1.2, zorder=10)
+    for mark in scene.marks:
+        axes.plot(*(CM * mark.point[:, None]), mark.symbol, **MARK, zorder=60.0)
 
 
 def draw_contact_forces(

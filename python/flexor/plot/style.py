@@ -26,6 +26,10 @@ FINGER = "#E3E8EC"
 LINE = "#30363B"
 FORCE = "#0072B2"
 CHAMBER = "#D55E00"
+STRAP = "#CC79A7"
+
+# How places of extremes are marked.
+MARK: dict[str, Any] = {"color": "white", "markeredgecolor": "black", "markersize": 4.5}
 
 _RC: dict[Any, Any] = {
     "font.family": "sans-serif",

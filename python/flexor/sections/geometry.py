@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -27,13 +28,17 @@ class Part:
         Its stretch where the rod is in its reference state.
     winding
         Radius of the winding about the centre of the shape's arc, which keeps the section that it
-        encloses while the incompressible wall moves; without, a wound material has hoop stretch 1.
+        encloses while the incompressible wall moves; zero where a wound material is outside of
+        its winding and free. Without, a wound material has hoop stretch 1.
+    stiffening
+        Whether it is no material but the resistance of some, to stretching.
     """
 
     shape: Shape
     material: str
     stretch: float = 1.0
     winding: Linear | None = None
+    stiffening: bool = False
 
 
 @dataclass(frozen=True)
@@ -126,7 +131,22 @@ class Geometry:
                     f"{names[i]} is a cavity outside the section, where S is {1e3 * s:.4g} mm"
                 )
 
-    def fibres(self, materials: Mapping[str, int], folded: bool) -> list[dict[str, object]]:
+    def is_symmetric(self, s: float) -> bool:
+        """Whether it is symmetric in y where the surface is at S = `s`, by its first moments.
+
+        Those of material and cavities, up to the third power of y.
+        """
+        sums: dict[str, Array] = {}
+        hollow = [(name, shape) for name, c in self.cavities.items() for shape in c.shapes]
+        for name, shape in [*((part.material, part.shape) for part in self.parts), *hollow]:
+            for cell in shape.cells(folded=False):
+                y, z = cell.y.at(s) / s, cell.z.at(s) / s
+                area = float(cell.area @ np.array([1.0, s, s * s])) / s**2
+                odd = area * np.array([y, y * z, y * z * z, y**3])
+                sums[name] = sums.get(name, np.zeros(4)) + odd
+        return all(np.abs(each).max() < 1e-9 for each in sums.values())
+
+    def fibres(self, materials: Mapping[str, int], folded: bool) -> list[dict[str, Any]]:
         """Describe the fibres to the engine.
 
         Parameters
@@ -136,26 +156,27 @@ class Geometry:
         folded
             Whether fibres of equal z are to be one, as in planar models.
         """
-        described = []
+        described: dict[object, dict[str, Any]] = {}
         for part in self.parts:
             for cell in part.shape.cells(folded):
                 winding = [1.0, 0.0, 1.0, 0.0]
-                if part.winding is not None and cell.radius is not None:
-                    winding = [
-                        *part.winding.coefficients.tolist(),
-                        *cell.radius.coefficients.tolist(),
-                    ]
-                described.append(
-                    {
-                        "material": materials[part.material],
-                        "y": cell.y.coefficients.tolist(),
-                        "z": cell.z.coefficients.tolist(),
-                        "area": cell.area.tolist(),
-                        "stretch": part.stretch,
-                        "winding": winding,
-                    }
-                )
-        return described
+                if part.winding is not None:
+                    own = Linear(1.0) if cell.radius is None else cell.radius
+                    winding = [*part.winding.coefficients.tolist(), *own.coefficients.tolist()]
+                fibre = {
+                    "material": materials[part.material],
+                    "y": cell.y.coefficients.tolist(),
+                    "z": cell.z.coefficients.tolist(),
+                    "area": cell.area,
+                    "stretch": part.stretch,
+                    "winding": winding,
+                }
+                if folded:
+                    fibre["y"] = [0.0, 0.0]
+                key = str([value for name, value in fibre.items() if name != "area"])
+                same = described.setdefault(key, {**fibre, "area": 0.0})
+                same["area"] = same["area"] + cell.area
+        return [{**fibre, "area": fibre["area"].tolist()} for fibre in described.values()]
 
     def polar(self, moduli: Mapping[str, float], s: float) -> float:
         """Return Σ G A (y² + z²) [N m²].
@@ -183,5 +204,9 @@ class Geometry:
         densities
             Of each material [kg/m³].
         """
-        each = [moments((part.shape,))[:3] * densities[part.material] for part in self.parts]
+        each = [
+            moments((part.shape,))[:3] * densities[part.material]
+            for part in self.parts
+            if not part.stiffening
+        ]
         return np.asarray(np.sum(each, axis=0))

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import pi
+from math import pi, sqrt
 from typing import Literal
 
 from flexor.sections.geometry import Cavity, Geometry, Part
 from flexor.sections.linear import ZERO, Linear
 from flexor.sections.shapes import Rectangle, Sector, Shape
 
+THIN = 2  # points of the quadrature across a wall
+# A wall that is wound outside thins towards the winding, and inner faces of a box have to become
+# wider, which they do at its corners. This takes as much as each corner's area of fibres with ϱ = 2
+# at the inner edge: at small strain, by the section's incompressible flow (docs/method.md); that it
+# grows alike is what finite elements give.
+CORNER_WINDING = Linear(sqrt(2.0))
 Place = Literal["outside", "inside"]
 Torsion = Callable[[Mapping[str, float], float], float]
 SURFACE = Linear(0.0, 1.0)
@@ -128,15 +134,22 @@ def box(
     wall
         Thickness of the sides and of the top.
     floor, layer, material, stretch, winding, wound
-        As for `half_round`; flat walls are held flat, with hoop stretch 1.
+        As for `half_round`; flat walls are held flat, with hoop stretch 1 but at the corners.
     """
     height = SURFACE * 2.0 - wall - floor
     middle = (floor - wall) * 0.5
     inner = width - wall * 2.0
     side = (width - wall) * 0.5
-    walls = [Rectangle(side * sign, middle, wall, height) for sign in (1.0, -1.0)] + [
-        Rectangle(ZERO, SURFACE - wall * 0.5, width, wall)
-    ]
+    top = SURFACE - wall * 0.5
+    walls = [Part(Rectangle(ZERO, top, inner, wall, (4, THIN)), material, stretch)]
+    for y in (side, side * -1.0):
+        walls.append(Part(Rectangle(y, middle, wall, height, (THIN, 4)), material, stretch))
+        corner = Rectangle(y, top, wall, wall, (1, THIN))
+        walls.append(Part(corner, material, stretch, ZERO if winding == "inside" else None))
+        if wound and winding == "outside":
+            for z, thickness in ((SURFACE - wall, wall), (floor - SURFACE, floor)):
+                more = Rectangle(y, z, wall, thickness, (1, 1))
+                walls.append(Part(more, material, stretch, CORNER_WINDING, stiffening=True))
     inside: tuple[Shape, ...] = (Rectangle(ZERO, middle, inner, height),)
     outline: tuple[Shape, ...] = (Rectangle(ZERO, ZERO, width, SURFACE * 2.0),)
     enclosed = outline if wound and winding == "outside" else inside
@@ -155,8 +168,7 @@ def box(
         return 4.0 * (across * up) ** 2 / flow / geometry.polar(moduli, s)
 
     cavities = {"bore": Cavity(inside, enclosed)}
-    every = (*(Part(shape, material, stretch) for shape in walls), *parts)
-    geometry = Geometry(every, cavities, (*messages, *clearances), torsion)
+    geometry = Geometry((*walls, *parts), cavities, (*messages, *clearances), torsion)
     return geometry
 
 
@@ -185,13 +197,13 @@ def _floor(
 ) -> tuple[list[Part], tuple[tuple[Linear, str], ...]]:
     """Return the parts of a floor, and what must be positive."""
     if layer is None:
-        return [Part(Rectangle(ZERO, floor * 0.5 - SURFACE, width, floor), material, stretch)], ()
+        whole = Rectangle(ZERO, floor * 0.5 - SURFACE, width, floor, (4, THIN))
+        return [Part(whole, material, stretch)], ()
     thickness, limiting, pretension = layer
     above = floor - thickness
-    parts = [
-        Part(Rectangle(ZERO, thickness * 0.5 - SURFACE, width, thickness), limiting, pretension),
-        Part(Rectangle(ZERO, thickness + above * 0.5 - SURFACE, width, above), material, stretch),
-    ]
+    low = Rectangle(ZERO, thickness * 0.5 - SURFACE, width, thickness, (4, THIN))
+    high = Rectangle(ZERO, thickness + above * 0.5 - SURFACE, width, above, (4, THIN))
+    parts = [Part(low, limiting, pretension), Part(high, material, stretch)]
     return parts, ((above, "layer.thickness must be less than the floor"),)
 
 

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from math import cos, pi, sin
+from math import pi, sin, sqrt
 
 import numpy as np
 
 from flexor.arrays import Array
 from flexor.sections.linear import ZERO, Linear
 
-# Quadrature points. Across a wall the strain varies little, along an arc like a sine.
-_ACROSS, _RADII, _QUARTER, _FLOOR = 2, 4, 6, 4
+# Quadrature points: across a wall, along the radius of a disc, over the height of an arc, and along
+# a side. With three over an arc, polynomials of y and z up to the fifth degree are exact.
+_ACROSS, _RADII, _ARC, _SIDE = 2, 4, 3, 4
 # For moments, which are exact then.
 _EXACT = 6
 
@@ -78,27 +79,27 @@ class Sector:
         radial = _gauss(_EXACT if exact else _RADII if solid else _ACROSS)
         thickness = self.outer - self.inner
         found = []
-        for angle, share in self._angles(folded, _EXACT if exact else _QUARTER):
+        for cosine, sine, share in self._directions(folded, _EXACT if exact else _ARC):
             for place, weight in radial:
                 r = self.inner + thickness * place
                 area = r.times(thickness) * (share * weight * self.ratio)
-                y = self.y if folded else self.y + r * (cos(angle) * self.ratio)
-                found.append(Cell(y, self.z + r * sin(angle), area, r))
+                y = self.y if folded else self.y + r * (cosine * self.ratio)
+                found.append(Cell(y, self.z + r * sine, area, r))
         return found
 
-    def _angles(self, folded: bool, quarter: int) -> list[tuple[float, float]]:
-        """Angles from the y axis with what they stand for [rad]."""
-        start, stop = (0.0, pi) if self.half else (-pi, pi)
-        twice = 1.0
+    def _directions(self, folded: bool, points: int) -> list[tuple[float, float, float]]:
+        """Cosines and sines of angles from the y axis, with what they stand for [rad].
+
+        Gauss rules for functions of the sine: with n points, polynomials up to the degree 2n - 1.
+        """
+        if self.half:
+            rule = _arc(points)
+        else:
+            rule = [(sin((k + 0.5) * pi / points - pi / 2), pi / points) for k in range(points)]
+        sides = [(sqrt(1.0 - sine * sine), sine, weight) for sine, weight in rule]
         if folded:
-            start, stop, twice = (0.0 if self.half else -pi / 2), pi / 2, 2.0
-        pieces = round((stop - start) / (pi / 2))
-        size = (stop - start) / pieces
-        return [
-            (start + size * (piece + place), twice * size * weight)
-            for piece in range(pieces)
-            for place, weight in _gauss(quarter)
-        ]
+            return [(cosine, sine, 2.0 * weight) for cosine, sine, weight in sides]
+        return [(sign * cosine, sine, w) for sign in (1.0, -1.0) for cosine, sine, w in sides]
 
     def contains(self, y: float, z: float, s: float) -> bool:
         """Whether a point is inside, by more than rounding."""
@@ -124,19 +125,22 @@ class Rectangle:
         Middle.
     width, height
         Along y and z.
+    points
+        Of the quadrature along y and z; across a thin wall two suffice.
     """
 
     y: Linear
     z: Linear
     width: Linear
     height: Linear
+    points: tuple[int, int] = (_SIDE, _SIDE)
 
     def cells(self, folded: bool, exact: bool = False) -> list[Cell]:
         """Cut the shape up; see `Sector.cells`."""
-        rule = _gauss(_EXACT if exact else _FLOOR)
+        across_points, up_points = (_EXACT, _EXACT) if exact else self.points
         found = []
-        for across, share in [(0.5, 1.0)] if folded else rule:
-            for up, weight in rule:
+        for across, share in [(0.5, 1.0)] if folded else _gauss(across_points):
+            for up, weight in _gauss(up_points):
                 y = self.y + self.width * (across - 0.5)
                 z = self.z + self.height * (up - 0.5)
                 found.append(Cell(y, z, self.width.times(self.height) * (share * weight)))
@@ -161,6 +165,25 @@ def _gauss(points: int) -> list[tuple[float, float]]:
     """Gauss-Legendre rule on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(points)
     return [(0.5 * (a + 1.0), 0.5 * b) for a, b in zip(x.tolist(), w.tolist(), strict=True)]
+
+
+@cache
+def _arc(points: int) -> list[tuple[float, float]]:
+    """Gauss rule for ∫ f(sin φ) dφ from 0 to π/2 (Golub and Welsch 1969)."""
+    x, w = np.polynomial.legendre.leggauss(40)
+    angle, weight = (x + 1.0) * pi / 4.0, w * pi / 4.0
+    sine = np.sin(angle)
+    diagonal, beside = np.zeros(points), np.zeros(points)
+    before, here = np.zeros_like(sine), np.full_like(sine, 1.0 / np.sqrt(pi / 2.0))
+    for k in range(points):
+        diagonal[k] = weight @ (sine * here * here)
+        after = (sine - diagonal[k]) * here - beside[k - 1] * before
+        beside[k] = np.sqrt(weight @ (after * after))
+        before, here = here, after / beside[k]
+    matrix = np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1)
+    nodes, vectors = np.linalg.eigh(matrix)
+    weights = pi / 2.0 * vectors[0] ** 2
+    return list(zip(nodes.tolist(), weights.tolist(), strict=True))
 
 
 def moments(shapes: tuple[Shape, ...]) -> Array:

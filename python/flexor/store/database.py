@@ -132,8 +132,8 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
         try:
             connection.execute("SELECT count(*) FROM sqlite_master")
         except sqlite3.OperationalError:
-            # Beside a file with a write-ahead log SQLite wants to make files even for reading. On
-            # a medium that cannot be written nobody writes, and without a log nothing is missed.
+            # SQLite creates files beside one with a write-ahead log even for reading. A read-only
+            # medium has no other writers, and without a log nothing is missed.
             log = path.with_name(f"{path.name}-wal")
             if not path.is_file() or (log.exists() and log.stat().st_size > 0):
                 raise

@@ -8,9 +8,10 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-_PACKAGES = ("numpy", "scipy", "pymoo", "cma")
-# Resuming and remote workers require that these are equal.
+_PACKAGES = ("numpy", "scipy", "pymoo", "cma", "PyNomadBBO", "egobox")
+# Resuming and remote workers require the same builds, resuming also the same minor versions.
 DECISIVE = ("engine_path", "engine")
+MINOR = ("python", "numpy")
 
 
 @cache

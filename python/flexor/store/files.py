@@ -6,6 +6,7 @@ import csv
 import errno
 import io
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterable, Iterator
@@ -18,6 +19,9 @@ from flexor.errors import InputError, one_line
 NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
+_DRAFT = re.compile(r"\..+-[0-9a-f]{8}\.[a-z]+")  # names that `replaced` gives
+
+
 def check_regular(path: Path) -> bool:
     """Return whether a file exists; refuse a link, a pipe, a device or a folder."""
     try:
@@ -28,8 +32,10 @@ def check_regular(path: Path) -> bool:
         raise InputError(f'"{path}" cannot be read: {reason(error)}.') from error
     if stat.S_ISREG(mode):
         return True
-    kind = "a link" if stat.S_ISLNK(mode) else "a folder" if stat.S_ISDIR(mode) else "no file"
-    raise InputError(f'"{path}" is {kind}: only a regular file is used in its place.')
+    kind = (
+        "a link" if stat.S_ISLNK(mode) else "a folder" if stat.S_ISDIR(mode) else "a special file"
+    )
+    raise InputError(f'"{path}" is not a regular file: it is {kind}.')
 
 
 def check_writable(path: Path) -> None:
@@ -62,6 +68,13 @@ def replaced(path: Path) -> Iterator[Path]:
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def remove_drafts(folder: Path) -> None:
+    """Remove what `replaced` left in a folder when its process was killed."""
+    for path in folder.iterdir():
+        if _DRAFT.fullmatch(path.name) and (path.is_symlink() or path.is_file()):
+            path.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

@@ -19,7 +19,7 @@ class Lock:
     (of work of this ``kind``, for messages) cannot be written.
     """
 
-    def __init__(self, folder: Path, kind: str = "study") -> None:
+    def __init__(self, folder: Path, kind: str) -> None:
         path = folder / "lock"
         check_regular(path)
         try:
@@ -47,7 +47,7 @@ class Lock:
 
     def _write(self, holder: str) -> None:
         assert self._file is not None
-        with suppress(OSError):  # on a full disk the lock holds all the same
+        with suppress(OSError):  # the lock is valid even if the disk is full
             os.truncate(self._file, 0)
             os.lseek(self._file, 0, os.SEEK_SET)
             os.write(self._file, holder.encode("ascii"))

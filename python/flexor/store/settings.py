@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -12,13 +12,19 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from flexor.errors import InputError, shortened
-from flexor.store.environment import DECISIVE, decisive, environment, installed
+from flexor.store.environment import DECISIVE, MINOR, environment, installed
 from flexor.store.files import check_regular, reason, write_text
 
 FORMAT = 2
 SETTINGS = "settings.json"
 # May differ when work is resumed; versions are checked on their own.
 _FREE = ("created", "flexor", "environment")
+_NAMES = {
+    "flexor": "Flexor",
+    "engine": "another build of the engine",
+    "engine_path": "another build of the engine path",
+    "python": "Python",
+}
 
 
 class Header(BaseModel):
@@ -59,8 +65,8 @@ def new_settings(kind: Kind, values: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
-def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
-    """Read the settings of a folder of this kind, as far as this version can."""
+def read_settings(kind: Kind, folder: Path, *others: Kind) -> dict[str, Any]:
+    """Read the settings of a folder of this kind, or one of ``others`` of the same shape."""
     path = folder / SETTINGS
     if not check_regular(path):
         what = "there is no such folder"
@@ -72,7 +78,7 @@ def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
     try:
         values = json.loads(path.read_text(encoding="utf-8"))
         found, named = values["format"], values.get("kind")
-        # JSON can escape what is no text, and could then not be written again.
+        # JSON can contain lone surrogates, which UTF-8 cannot encode.
         json.dumps(values, ensure_ascii=False).encode("utf-8")
     except OSError as error:
         raise InputError(f'"{path}" cannot be read: {reason(error)}.') from error
@@ -80,7 +86,7 @@ def read_settings(kind: Kind, folder: Path) -> dict[str, Any]:
         raise _damaged(kind, path) from None
     if found != FORMAT:
         raise _unreadable(path, found)
-    if isinstance(named, str) and named != kind.name:
+    if isinstance(named, str) and named not in {each.name for each in (kind, *others)}:
         raise InputError(f'"{folder}" is not a {kind.name}: it is a {shortened(named)}.')
     try:
         kind.schema.model_validate(values)
@@ -114,17 +120,29 @@ def merged(
     return result
 
 
-def check_versions(kind: Kind, folder: Path, kept: Mapping[str, Any]) -> None:
-    """Refuse to resume work of another version of Flexor or another build of its engine."""
-    made = {"flexor": kept["flexor"], **{key: kept["environment"].get(key) for key in DECISIVE}}
-    for key, now in decisive().items():
-        if made[key] != now:
-            name = "Flexor" if key == "flexor" else f"another build of the {key.replace('_', ' ')}"
-            then = "(not recorded)" if made[key] is None else shortened(made[key])
+def check_versions(
+    kind: Kind, folder: Path, kept: Mapping[str, Any], packages: Iterable[str]
+) -> None:
+    """Refuse to resume work of another version of what decides its bits.
+
+    That is Flexor, its engine, the minor versions of Python and NumPy, and the ``packages`` that
+    this work uses.
+    """
+    made = {"flexor": kept["flexor"], **kept["environment"]}
+    here = {"flexor": installed("flexor"), **environment()}
+    for key in dict.fromkeys(("flexor", *DECISIVE, *MINOR, *packages)):
+        then, now = made.get(key), here[key]
+        if then is None or (_minor(then) != _minor(now) if key in MINOR else then != now):
+            name = _NAMES.get(key, key)
+            then = "(not recorded)" if then is None else shortened(then)
             raise InputError(
                 f'the {kind.name} "{folder}" was made with {name} {then}, this is {now}: resume it '
                 "with the one that made it or begin another."
             )
+
+
+def _minor(version: str) -> list[str]:
+    return version.split(".")[:2]
 
 
 def _check_same(

@@ -12,13 +12,16 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from flexor.errors import InputError
 from flexor.store.database import Database
-from flexor.store.files import check_regular, check_writable, reason
+from flexor.store.files import check_regular, check_writable, reason, remove_drafts
 from flexor.store.lock import Lock
 from flexor.store.settings import (
     SETTINGS,
@@ -39,12 +42,13 @@ class Workspace:
     """A folder that this process works in, or the same in memory (a ``folder`` of None).
 
     A new folder gets the settings ``values`` (without their header), more ``files`` by name, and a
-    record that begins with ``notes``. An old one is resumed if it is of this kind, not in use, and
-    its settings are these; ``settings`` are then those in the folder, with what may differ or grow
-    as wanted. InputError says which of this does not hold.
+    record that begins with ``notes``. An old one is resumed if it is of this kind, not in use, made
+    with the same versions of Flexor, its engine and the ``packages`` used, and its settings are
+    these; ``settings`` are then those in the folder, with what may differ or grow as wanted.
+    InputError says which of this does not hold.
 
-    A context manager: at its end the lock is released; the record ``database`` stays open unless
-    something was raised.
+    A context manager: at its end the lock is released, so outputs are written before; the record
+    ``database`` stays open unless something was raised.
     """
 
     def __init__(
@@ -55,6 +59,7 @@ class Workspace:
         files: Mapping[str, str],
         resume: bool = False,
         notes: Mapping[str, Any] | None = None,
+        packages: Iterable[str] = (),
     ) -> None:
         self.kind, self.resumed = kind, resume
         self.folder = None if folder is None else Path(folder)
@@ -66,7 +71,7 @@ class Workspace:
             self.settings, self.database = settings, _new_record(None, kind, notes or {})
             return
         if resume:
-            read_settings(kind, self.folder)  # nothing is written into what is no such folder
+            read_settings(kind, self.folder)  # check the kind before writing
             for path in self.folder.iterdir():
                 if path.suffix in _OUTPUTS:
                     check_writable(path)
@@ -76,6 +81,8 @@ class Workspace:
         try:
             if resume:
                 kept = read_settings(kind, self.folder)
+                check_versions(kind, self.folder, kept, packages)
+                remove_drafts(self.folder)
                 settings = merged(kind, self.folder, kept, settings)
             self.settings = settings
             self.database = open_record(kind, self.folder)
@@ -83,10 +90,19 @@ class Workspace:
             self._lock.release()
             raise
 
-    def check_versions(self) -> None:
-        """Refuse to evaluate anything here that was begun by another version or engine."""
-        if self.folder is not None and self.resumed:
-            check_versions(self.kind, self.folder, self.settings)
+    def check_reproduces(self, recorded: ArrayLike, found: ArrayLike) -> None:
+        """Refuse to resume if what was recorded is now found to be something else.
+
+        The settings cannot tell whether a user's own function is still the same.
+        """
+        then, now = np.asarray(recorded, dtype=np.float64), np.asarray(found, dtype=np.float64)
+        differs = ~np.isclose(now, then, rtol=1e-9, atol=1e-12, equal_nan=True)
+        if differs.any():
+            raise InputError(
+                f'the {self.kind.name} "{self.folder}" no longer reproduces: it recorded '
+                f"{then[differs][0]:.9g}, which is now {now[differs][0]:.9g}, since a model, a "
+                "function or the machine has changed: begin another."
+            )
 
     def save_settings(self) -> None:
         """Write the settings of resumed work in place of those in the folder."""

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from flexor.study.design import Design
-from flexor.study.executors import AnyExecutor, Cluster, Executor, Pool, Threads, chosen_executor
+from flexor.study.executors import (
+    AnyExecutor,
+    Cluster,
+    DesignEvaluator,
+    Pool,
+    Threads,
+    chosen_executor,
+)
 from flexor.study.function import ObjectiveFunction, ObjectiveGradients, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.problem import Problem
@@ -20,8 +27,8 @@ __all__ = [
     "Cluster",
     "Comparison",
     "Design",
+    "DesignEvaluator",
     "Difference",
-    "Executor",
     "ObjectiveFunction",
     "ObjectiveGradients",
     "Pool",

@@ -58,12 +58,12 @@ class Design:
 
     @cached_property
     def path(self) -> Path:
-        """The complete path of equilibria, computed anew."""
+        """The complete path of equilibria, computed again."""
         return self.problem.path(self.vector)
 
     @cached_property
     def sensitivity(self) -> Sensitivity:
-        """Exact derivatives with respect to its parameters, evaluated anew."""
+        """Exact derivatives with respect to its parameters, evaluated again."""
         return Sensitivity.of(self.problem, self.vector)
 
     @property

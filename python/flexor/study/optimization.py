@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
 from flexor.objectives import Objective
 from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.optimizers import method as named_method
-from flexor.store import Workspace
+from flexor.store import Kind, Workspace
 from flexor.study.design import Design
-from flexor.study.executors import AnyExecutor, Executor, chosen_executor
+from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.settings import MODEL, STUDY, Settings, reopened, study_record, study_settings
@@ -43,6 +44,7 @@ def optimize(
     resume: bool = False,
     progress: StudyCallback | None = None,
     executor: AnyExecutor | None = None,
+    finish: Callable[[Study], None] | None = None,
     method_options: Mapping[str, Any] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Study:
@@ -78,10 +80,12 @@ def optimize(
     progress : callable, optional
         Called with a `StudyProgress` after each iteration.
     executor : Threads, concurrent.futures.Executor or str, optional
-        Where designs are evaluated: in this process, on all cores, by default. Anything with the
-        interface of `concurrent.futures.Executor` can be given (threads, processes, Dask's
+        Where designs are evaluated: in this process, on all cores, by default. Any
+        `concurrent.futures.Executor` can be given (threads, processes, Dask's
         ``client.get_executor()``, ``mpi4py.futures``); a text is the address of a Dask cluster,
         such as ``"tcp://HOST:8786"`` or ``"local:4"``; see `Cluster`.
+    finish : callable, optional
+        Called with the finished study while its folder is locked, to write files into it.
     method_options, engine_options : dict, optional
         Options of a method given by name, and of the engine's solver.
 
@@ -111,24 +115,19 @@ def optimize(
         raise InputError("options of a method are given with its name, not with a ready method.")
     else:
         search = method
-    limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
-    first = _start(problem.parameters, start)
-    values = study_settings(problem, search, first, seed, limit)
-    files = {MODEL: model.file.to_toml()}
-    with (
-        chosen_executor(executor) as where,
-        Workspace(STUDY, folder, values, files, resume, {"sizes": problem.sizes}) as work,
-    ):
-        work.check_versions()
-        record = study_record(work.folder, problem, work.database)
-        study = Study(problem, Settings(work.settings), record, work.folder)
-        if resume:
-            _check_reproduces(study)
-            work.save_settings()
-        record.database.note("finished", None)
-        study.result = _search(study, search, first, seed, limit, progress, where)
-        record.database.note("finished", study.result.reason)
-        return study
+    return run_search(
+        STUDY,
+        problem,
+        search,
+        start,
+        seed=seed,
+        budget=budget,
+        folder=folder,
+        resume=resume,
+        progress=progress,
+        executor=executor,
+        finish=finish,
+    )
 
 
 def resume(
@@ -137,6 +136,7 @@ def resume(
     budget: int | Budget | None = None,
     progress: StudyCallback | None = None,
     executor: AnyExecutor | None = None,
+    finish: Callable[[Study], None] | None = None,
     model: Model | None = None,
     parameters: ParameterSet | None = None,
     objective: Objective | None = None,
@@ -150,7 +150,7 @@ def resume(
         The study folder.
     budget : int or Budget, optional
         Replaces the recorded budget.
-    progress, executor : optional
+    progress, executor, finish : optional
         As for `optimize`.
     model, parameters, objective, method : optional
         Override those named in the folder; required if they are user-defined.
@@ -165,25 +165,84 @@ def resume(
     InputError
         If the folder is not a study, is damaged or in use, or names something not known.
     """
-    place = Path(folder)
-    settings = Settings.read(place)
-    values = settings.values
-    problem = reopened(place, settings, model, parameters, objective)
-    return optimize(
-        problem.model,
-        problem.parameters,
-        problem.objective,
-        method if method is not None else values["method"]["name"],
-        start="random" if values["start"] is None else values["start"],
-        seed=values["seed"],
-        budget=budget if budget is not None else Budget(**values["budget"]),
-        folder=place,
-        resume=True,
+    settings = Settings.read(Path(folder), STUDY)
+    return resume_search(
+        Path(folder),
+        settings,
+        reopened(Path(folder), settings, model, parameters, objective),
+        method,
+        budget=budget,
         progress=progress,
         executor=executor,
-        method_options=None if method is not None else values["method"]["options"],
-        engine_options=problem.options,
+        finish=finish,
     )
+
+
+def resume_search(
+    folder: Path,
+    settings: Settings,
+    problem: Problem,
+    search: Search | None = None,
+    *,
+    budget: int | Budget | None = None,
+    **options: Any,
+) -> Study:
+    """Resume the search of a study or a landscape; for ``options`` see `run_search`."""
+    values = settings.values
+    recorded = values["method"]
+    return run_search(
+        settings.kind,
+        problem,
+        search or named_method(recorded["name"], **recorded["options"]),
+        "random" if values["start"] is None else values["start"],
+        seed=values["seed"],
+        budget=budget if budget is not None else Budget(**values["budget"]),
+        folder=folder,
+        resume=True,
+        **options,
+    )
+
+
+def run_search(
+    kind: Kind,
+    problem: Problem,
+    search: Search,
+    start: ArrayLike | str | None = None,
+    *,
+    seed: int = 0,
+    budget: int | Budget | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    progress: StudyCallback | None = None,
+    executor: AnyExecutor | None = None,
+    finish: Callable[[Study], None] | None = None,
+) -> Study:
+    """Search a problem in a workspace of this kind; see `optimize`."""
+    limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
+    seed = integer("seed", seed, 0)
+    check_callable("progress", progress)
+    check_callable("finish", finish)
+    first = _start(problem.parameters, start)
+    values = study_settings(problem, search, first, seed, limit)
+    files, notes = {MODEL: problem.model.file.to_toml()}, {"sizes": problem.sizes}
+    packages = getattr(search, "packages", ())
+    with (
+        chosen_executor(executor) as where,
+        Workspace(kind, folder, values, files, resume, notes, packages) as work,
+    ):
+        record = study_record(kind, work.folder, problem, work.database)
+        study = Study(problem, Settings(work.settings), record, work.folder)
+        best = record.best() if resume else None
+        if best is not None:
+            found = problem.evaluate(best[None, :]).value
+            work.check_reproduces(record.outcomes(best).value, found)
+        work.save_settings()
+        record.database.note("finished", None)
+        study.result = _search(study, search, first, seed, limit, progress, where)
+        record.database.note("finished", study.result.reason)
+        if finish is not None:
+            finish(study)
+        return study
 
 
 def _search(
@@ -193,7 +252,7 @@ def _search(
     seed: int,
     budget: Budget,
     progress: StudyCallback | None,
-    executor: Executor,
+    executor: DesignEvaluator,
 ) -> SearchResult:
     """Search a study's problem through its record, from starts (s, k) or, if None, a random one."""
     recorded = RecordedEvaluator(study.problem, study.record, executor, uses_gradients(search))
@@ -245,20 +304,3 @@ def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | 
     designs: FloatArray = np.atleast_2d(given)
     chosen.check_inside(designs, "the model's own exosuit as start" if start is None else "start")
     return designs + 0.0
-
-
-def _check_reproduces(study: Study) -> None:
-    """Refuse to resume if a recorded design no longer gives what was recorded.
-
-    The settings cannot tell whether a user's own set or objective is still the same function.
-    """
-    vector = study.record.best()
-    if vector is None:
-        return
-    recorded = study.record.outcomes(vector).value[0]
-    found = study.problem.evaluate(vector[None, :]).value[0]
-    if not np.isclose(found, recorded, rtol=1e-9, atol=1e-12):
-        raise InputError(
-            f'the study "{study.folder}" recorded {recorded:.9g} for its best design, which now '
-            f"gives {found:.9g}: its objective, parameter set or engine has changed."
-        )

@@ -13,8 +13,9 @@ from flexor.design import Geometry, ParameterSet, parameter_set
 from flexor.design.start import bounds_in_si
 from flexor.model.chunks import chunks
 from flexor.model.loading import require_model
-from flexor.model.loads import evaluation_forces
+from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
+from flexor.model.solver import solver_options
 from flexor.objectives import Objective, evaluate_objective
 from flexor.objectives import objective as named_objective
 
@@ -28,8 +29,8 @@ FloatArray = NDArray[np.float64]
 class Problem:
     """A design problem: a model, its design parameters and an objective.
 
-    Searches, grids and comparisons all evaluate designs through this one function; an `Executor`
-    says where that happens.
+    Searches, grids and comparisons all evaluate designs through this one function; a
+    `DesignEvaluator` says where that happens.
 
     Attributes
     ----------
@@ -64,20 +65,25 @@ class Problem:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective)
         if force is not None:
-            wanted = wanted.at(evaluation_forces(force, model.input_dimensions))
-        return cls(model, chosen, wanted, dict(options or {}))
+            wanted = wanted.at(loads(force, model.input_dimensions))
+        return cls(model, chosen, wanted, solver_options(options or {}))
+
+    @property
+    def loads(self) -> FloatArray:
+        """Loads [N or Pa] of every path, (steps, inputs): the objective's or else the model's."""
+        if self.objective.loads is not None:
+            return np.array(self.objective.loads)
+        return self.model.evaluation_loads
 
     @property
     def force(self) -> FloatArray:
-        """Actuation forces [N] of every path, (steps,): the objective's or else the model's."""
-        if self.objective.force is not None:
-            return np.array(self.objective.force)
-        return np.asarray(self.model.evaluation_forces, dtype=np.float64)
+        """Loads of the first input [N or Pa], (steps,); zero without one."""
+        return self.loads[:, 0] if self.loads.shape[1] else np.zeros(len(self.loads))
 
     @property
     def sizes(self) -> tuple[int, int, int]:
         """Numbers of parameters, steps and joints."""
-        return self.parameters.size, self.force.size, len(self.model.joints)
+        return self.parameters.size, len(self.loads), len(self.model.joints)
 
     def geometry(self, designs: FloatArray) -> Geometry:
         """Geometry of designs (n, k) at the model's sample points."""
@@ -132,11 +138,11 @@ class Problem:
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
         geometry, options = self.geometry(design[None, :]), dict[str, Any](self.options)
-        return self.model.equilibrium(self.force, design=geometry, **options)
+        return self.model.equilibrium(self.loads, design=geometry, **options)
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""
-        return replace(paths, model=self.model, loads=self.force[:, None])
+        return replace(paths, model=self.model, loads=self.loads)
 
     def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
         geometry = self.geometry(designs)
@@ -145,7 +151,7 @@ class Problem:
         valid &= np.all(np.isfinite(geometry.slope), axis=1)
         every = Paths.failed(
             len(designs),
-            self.force.size,
+            len(self.loads),
             len(self.model.joints),
             "has a length or radius that is not positive",
             self.parameters.size if gradient else None,
@@ -153,7 +159,7 @@ class Problem:
         if not valid.any():
             return every
         chosen = Geometry(geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
-        paths = self.model.evaluate(chosen, self.force, threads, gradient=gradient, **self.options)
+        paths = self.model.evaluate(chosen, self.loads, threads, gradient=gradient, **self.options)
         evaluate_objective(self.objective, paths).scatter(every, np.flatnonzero(valid))
         if gradient:
             jacobian = self.parameters.jacobian(designs[valid], self.model.design.points)

@@ -200,7 +200,7 @@ class Record:
         """Values of a column, which are finite where there are any."""
         there = [value for value in column if value is not None]
         if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in there):
-            raise self.database.damaged("a value is no finite number")
+            raise self.database.damaged("a value is not finite")
         return np.array([missing if value is None else value for value in column], dtype="f8")
 
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor.model.results import Paths
 from flexor.optimizers.cached_evaluator import CachedEvaluator, normalized
-from flexor.study.executors import Executor
+from flexor.study.executors import DesignEvaluator
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
 
@@ -26,7 +26,7 @@ class RecordedEvaluator(CachedEvaluator):
     """
 
     def __init__(
-        self, problem: Problem, record: Record, executor: Executor, gradients: bool = False
+        self, problem: Problem, record: Record, executor: DesignEvaluator, gradients: bool = False
     ) -> None:
         super().__init__(self, record.known())
         self._problem, self._record, self._executor = problem, record, executor

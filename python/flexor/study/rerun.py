@@ -14,7 +14,7 @@ from flexor.objectives import Objective
 from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
 from flexor.study.executors import AnyExecutor
-from flexor.study.optimization import optimize
+from flexor.study.optimization import run_search
 from flexor.study.record import Record
 from flexor.study.settings import Settings
 from flexor.study.study import Study, StudyCallback
@@ -114,18 +114,16 @@ def rerun(
         whole = then.finished is not None and given.seconds is None
         whole &= given.evaluations is None or given.evaluations >= recorded
         options = values["method"]["options"]
-        now = optimize(
-            then.problem.model,
-            then.problem.parameters,
-            then.problem.objective,
+        now = run_search(
+            then.settings.kind,
+            then.problem,
             method if method is not None else named_method(values["method"]["name"], **options),
-            start="random" if values["start"] is None else values["start"],
+            "random" if values["start"] is None else values["start"],
             seed=values["seed"],
             budget=given if whole else Budget(evaluations=recorded),
             folder=into,
             progress=progress,
             executor=executor,
-            engine_options=then.problem.options,
         )
         common, deviation = _deviation(record, now.record)
         return Rerun(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sized
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_v
 
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, shortened
+from flexor.model.loads import loads
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
@@ -37,10 +38,10 @@ class ModelTable(_Table):
 
 
 class ObjectiveTable(_Table):
-    """What is wanted, and at which forces [N]."""
+    """What is wanted, and at which loads [N or Pa]: of one input, or a row a step."""
 
     name: str
-    force: list[FiniteFloat]
+    force: list[FiniteFloat] | list[list[FiniteFloat]]
 
 
 class MethodTable(_Table):
@@ -99,6 +100,7 @@ STUDY = Kind(
     free=("budget",),
     hashed={"model.hash": "a model that differs from the one now given"},
 )
+LANDSCAPE = replace(STUDY, name="landscape")
 
 
 @dataclass(frozen=True)
@@ -114,9 +116,14 @@ class Settings:
     values: Mapping[str, Any]
 
     @classmethod
-    def read(cls, folder: Path) -> Settings:
-        """Read the settings of a study folder; InputError if this version cannot."""
-        return cls(read_settings(STUDY, folder))
+    def read(cls, folder: Path, kind: Kind | None = None) -> Settings:
+        """Read the settings of a study or landscape, or of that kind; InputError if it is none."""
+        return cls(read_settings(kind or STUDY, folder, *([] if kind else [LANDSCAPE])))
+
+    @property
+    def kind(self) -> Kind:
+        """Study or landscape."""
+        return LANDSCAPE if self.values["kind"] == LANDSCAPE.name else STUDY
 
 
 def study_settings(
@@ -143,9 +150,14 @@ def common_settings(problem: Problem) -> dict[str, Any]:
     model = problem.model
     return {
         "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
-        "objective": {"name": problem.objective.name, "force": problem.force.tolist()},
+        "objective": {"name": problem.objective.name, "force": _recorded(problem.loads)},
         "engine": dict(problem.options),
     }
+
+
+def _recorded(loads: FloatArray) -> list[Any]:
+    """Return the loads of one input, or all as rows."""
+    return [row[0] for row in loads.tolist()] if loads.shape[1] == 1 else loads.tolist()
 
 
 def limits_table(chosen: ParameterSet) -> dict[str, Any]:
@@ -183,13 +195,14 @@ def reopened(
         wanted = named_objective(name if objective is None else objective)
     except InputError as error:
         raise InputError(
-            f'the study "{folder}" uses {kind} "{shortened(name)}", which Flexor does not know: '
+            f'the {settings.kind.name} "{folder}" uses {kind} "{shortened(name)}", which Flexor '
+            "does not know: "
             f"give it as {kind}=."
         ) from error
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
-    force = values["objective"]["force"]
-    return Problem(model, chosen.on(model.design), wanted.at(force), values["engine"])
+    wanted = wanted.at(loads(values["objective"]["force"], model.input_dimensions))
+    return Problem(model, chosen.on(model.design), wanted, values["engine"])
 
 
 def recorded_model(folder: Path) -> Model:
@@ -200,10 +213,12 @@ def recorded_model(folder: Path) -> Model:
     return load(folder / MODEL)
 
 
-def study_record(folder: Path | None, problem: Problem, database: Database) -> Record:
+def study_record(kind: Kind, folder: Path | None, problem: Problem, database: Database) -> Record:
     """Return the record of a study in its database, if that is of this problem."""
     record = Record(database)
     if record.sizes != problem.sizes:
         record.close()
-        raise InputError(f'the study "{folder}" is damaged: its {RECORD} is of another study.')
+        raise InputError(
+            f'the {kind.name} "{folder}" is damaged: its {RECORD} is of another {kind.name}.'
+        )
     return record

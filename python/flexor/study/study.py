@@ -18,7 +18,7 @@ from flexor.store import open_record
 from flexor.study.design import Design
 from flexor.study.problem import Problem
 from flexor.study.record import Record
-from flexor.study.settings import STUDY, Settings, reopened, study_record
+from flexor.study.settings import Settings, reopened, study_record
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
@@ -58,7 +58,7 @@ class Study:
         parameters: ParameterSet | None = None,
         objective: Objective | None = None,
     ) -> Study:
-        """Open a study for reading, also while another process runs it.
+        """Open a study or a landscape for reading, also while another process runs it.
 
         Parameters
         ----------
@@ -75,8 +75,9 @@ class Study:
         place = Path(folder)
         settings = Settings.read(place)
         problem = reopened(place, settings, model, parameters, objective)
-        database = open_record(STUDY, place, write=False)
-        return cls(problem, settings, study_record(place, problem, database), place)
+        database = open_record(settings.kind, place, write=False)
+        record = study_record(settings.kind, place, problem, database)
+        return cls(problem, settings, record, place)
 
     @property
     def evaluations(self) -> int:

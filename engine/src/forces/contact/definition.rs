@@ -47,6 +47,9 @@ pub struct RoundConeDescription {
     pub joined: bool,
 }
 
+/// The share of a radius by which a pair whose force is kept may part.
+const REACH: f64 = 0.5;
+
 /// Contact between two groups of spheres.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
@@ -103,7 +106,7 @@ impl Contact {
             let frame = tree.points[tree.spheres[sphere].point].frame;
             tree.keep_jacobian(frame);
         }
-        let cones = round_cones(&field("cones"), contact, &second)?;
+        let cones = round_cones(&field("cones"), &contact.cones, &second)?;
         let (found, count) = (contact.weights.len(), first.len());
         if found != 0 && found != count {
             let problem = format!("found {found} values, the group has {count} spheres");
@@ -150,6 +153,11 @@ impl Contact {
         share * self.lengths.get(i).map_or(1.0, |l| parameters[*l])
     }
 
+    /// How far a pair whose force is kept may part.
+    pub fn reach(&self, radii: &[f64]) -> f64 {
+        REACH * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
+    }
+
     /// Whether a sphere of the first group belongs to its tip.
     #[inline]
     pub fn is_tip(&self, first: usize) -> bool {
@@ -164,15 +172,15 @@ impl Contact {
     }
 }
 
-/// The round cones of a contact.
-fn round_cones(
+/// The round cones that a group of spheres spans.
+pub(crate) fn round_cones(
     field: &str,
-    contact: &ContactDescription,
+    described: &[RoundConeDescription],
     second: &Range<usize>,
 ) -> Result<Vec<RoundCone>, ModelError> {
     let count = second.len();
-    let mut cones = Vec::with_capacity(contact.cones.len());
-    for (c, cone) in contact.cones.iter().enumerate() {
+    let mut cones = Vec::with_capacity(described.len());
+    for (c, cone) in described.iter().enumerate() {
         if let Some(i) = cone.ends.iter().find(|i| **i >= count) {
             let problem = format!("found index {i}, the group has {count} spheres");
             return Err(ModelError::new(field, problem));

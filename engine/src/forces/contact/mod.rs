@@ -8,13 +8,16 @@ mod sliding;
 mod sphere;
 mod threshold;
 
-pub(crate) use definition::Contact;
+pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
+use pair::KeptForce;
+pub(crate) use round_cone::{Closest, closest, is_far};
+pub(crate) use sphere::direction;
 
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
-use super::state::State;
+use super::state::{Law, State};
 use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
@@ -33,6 +36,8 @@ pub(crate) struct ContactState<const P: usize> {
     balls: Vec<Ball<P>>,
     /// The pairs that touch, with the index of their contact.
     pairs: Vec<(usize, ContactPair<P>)>,
+    /// Their forces as kept, with the index of the contact.
+    kept: Vec<(usize, KeptForce)>,
 }
 
 /// A summary of the contacts of a state.
@@ -42,8 +47,12 @@ pub struct ContactSummary {
     pub pairs: u32,
     /// Spheres of the contacts' first groups that touch.
     pub touching: u32,
-    /// Magnitude of the resultant contact force on the tip spheres [N].
+    /// Magnitude of the resultant contact force on the tip [N].
     pub tip_force: f64,
+    /// Largest overlap [m].
+    pub overlap: f64,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: f64,
 }
 
 impl Contacts {
@@ -84,21 +93,24 @@ impl Contacts {
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
-    pub fn summary<const P: usize>(&self, parameters: &[f64], state: &ContactState<P>) -> ContactSummary {
-        let mut summary = ContactSummary::default();
-        let mut tip = Vector::<P>::ZERO;
+    pub fn summarise<const P: usize>(
+        &self,
+        parameters: &[f64],
+        state: &ContactState<P>,
+        summary: &mut ContactSummary,
+        tip: &mut Vector<P>,
+    ) {
         let mut last = None;
         for (contact, k, pair) in self.pairs(parameters, state) {
             let this = Some((std::ptr::from_ref(contact), pair.first));
             summary.pairs += u32::from(pair.weight > 0.0);
             summary.touching += u32::from(this != last);
             last = this;
+            summary.overlap = summary.overlap.max(pair.overlap);
             if contact.is_tip(pair.first) {
-                tip += pair.normal * (k * pair.overlap);
+                *tip += pair.normal * (k * pair.overlap);
             }
         }
-        summary.tip_force = tip.norm();
-        summary
     }
 
     /// Visits the pairs of a contact that touch, or lack less than `margin` of it and have negative
@@ -117,6 +129,11 @@ impl Contacts {
             round_cone::for_each_near(at, contact, margin, visit);
         }
     }
+}
+
+/// The forces kept of one contact.
+fn of_contact(kept: &[(usize, KeptForce)], contact: usize) -> impl Iterator<Item = &KeptForce> {
+    kept.iter().filter(move |(index, _)| *index == contact).map(|(_, force)| force)
 }
 
 /// λ-weighted rates of a pair: the overlap's, and what the radii add to it where t follows the points.
@@ -153,6 +170,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         ContactState {
             balls: vec![Ball::POINT; self.0.last().map_or(0, |c| c.balls.end)],
             pairs: Vec::with_capacity(self.0.iter().map(Contact::most_couplings).sum()),
+            kept: vec![],
         }
     }
 
@@ -176,12 +194,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         enclosure::update(at, &self.0, &mut state.balls);
-        let ContactState { balls, pairs } = state;
+        let ContactState { balls, pairs, kept } = state;
         pairs.clear();
         for (index, contact) in self.0.iter().enumerate() {
             let k = at.parameters()[contact.stiffness];
-            Self::for_each_near(at, balls, contact, 0.0, |pair| {
+            let margin = if at.law == Law::Actual { 0.0 } else { contact.reach(&at.geometry.radii) };
+            Self::for_each_near(at, balls, contact, margin, |mut pair| {
                 let k = k * pair.weight;
+                if at.law != Law::Actual && !pair.take_force(at.law, k, of_contact(kept, index)) {
+                    return;
+                }
                 out.energy += 0.5 * k * pair.overlap * pair.overlap;
                 let force = pair.normal * (-k * pair.overlap);
                 let [p, a, b] = pair.points(at.tree);
@@ -218,6 +240,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let ends = [p, end].map(|point| at.point(point));
                 out.add_pair::<G, P>(frames, ends, &force, &pair.normal, [k, tangential]);
             }
+        }
+    }
+
+    fn for_each_stiffness(&self, parameters: &[f64], visit: &mut impl FnMut(usize, f64)) {
+        for contact in &self.0 {
+            let weights = contact.first.clone().map(|first| contact.weight(parameters, first));
+            visit(contact.stiffness, weights.fold(0.0, f64::max));
+        }
+    }
+
+    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], state: &mut ContactState<P>) {
+        let ContactState { balls, kept, .. } = state;
+        let before = std::mem::take(kept);
+        for (index, contact) in self.0.iter().enumerate() {
+            let k = at.parameters()[contact.stiffness];
+            Self::for_each_near(at, balls, contact, contact.reach(&at.geometry.radii), |pair| {
+                let depth = pair.overlap + pair.closing(&pair.motion(at.tree, motion));
+                let acts = pair.overlap > 0.0 || pair.is_among(of_contact(&before, index));
+                if acts && depth > 0.0 {
+                    kept.push((index, KeptForce::new(&pair, k * pair.weight * depth)));
+                }
+            });
         }
     }
 
@@ -283,6 +327,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 nearest: Some(pair.second[usize::from(pair.t >= 0.5)]),
                 force,
                 depth: pair.overlap,
+                pressure: None,
                 point: *at.point(at.tree.spheres[pair.first].point) - pair.normal * inward,
             });
         }
@@ -330,20 +375,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
 /// The tip force F_t, the resultant of contact on the tip spheres.
 impl Contacts {
-    /// Unit vector of the tip force, if something touches the tip.
-    pub fn tip_direction<const P: usize>(
-        &self,
-        parameters: &[f64],
-        state: &ContactState<P>,
-    ) -> Option<Vector<P>> {
-        let mut resultant = Vector::<P>::ZERO;
-        for (_, k, pair) in self.tip_pairs(parameters, state) {
-            resultant += pair.normal * (k * pair.overlap);
-        }
-        let size = resultant.norm();
-        (size > 0.0).then(|| resultant * (1.0 / size))
-    }
-
     /// Adds ∂F_t/∂p with frames and points held.
     pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,

@@ -4,6 +4,7 @@
 //! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, t being where d is largest.
 //! For two spheres a = b. First derivatives hold t (it is a maximum); second derivatives follow it.
 
+use super::super::state::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tree::Tree;
@@ -26,6 +27,20 @@ pub(crate) struct ContactPair<const P: usize> {
     pub slip: f64,
     /// Multiple of k.
     pub weight: f64,
+}
+
+/// The force of a pair, kept apart from its distance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptForce {
+    first: usize,
+    second: [usize; 2],
+    force: f64,
+}
+
+impl KeptForce {
+    pub fn new<const P: usize>(pair: &ContactPair<P>, force: f64) -> Self {
+        Self { first: pair.first, second: pair.second, force }
+    }
 }
 
 /// The share of their reach to which the distance of two centres counts as zero.
@@ -55,6 +70,35 @@ impl<const P: usize> ContactPair<P> {
             slip: 0.0,
             weight,
         }
+    }
+
+    /// Whether a force is kept of this pair; on its way along a solid it may have passed to its end.
+    pub fn is_among<'a>(&self, mut kept: impl Iterator<Item = &'a KeptForce>) -> bool {
+        kept.any(|force| self.has(force))
+    }
+
+    /// Takes over the force kept of it, if the law says so; `k` is its stiffness. `false` where it does not
+    /// act.
+    pub fn take_force<'a>(
+        &mut self,
+        law: Law,
+        k: f64,
+        mut kept: impl Iterator<Item = &'a KeptForce>,
+    ) -> bool {
+        let found = kept.find(|force| self.has(force));
+        if found.is_none() && self.overlap <= 0.0 {
+            return false;
+        }
+        if law == Law::Kept && k != 0.0 {
+            self.overlap = found.map_or(0.0, |kept| kept.force / k);
+        }
+        true
+    }
+
+    fn has(&self, kept: &KeptForce) -> bool {
+        self.first == kept.first
+            && (self.weight < 0.0) == (kept.force < 0.0)
+            && self.second.iter().any(|end| kept.second.contains(end))
     }
 
     /// Indices of the points p, a, b.

@@ -110,7 +110,7 @@ pub(crate) fn counts(contact: &Contact, first: usize, cone: &RoundCone) -> bool 
 
 /// Whether a point is further than `reach` from the axis, without a root or a division.
 #[inline]
-fn is_far<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], reach: f64) -> bool {
+pub(crate) fn is_far<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], reach: f64) -> bool {
     let (axis, from) = (*ends[1] - *ends[0], *p - *ends[0]);
     let (along, squared, limit) = (from.dot(&axis), axis.dot(&axis), reach * reach);
     if along <= 0.0 {

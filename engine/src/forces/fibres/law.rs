@@ -4,7 +4,8 @@
 //! winding imposes, and the third stretch is 1/(λh). With the section that a winding of radius R keeps
 //! and the incompressible wall inside it, h² = ϱ − (ϱ − 1)/λ at the radius r, ϱ = (R/r)².
 
-use super::jet::{Constant, Jet, Lanes, MixedJet, Number};
+use super::evaluation::Energies;
+use super::jet::{Constant, Jet, MixedJet, Number};
 use serde::Deserialize;
 use std::ops::Mul;
 
@@ -22,12 +23,6 @@ pub enum Law {
     MooneyRivlin,
     /// Σ μᵢ/αᵢ (λ₁^αᵢ + λ₂^αᵢ + λ₃^αᵢ − 3); constants μ₁, α₁, μ₂, α₂, …
     Ogden,
-}
-
-/// Squares of the hoop stretch and of the stretch through the thickness.
-struct Sides<N> {
-    hoop: N,
-    thickness: N,
 }
 
 impl Law {
@@ -83,17 +78,18 @@ impl Law {
         [c[0] / held, 1.0 / held, 2.0 * c[0] * c[1] / (held * held)]
     }
 
-    /// w of some fibres that are not linear, and the smallest number that has to be positive for them to
-    /// exist.
-    #[inline]
-    pub(super) fn fibres(self, constants: &[f64], stretch: Jet, ratio: Option<Lanes>) -> (Jet, Lanes) {
-        match ratio {
-            None => (self.energy(constants, stretch, None), stretch.value),
-            Some(ratio) => {
-                let hoop = stretch.recip() * ratio.map(|r| 1.0 - r) + ratio;
-                let sides = Sides { hoop, thickness: (stretch * stretch * hoop).recip() };
-                (self.energy(constants, stretch, Some(sides)), stretch.value.min(hoop.value))
-            }
+    /// w of fibres that are not linear, given their stretches in `out`, those in the reference state and,
+    /// if they are wound, ϱ.
+    pub(super) fn evaluate(self, c: &[f64], stretch: &[f64], ratio: Option<&Vec<f64>>, out: &mut Energies) {
+        // Each law and number of constants has loops of its own, which can be vectorised.
+        match (self, c.len()) {
+            (Law::Linear, _) => each(Law::Linear, c, stretch, ratio, out),
+            (Law::NeoHookean, _) => each(Law::NeoHookean, c, stretch, ratio, out),
+            (Law::Yeoh, _) => each(Law::Yeoh, c, stretch, ratio, out),
+            (Law::MooneyRivlin, _) => each(Law::MooneyRivlin, c, stretch, ratio, out),
+            (Law::Ogden, 2) => each(Law::Ogden, &[c[0], c[1]], stretch, ratio, out),
+            (Law::Ogden, 4) => each(Law::Ogden, &[c[0], c[1], c[2], c[3]], stretch, ratio, out),
+            (Law::Ogden, _) => each(Law::Ogden, c, stretch, ratio, out),
         }
     }
 
@@ -109,67 +105,90 @@ impl Law {
             let strain = stretch + -1.0;
             return strain * strain * (constants[0] * 0.5);
         }
-        let sides = ratio.map(|ratio| {
-            let hoop = ratio - (ratio + -1.0) * stretch.recip();
-            Sides { hoop, thickness: (stretch * stretch * hoop).recip() }
-        });
-        self.energy(constants, stretch, sides)
+        self.energy(constants, stretch, ratio.map(|ratio| ratio - (ratio + -1.0) * stretch.recip()))
     }
 
+    /// w, given the square of the hoop stretch of a wound fibre.
     #[inline(always)]
-    fn energy<C: LawConstant, N: Number<C>>(self, c: &[C], stretch: N, sides: Option<Sides<N>>) -> N {
+    fn energy<C: LawConstant, N: Number<C>>(self, c: &[C], stretch: N, hoop: Option<N>) -> N {
         let axial = stretch * stretch;
-        let first = |sides: &Option<Sides<N>>| match sides {
+        let first = || match hoop {
             None => axial + stretch.recip() + stretch.recip() + -3.0,
-            Some(Sides { hoop, thickness }) => axial + *hoop + *thickness + -3.0,
+            Some(hoop) => axial + hoop + (axial * hoop).recip() + -3.0,
         };
         match self {
             // Linear fibres are summed up once for a design.
             Law::Linear => (stretch + -1.0) * (stretch + -1.0) * (c[0] * 0.5),
-            Law::NeoHookean => first(&sides) * (c[0] * 0.5),
+            Law::NeoHookean => first() * (c[0] * 0.5),
             Law::Yeoh => {
-                let i = first(&sides);
+                let i = first();
                 let square = i * i;
                 i * c[0] + square * c[1] + square * i * c[2]
             }
             Law::MooneyRivlin => {
-                let second = match &sides {
+                let second = match hoop {
                     None => stretch + stretch + axial.recip() + -3.0,
-                    Some(Sides { hoop, thickness }) => {
-                        axial.recip() + hoop.recip() + thickness.recip() + -3.0
-                    }
+                    Some(hoop) => axial.recip() + hoop.recip() + axial * hoop + -3.0,
                 };
-                first(&sides) * c[0] + second * c[1]
+                first() * c[0] + second * c[1]
             }
             Law::Ogden => {
-                let term = |pair: &[C]| {
-                    let half = pair[1] * 0.5;
-                    let powers = match &sides {
-                        None => {
-                            let side = stretch.recip().power(half);
-                            stretch.power(pair[1]) + side + side + -3.0
-                        }
-                        Some(Sides { hoop, thickness }) => {
-                            stretch.power(pair[1]) + hoop.power(half) + thickness.power(half) + -3.0
-                        }
-                    };
-                    powers * C::ogden_factor(pair[0], pair[1])
+                // By the logarithms of the principal stretches, whose sum vanishes.
+                let along = stretch.ln();
+                let across = match hoop {
+                    None => along * C::from(-0.5),
+                    Some(hoop) => hoop.ln() * C::from(0.5),
                 };
-                let mut pairs = c.chunks_exact(2);
-                let sum = pairs.next().map(term);
-                pairs.fold(sum.unwrap_or(stretch * (c[0] * 0.0)), |sum, pair| sum + term(pair))
+                let through = (along + across) * C::from(-1.0);
+                let mut sum = stretch * C::from(0.0);
+                for pair in c.chunks_exact(2) {
+                    let across = (across * pair[1]).exp();
+                    let sides = match hoop {
+                        None => across * C::from(2.0),
+                        Some(_) => across + (through * pair[1]).exp(),
+                    };
+                    let powers = (along * pair[1]).exp() + sides;
+                    sum = sum + (powers + -3.0) * C::ogden_factor(pair[0], pair[1]);
+                }
+                sum
+            }
+        }
+    }
+}
+
+/// Evaluates w of each fibre.
+#[inline(always)]
+fn each(law: Law, c: &[f64], rate: &[f64], ratio: Option<&Vec<f64>>, out: &mut Energies) {
+    let n = rate.len();
+    let x = &out.stretch[..n];
+    let (value, first, second) = (&mut out.value[..n], &mut out.first[..n], &mut out.second[..n]);
+    match ratio.map(|ratio| &ratio[..n]) {
+        None => {
+            for i in 0..n {
+                let stretch = Jet { value: x[i], first: rate[i], second: 0.0 };
+                let w = law.energy(c, stretch, None);
+                (value[i], first[i], second[i]) = (w.value, w.first, w.second);
+            }
+        }
+        Some(ratio) => {
+            for i in 0..n {
+                let stretch = Jet { value: x[i], first: rate[i], second: 0.0 };
+                let hoop = stretch.recip() * (1.0 - ratio[i]) + ratio[i];
+                let w = law.energy(c, stretch, Some(hoop));
+                (value[i], first[i], second[i]) = (w.value, w.first, w.second);
             }
         }
     }
 }
 
 /// Arithmetic of a law's constants.
-pub(super) trait LawConstant: Copy + Mul<f64, Output = Self> {
+pub(super) trait LawConstant: Copy + From<f64> + Mul<f64, Output = Self> {
     /// μ/α.
     fn ogden_factor(modulus: Self, exponent: Self) -> Self;
 }
 
 impl LawConstant for f64 {
+    #[inline(always)]
     fn ogden_factor(modulus: f64, exponent: f64) -> f64 {
         modulus / exponent
     }

@@ -5,6 +5,8 @@
 //! θ_z at a Gauss point of weight w. Fibres of linear materials are summed up once for each design.
 
 mod description;
+mod elementary;
+mod evaluation;
 mod jet;
 mod law;
 mod sensitivity;
@@ -20,7 +22,7 @@ use crate::tree::description::Section;
 use crate::tree::{ModelError, Tree};
 use description::{Fibre, FibreRod, FibreSection, Material, NUMBERS, symmetric};
 pub use description::{FibreDescription, FibreRodDescription, FibreSectionDescription, MaterialDescription};
-use jet::{Jet, Lanes, WIDTH};
+use evaluation::{Energies, Fibres, PointForce};
 pub use law::Law;
 pub(crate) use sensitivity::FibreSensitivity;
 
@@ -31,17 +33,6 @@ pub(crate) struct FibreSections {
     rods: Vec<FibreRod>,
 }
 
-/// Some fibres of one material at a Gauss point, ready for evaluation; those that fill up have no weight.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    /// z/L and −y/L.
-    arms: [Lanes; 2],
-    /// w L A.
-    weight: Lanes,
-    stretch: Lanes,
-    ratio: Lanes,
-}
-
 /// What a design makes of the sections.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FibreDesign {
@@ -50,15 +41,17 @@ pub(crate) struct FibreDesign {
     /// Forces of linear fibres in the reference state, by coordinate, and their energy.
     force: Vec<f64>,
     energy: f64,
-    /// Other fibres, Gauss point after Gauss point.
-    blocks: Vec<Block>,
+    /// Other fibres, by material.
+    fibres: Vec<Fibres>,
 }
 
-/// Forces conjugate to ε, θ_y, θ_z and their derivative at a Gauss point.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PointForce {
-    force: [f64; 3],
-    tangent: [[f64; 3]; 3],
+/// What a state makes of the fibres that are not linear.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FibreState {
+    /// ε, θ_y and θ_z at each Gauss point.
+    strains: Vec<[f64; 3]>,
+    energies: Energies,
+    points: Vec<PointForce>,
 }
 
 /// The place of a mode among ε, θ_y, θ_z.
@@ -106,15 +99,14 @@ impl FibreSections {
         self.materials.len()
     }
 
-    /// Least and greatest stretch of the fibres of each material; NaN where there are none.
-    pub fn stretches<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the stretch of each fibre, with its material and its rod's index and sample point.
+    pub fn for_each_stretch<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
-        out: &mut [f64],
+        mut visit: impl FnMut(usize, [usize; 2], f64),
     ) {
-        out.fill(f64::NAN);
         for fibre_rod in &self.rods {
             let rod = &tree.rods[fibre_rod.rod];
             let length = p[rod.length];
@@ -125,90 +117,65 @@ impl FibreSections {
                     let fibre = Fibre::new(n, s);
                     let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
                     let stretch = fibre.stretch * (1.0 + strain[3] + bent);
-                    out[2 * m] = out[2 * m].min(stretch);
-                    out[2 * m + 1] = out[2 * m + 1].max(stretch);
+                    visit(m, [fibre_rod.rod, gauss.point], stretch);
                 }
             }
         }
     }
 
-    /// Materials of a section that are not linear, and how many fibres each has, in order.
-    fn groups<'a>(&'a self, section: &'a FibreSection) -> impl Iterator<Item = (&'a Material, usize)> + 'a {
-        let runs = section.materials.chunk_by(|a, b| a == b).map(|run| (&self.materials[run[0]], run.len()));
-        runs.filter(|(material, _)| material.law != Law::Linear)
-    }
-
-    /// Visits the fibres that are not linear with the number of their Gauss point, w(λ) and the smallest
-    /// number that has to be positive.
-    #[inline]
-    fn for_each_block<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the materials that are not linear with their fibres, their energies in the state `q` and
+    /// whether all of them exist.
+    fn for_each_material<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
-        blocks: &[Block],
-        mut visit: impl FnMut(usize, &Block, Jet, Lanes),
+        design: &FibreDesign,
+        state: &mut FibreState,
+        mut visit: impl FnMut(&Fibres, &Energies, bool),
     ) {
-        let mut blocks = blocks.iter();
-        let mut number = 0;
+        state.strains.clear();
         for rod in &self.rods {
-            for (gauss, section) in tree.rods[rod.rod].gauss.iter().zip(&rod.of_gauss) {
+            state.strains.extend(tree.rods[rod.rod].gauss.iter().map(|gauss| {
                 let strain = strains(&gauss.columns, q);
-                let [axial, bend_y, bend_z] = [strain[3], strain[1], strain[2]];
-                for (material, count) in self.groups(&rod.sections[*section]) {
-                    let constants = &p[material.constants.clone()];
-                    for block in blocks.by_ref().take(count.div_ceil(WIDTH)) {
-                        let [z, y] = block.arms;
-                        let stretch =
-                            (z * bend_y + y * bend_z).map(|bent| 1.0 + axial + bent) * block.stretch;
-                        let stretch = Jet::variable(stretch, block.stretch);
-                        let ratio = material.wound.then_some(block.ratio);
-                        let (energy, smallest) = material.law.fibres(constants, stretch, ratio);
-                        visit(number, block, energy, smallest);
-                    }
-                }
-                number += 1;
-            }
+                [strain[3], strain[1], strain[2]]
+            }));
+        }
+        for (material, fibres) in self.materials.iter().zip(&design.fibres).filter(|(_, f)| !f.is_empty()) {
+            let constants = &p[material.constants.clone()];
+            let FibreState { strains, energies, .. } = state;
+            let sound = fibres.evaluate(material.law, constants, material.wound, strains, energies);
+            visit(fibres, energies, sound);
         }
     }
 
     /// Forces at all Gauss points; returns the energy, which is not a number where a fibre vanishes.
-    #[inline]
     fn evaluate<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
-        blocks: &[Block],
-        points: &mut Vec<PointForce>,
+        design: &FibreDesign,
+        state: &mut FibreState,
     ) -> f64 {
+        let mut points = std::mem::take(&mut state.points);
         points.clear();
-        points.resize(self.rods.iter().map(|rod| rod.of_gauss.len()).sum(), PointForce::default());
-        let (mut total, mut least) = (Lanes::ZERO, Lanes::all(f64::INFINITY));
-        self.for_each_block(tree, p, q, blocks, |point, block, energy, smallest| {
-            let [z, y] = block.arms;
-            let (force, slope) = (block.weight * energy.first, block.weight * energy.second);
-            let point = &mut points[point];
-            let bent = [force, force * z, force * y];
-            point.force.iter_mut().zip(bent).for_each(|(sum, f)| *sum += f.sum());
-            let [slope_z, slope_y] = [slope * z, slope * y];
-            let t = &mut point.tangent;
-            t[0][0] += slope.sum();
-            t[0][1] += slope_z.sum();
-            t[1][1] += (slope_z * z).sum();
-            if P == 3 {
-                t[0][2] += slope_y.sum();
-                t[1][2] += (slope_z * y).sum();
-                t[2][2] += (slope_y * y).sum();
-            }
-            total = total + block.weight * energy.value;
-            least = least.min(smallest);
-        });
-        for point in points {
-            let t = &mut point.tangent;
-            (t[1][0], t[2][0], t[2][1]) = (t[0][1], t[0][2], t[1][2]);
+        if design.fibres.iter().all(Fibres::is_empty) {
+            state.points = points;
+            return 0.0;
         }
-        if least.0.iter().all(|least| *least > 0.0) { total.sum() } else { f64::NAN }
+        points.resize(self.point_count(), PointForce::default());
+        let mut total = 0.0;
+        self.for_each_material(tree, p, q, design, state, |fibres, energies, sound| {
+            total += fibres.add_forces::<P>(energies, &mut points);
+            total = if sound { total } else { f64::NAN };
+        });
+        state.points = points;
+        total
+    }
+
+    fn point_count(&self) -> usize {
+        self.rods.iter().map(|rod| rod.of_gauss.len()).sum()
     }
 
     /// Visits all pairs of coordinates at a Gauss point with their second derivative.
@@ -247,7 +214,7 @@ fn numbers<'a>(section: &'a FibreSection, p: &'a [f64]) -> impl Iterator<Item = 
 
 impl<const P: usize> ForceMemory<P> for FibreSections {
     type Design = FibreDesign;
-    type State = Vec<PointForce>;
+    type State = FibreState;
     type Sensitivity = FibreSensitivity;
 }
 
@@ -256,8 +223,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         FibreDesign::default()
     }
 
-    fn state(&self, _: &Tree<G, D, P>) -> Vec<PointForce> {
-        vec![]
+    fn state(&self, _: &Tree<G, D, P>) -> FibreState {
+        FibreState::default()
     }
 
     fn is_admissible(&self, p: &[f64]) -> bool {
@@ -276,8 +243,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, design: &mut FibreDesign) {
         let p = &geometry.parameters;
-        let FibreDesign { stiffness, force, energy, blocks } = design;
-        blocks.clear();
+        let FibreDesign { stiffness, force, energy, fibres } = design;
+        fibres.resize_with(self.materials.len(), Fibres::default);
+        fibres.iter_mut().for_each(Fibres::clear);
+        let mut point = 0;
         stiffness.clear();
         force.clear();
         force.resize(if self.rods.is_empty() { 0 } else { tree.dof }, 0.0);
@@ -292,7 +261,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let section = &fibre_rod.sections[fibre_rod.of_gauss[g]];
                 let s = p[rod.radius.start + gauss.point];
                 let scale = gauss.weight * length;
-                self.push_blocks(section, p, s, length, scale, blocks);
+                for (m, n) in numbers(section, p).filter(|(m, _)| self.materials[*m].law != Law::Linear) {
+                    fibres[m].push(point, &Fibre::new(n, s), length, scale);
+                }
+                point += 1;
                 let (matrix, residual, own) = self.linear(section, p, s);
                 *energy += scale * own;
                 for (dof, mode, phi) in &gauss.columns {
@@ -320,19 +292,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             }
         };
         self.for_each_linear(&design.stiffness, &mut diagonal);
-        if !design.blocks.is_empty() {
-            let mut points = vec![];
-            let reference = vec![0.0; tree.dof];
-            self.evaluate(tree, &geometry.parameters, &reference, &design.blocks, &mut points);
-            self.for_each_pair(tree, &points, diagonal);
-        }
+        let mut state = FibreState::default();
+        self.evaluate(tree, &geometry.parameters, &vec![0.0; tree.dof], design, &mut state);
+        self.for_each_pair(tree, &state.points, diagonal);
     }
 
     fn add_residual(
         &self,
         at: &State<G, D, P>,
         design: &FibreDesign,
-        points: &mut Vec<PointForce>,
+        state: &mut FibreState,
         Terms { coordinates: out, .. }: &mut Terms<D>,
     ) {
         if self.rods.is_empty() {
@@ -345,50 +314,36 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
         let q = at.q;
         self.for_each_linear(&design.stiffness, |i, j, k| energy += out.add_quadratic(i, j, k, q));
-        if !design.blocks.is_empty() {
-            energy += self.evaluate(at.tree, at.parameters(), q, &design.blocks, points);
-            let mut points = points.iter();
-            for rod in &self.rods {
-                for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
-                    for (dof, mode, phi) in &gauss.columns {
-                        out.gradient[*dof] += axial(*mode).map_or(0.0, |m| phi * point.force[m]);
-                    }
+        energy += self.evaluate(at.tree, at.parameters(), q, design, state);
+        let mut points = state.points.iter();
+        for rod in &self.rods {
+            for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
+                for (dof, mode, phi) in &gauss.columns {
+                    out.gradient[*dof] += axial(*mode).map_or(0.0, |m| phi * point.force[m]);
                 }
             }
         }
         out.energy += energy;
     }
 
-    fn add_tangent(
-        &self,
-        at: &State<G, D, P>,
-        design: &FibreDesign,
-        points: &Vec<PointForce>,
-        out: &mut Terms<D>,
-    ) {
+    fn add_tangent(&self, at: &State<G, D, P>, design: &FibreDesign, state: &FibreState, out: &mut Terms<D>) {
         let mut add = |i: usize, j: usize, k: f64| out.coordinates.add_stiffness(i, j, k);
         self.for_each_linear(&design.stiffness, &mut add);
-        if !design.blocks.is_empty() {
-            self.for_each_pair(at.tree, points, add);
-        }
+        self.for_each_pair(at.tree, &state.points, add);
     }
 
     fn add_magnitudes(
         &self,
         at: &State<G, D, P>,
         design: &FibreDesign,
-        _: &Vec<PointForce>,
+        _: &FibreState,
         out: &mut Magnitudes<P>,
     ) {
         design.force.iter().enumerate().for_each(|(i, force)| out.add(i, *force));
         self.for_each_linear(&design.stiffness, |i, j, k| out.add_quadratic(i, j, k, at.q));
-        let mut points = vec![[0.0; 3]; self.rods.iter().map(|rod| rod.of_gauss.len()).sum()];
-        self.for_each_block(at.tree, at.parameters(), at.q, &design.blocks, |point, block, energy, _| {
-            let force = (block.weight * energy.first).map(f64::abs);
-            let [z, y] = block.arms.map(|arm| arm.map(f64::abs));
-            for (sum, size) in points[point].iter_mut().zip([force, force * z, force * y]) {
-                *sum += size.sum();
-            }
+        let (mut points, mut state) = (vec![[0.0; 3]; self.point_count()], FibreState::default());
+        self.for_each_material(at.tree, at.parameters(), at.q, design, &mut state, |fibres, energies, _| {
+            fibres.add_magnitudes(energies, &mut points);
         });
         let mut points = points.iter();
         for rod in &self.rods {
@@ -408,7 +363,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &FibreDesign,
-        _: &Vec<PointForce>,
+        _: &FibreState,
         fibres: &FibreSensitivity,
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
@@ -418,38 +373,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 }
 
 impl FibreSections {
-    /// Appends the fibres of a section that are not linear.
-    fn push_blocks(
-        &self,
-        section: &FibreSection,
-        p: &[f64],
-        s: f64,
-        length: f64,
-        scale: f64,
-        blocks: &mut Vec<Block>,
-    ) {
-        let mut fibres = numbers(section, p).filter(|(m, _)| self.materials[*m].law != Law::Linear);
-        for (_, count) in self.groups(section) {
-            for first in (0..count).step_by(WIDTH) {
-                let mut block = Block {
-                    arms: [Lanes::ZERO; 2],
-                    weight: Lanes::ZERO,
-                    stretch: Lanes::all(1.0),
-                    ratio: Lanes::all(1.0),
-                };
-                for (lane, (_, n)) in fibres.by_ref().take(WIDTH.min(count - first)).enumerate() {
-                    let fibre = Fibre::new(n, s);
-                    block.arms[0].0[lane] = fibre.z / length;
-                    block.arms[1].0[lane] = -fibre.y / length;
-                    block.weight.0[lane] = scale * fibre.area;
-                    block.stretch.0[lane] = fibre.stretch;
-                    block.ratio.0[lane] = fibre.ratio;
-                }
-                blocks.push(block);
-            }
-        }
-    }
-
     /// Stiffness matrix, forces in the reference state and energy per length of what is linear, in the
     /// order of the modes.
     fn linear(&self, section: &FibreSection, p: &[f64], s: f64) -> ([[f64; 6]; 6], [f64; 6], f64) {

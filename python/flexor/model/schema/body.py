@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexor._engine import sample_points
@@ -12,9 +13,10 @@ from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
 from flexor.model.schema.profile import LinkRadius, RodRadius
-from flexor.model.schema.section import Section, Solid
+from flexor.model.schema.section import Section, Sections, Solid
+from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
-from flexor.model.schema.table import Choice, Count, Name, Table, one_of
+from flexor.model.schema.table import Choice, Count, Name, Switch, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
@@ -62,8 +64,11 @@ class Rod(Table):
     joint: Joint = FixedJoint(kind="fixed")
     length: PositiveLength
     radius: RodRadius
-    section: Section = Solid(kind="circular")
+    section: Sections = Solid(kind="circular")
     material: Name | None = None
+    skin: Skin | None = None
+    tip: PositiveLength | None = None
+    self_contact: Switch | None = None
     young_modulus: PositiveModulus | None = None
     poisson_ratio: (
         Annotated[float, Field(strict=True, gt=-1.0, le=0.5, allow_inf_nan=False)] | None
@@ -88,6 +93,49 @@ class Rod(Table):
         if not own and self.density > 0.0:
             raise field_error("is given, but the mass is that of the section", path="density")
         return self
+
+    @model_validator(mode="after")
+    def _check_tip(self) -> Rod:
+        for key in ("tip", "self_contact"):
+            if getattr(self, key) is not None and self.skin is None:
+                raise field_error("is given without a skin, through which the rod touches", key)
+        if self.tip is not None and self.tip > self.length:
+            tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
+            raise field_error(tail, path="tip")
+        return self
+
+    @model_validator(mode="after")
+    def _check_pieces(self) -> Rod:
+        """Check that sections follow one another from base to tip."""
+        if not isinstance(self.section, tuple):
+            if self.section.span is not None:
+                raise field_error("is given, but the rod has one section", path="section.span")
+            return self
+        end = 0.0
+        for index, piece in enumerate(self.section):
+            path = f"section[{index}].span"
+            if piece.span is None:
+                raise field_error("is missing: give where the section begins and ends", path=path)
+            if piece.span[0] != end or not piece.span[1] > end:
+                tail = f"is {list(piece.span)}: it must begin at {end:g} and end after that"
+                raise field_error(tail, path=path)
+            end = piece.span[1]
+            if self.point_at(end) is None:
+                tail = f"ends at {end:g}: it must be an element boundary, a multiple of 1/"
+                raise field_error(f"{tail}{self.elements}", path=path)
+        if end != 1.0:
+            raise field_error(f"ends at {end:g}: the last section must end at 1", path=path)
+        return self
+
+    @property
+    def pieces(self) -> tuple[Section, ...]:
+        """The sections from base to tip."""
+        return self.section if isinstance(self.section, tuple) else (self.section,)
+
+    def piece_at(self, point: float) -> int:
+        """Return which of the sections is at X in [0, 1], the earlier one where two meet."""
+        ends = [1.0 if piece.span is None else piece.span[1] for piece in self.pieces]
+        return next(index for index, end in enumerate(ends) if point <= end)
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:
@@ -127,6 +175,14 @@ class Rod(Table):
         """Number of sample points: element ends and Gauss points."""
         return self.elements * (self.gauss_points + 1) + 1
 
+    @property
+    def gauss_rule(self) -> tuple[NDArray[np.intp], Array]:
+        """Which sample points are Gauss points, and their shares of the length, each (G,)."""
+        points = np.arange(self.sample_count)
+        _, weights = np.polynomial.legendre.leggauss(self.gauss_points)
+        shares = np.tile(0.5 * weights / self.elements, self.elements)
+        return np.flatnonzero(points % (self.gauss_points + 1)), shares
+
     def point_at(self, fraction: float) -> int | None:
         """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
@@ -144,6 +200,7 @@ class Link(Table):
     joint: Joint = FixedJoint(kind="fixed")
     length: PositiveLength
     radius: LinkRadius
+    skin: Skin | None = None
     density: Density = units.DENSITY.si(0.0)
 
     @model_validator(mode="after")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from flexor.materials import library
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.material import Material
 from flexor.model.schema.points import SphereGroup
@@ -26,6 +27,26 @@ class BodySystem(Table):
     bodies: Annotated[dict[Name, Body], Field(min_length=1)]
     materials: dict[Name, Material] = Field(default_factory=dict)
     spheres: dict[Name, SphereGroup] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _add_materials(cls, data: object) -> object:
+        """Add the materials that rods name and only the library has."""
+        if not isinstance(data, Mapping):
+            return data
+        given, bodies = data.get("materials", {}), data.get("bodies", {})
+        if not isinstance(given, Mapping) or not isinstance(bodies, Mapping):
+            return data
+        sections = [
+            {key: body[key] for key in ("material", "section") if key in body}
+            for body in bodies.values()
+            if isinstance(body, Mapping)
+        ]
+        named = set(_named_materials(sections))
+        found = {
+            name: {"library": name} for name in sorted(named - set(given)) if name in library()
+        }
+        return {**data, "materials": {**given, **found}} if found else data
 
     @classmethod
     def named_tables(cls) -> dict[str, Any]:
@@ -53,3 +74,16 @@ class BodySystem(Table):
         if not isinstance(body, Rod):
             raise TypeError(f"{name} is a {body.kind}")
         return body
+
+
+def _named_materials(table: object) -> Iterator[str]:
+    """Yield the values of all keys ``material`` in tables and lists and what is in these."""
+    if isinstance(table, Mapping):
+        for key, value in table.items():
+            if key == "material" and isinstance(value, str):
+                yield value
+            elif not isinstance(value, str):
+                yield from _named_materials(value)
+    elif isinstance(table, (list, tuple)):
+        for each in table:
+            yield from _named_materials(each)

@@ -36,13 +36,16 @@ def lower_cavity(
     materials
         The materials of the file.
     """
-    built = geometries(rod, materials)
+    built, of_gauss = geometries(rod, materials)
+    cavities = [None if each is None else each.cavities.get(cavity) for _, each in built]
     points = gauss_points(rod)
     radius, _ = surface(rod.radius, rod.sample_points)
     share, weights = _shares(rod, span)
     enclosed = 0.0
     for place, point in enumerate(points):
-        hollow = built[place % len(built)].cavities[cavity]
+        hollow = cavities[of_gauss[place]]
+        if hollow is None:
+            continue
         s = float(radius[point])
         solid = moments(hollow.enclosed) - moments(hollow.shapes)
         curved = [
@@ -52,8 +55,8 @@ def lower_cavity(
         swept = area * curved[0] + z * curved[1] - y * curved[2]
         enclosed += weights[place] * share[place] * float(rod.length) * swept
     return {
-        "sections": [moments(geometry.cavities[cavity].enclosed).tolist() for geometry in built],
-        "of_gauss": list(range(len(points))) if len(built) > 1 else [0] * len(points),
+        "sections": [moments(() if each is None else each.enclosed).tolist() for each in cavities],
+        "of_gauss": of_gauss,
         "share": share.tolist(),
         "enclosed": enclosed,
     }

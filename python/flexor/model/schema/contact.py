@@ -92,14 +92,14 @@ class Contact(Force):
             "tip_spheres": list(range(count - tip, count)),
         }
         if self.shape == "round-cones":
-            described["cones"] = _round_cones(second, system.bodies)
+            described["cones"] = round_cones(second, system.bodies)
         if self.stiffness_per_length is not None:
-            described["weights"] = _length_shares(first, system.bodies)
+            described["weights"] = length_shares(first, system.bodies)
             described["per_length"] = True
         return described
 
 
-def _round_cones(group: SphereGroup, bodies: Mapping[str, Body]) -> list[dict[str, object]]:
+def round_cones(group: SphereGroup, bodies: Mapping[str, Body]) -> list[dict[str, object]]:
     """Describe the round cones that a solid group's spheres span.
 
     A link is one, from base to tip; a rod a chain of them, from sample point to sample point (its
@@ -128,7 +128,7 @@ def _continues(body: Body, before: str) -> bool:
     return body.parent == before and not moved and body.joint.kind not in ("prismatic", "free")
 
 
-def _length_shares(group: SphereGroup, bodies: Mapping[str, Body]) -> list[float]:
+def length_shares(group: SphereGroup, bodies: Mapping[str, Body]) -> list[float]:
     """Share the length of a group's rods out among their spheres, by the trapezoidal rule.
 
     The sphere at a rod's joint gets nothing: the one at its first sample point is there as well.

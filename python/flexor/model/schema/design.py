@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.schema.table import Name, Table
+from flexor.model.schema.table import Name, Table, Text
 from flexor.model.units import PositiveForce, PositiveLength, PositivePressure
 from flexor.model.validation import describe, field_error
 
@@ -49,12 +49,16 @@ class Design(Table):
 
 
 class Evaluation(Table):
-    """The load at which objectives are evaluated, reached from zero in equal steps."""
+    """The load at which objectives are evaluated, reached from zero in equal steps.
+
+    Or ``loads``, by the name of the input and as on the command line.
+    """
 
     force: PositiveForce = units.FORCE.si(5.0)
     step: PositiveForce = units.FORCE.si(1.0)
     pressure: PositivePressure | None = None
     pressure_step: PositivePressure | None = None
+    loads: dict[Name, Text] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _check(self) -> Evaluation:

@@ -25,6 +25,10 @@ class Force(Table):
     def check_planar(self, path: str) -> None:
         """Reject anything that leaves the plane of a planar model."""
 
+    def listed(self) -> str:
+        """Return the list of the engine's description that it belongs to."""
+        return self.description
+
     @abstractmethod
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
         """Describe the force to the engine, ready for JSON: SI units, every list explicit."""

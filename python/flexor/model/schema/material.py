@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -9,9 +11,9 @@ from pydantic import Field, model_validator
 from flexor import materials
 from flexor.errors import InputError
 from flexor.model import units
-from flexor.model.schema.table import Choice, Number, PositiveNumber, Table
+from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table
 from flexor.model.units import Density, Modulus, PositiveModulus
-from flexor.model.validation import field_error
+from flexor.model.validation import describe, field_error
 
 _LAWS = {
     "linear": "linear",
@@ -23,8 +25,12 @@ _LAWS = {
 
 
 class Material(Table):
-    """A constitutive law with its constants; see `flexor.materials.laws`."""
+    """A constitutive law with its constants; see `flexor.materials.laws`.
 
+    With ``library`` it is that material of the library, but for the keys that are given.
+    """
+
+    library: Name | None = None
     kind: Annotated[
         Literal["linear", "neo-hookean", "mooney-rivlin", "yeoh", "ogden"],
         Choice(*materials.KINDS),
@@ -43,6 +49,22 @@ class Material(Table):
     density: Density = units.DENSITY.si(0.0)
     strain_limit: PositiveNumber | None = None
     stress_limit: PositiveModulus | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, data: object) -> object:
+        """Take what is not given from the library."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("library"), str):
+            return data
+        try:
+            found = materials.find(data["library"])
+        except InputError as error:
+            raise field_error(f"refers to the {str(error).rstrip('.')}", path="library") from None
+        kind = data.get("kind", found.kind)
+        if kind != found.kind:
+            tail = f'is {describe(kind)}, but "{found.name}" of the library is {found.kind}'
+            raise field_error(tail, path="kind")
+        return {**_table(found), **data}
 
     @model_validator(mode="after")
     def _check(self) -> Material:
@@ -100,3 +122,23 @@ class Material(Table):
             "constants": constants,
             "wound": self.winding == "hoop",
         }
+
+
+def _table(material: materials.Material) -> dict[str, Any]:
+    """Return a material of the library as written in a model file."""
+
+    def text(key: str, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return [text(key, each) for each in value]
+        return float(value) if key in ("poisson_ratio", "alpha") else f"{float(value)!r} Pa"
+
+    table = {key: text(key, value) for key, value in material.constants.items()}
+    limit = material.strain_limit
+    if material.stretch_range is not None:
+        # Beyond what was measured the law is extrapolated.
+        limit = min(limit, material.stretch_range[1] - 1.0)
+    if math.isfinite(limit):
+        table["strain_limit"] = limit
+    if math.isfinite(material.stress_limit):
+        table["stress_limit"] = f"{material.stress_limit!r} Pa"
+    return {"kind": material.kind, "density": f"{material.density!r} kg/m^3", **table}

@@ -10,10 +10,11 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
-from flexor.model.schema.checks import check_names, check_rod, check_tree
+from flexor.model.schema.checks import check_known, check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
+from flexor.model.schema.foundation import skin_materials, touching
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.pressure import Pressure
@@ -62,7 +63,8 @@ class ModelFile(BodySystem):
     """A model file with one of its sets of constants applied.
 
     ``constants`` holds the sets as written, ``use`` the name of the one whose values have been
-    applied to the other tables; see `flexor.model.constants`.
+    applied to the other tables, ``variants`` those that can be applied. With a variant applied the
+    file has none of these; see `flexor.model.constants`.
     """
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)
@@ -76,6 +78,7 @@ class ModelFile(BodySystem):
     start: StartTable = Field(default_factory=dict)
     solver: dict[Name, Number] = Field(default_factory=dict)
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
+    variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
     @model_validator(mode="after")
@@ -89,10 +92,17 @@ class ModelFile(BodySystem):
             force.check(f"{table}.{name}", self)
         if self.design is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
+        known = skin_materials(self)
+        for name, body in self.bodies.items():
+            for index, layer in enumerate(body.skin or ()):
+                if layer.material is not None:
+                    place = f"[{index}]" if len(body.skin or ()) > 1 else ""
+                    path = f"bodies.{name}.skin{place}.material"
+                    check_known(layer.material, "material", known, path)
         self._check_size()
         for name, body in self.bodies.items():
             if isinstance(body, Rod):
-                check_section(body, f"bodies.{name}", self.materials)
+                check_section(body, f"bodies.{name}", self.materials, self.planar)
         if self.planar:
             in_plane(self.gravity, "gravity")
             for name, body in self.bodies.items():
@@ -121,7 +131,11 @@ class ModelFile(BodySystem):
             + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
             for name, group in self.spheres.items()
         }
-        pairs = 0
+        skinned, links = touching(self)
+        pairs = sum(rods[name].sample_count for name in skinned) * len(links)
+        if pairs > MAX_PAIRS:
+            tail = f"with a skin have {pairs:,} points that may touch: at most {MAX_PAIRS:,}"
+            raise field_error(tail, path="bodies")
         for name, contact in self.contacts.items():
             pairs += counts[contact.first] * counts[contact.second]
             if pairs > MAX_PAIRS:

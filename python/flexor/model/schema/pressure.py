@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from flexor.model import units
+from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.cavity import lower_cavity
 from flexor.model.schema.checks import check_known, check_rod
@@ -52,7 +53,7 @@ class Pressure(Force):
     def check(self, path: str, system: BodySystem) -> None:
         """Check that the rod has the cavity."""
         check_rod(self.rod, system.bodies, f"{path}.rod")
-        found = cavities_of(system.rod(self.rod).section)
+        found = _cavities(system.rod(self.rod))
         if not found:
             tail = f'is "{self.rod}", whose section has no cavity: give it one, such as a tube'
             raise field_error(tail, path=f"{path}.rod")
@@ -64,6 +65,11 @@ class Pressure(Force):
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
         """Describe the pressure to the engine."""
         rod = system.rod(self.rod)
-        cavity = self.cavity or cavities_of(rod.section)[0]
+        cavity = self.cavity or _cavities(rod)[0]
         lowered = lower_cavity(rod, cavity, self.span, system.materials)
         return {"name": name, "rod": self.rod, **lowered}
+
+
+def _cavities(rod: Rod) -> list[str]:
+    """List the names of the cavities of all sections of a rod."""
+    return list(dict.fromkeys(name for piece in rod.pieces for name in cavities_of(piece)))

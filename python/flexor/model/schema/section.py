@@ -43,7 +43,16 @@ Offset = Annotated[
 WindingPlace = Annotated[Literal["outside", "inside"], Choice("outside", "inside")]
 
 
-class Solid(Table):
+Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
+
+
+class Piece(Table):
+    """What all sections have in common: where a rod has it, if it has several."""
+
+    span: tuple[Fraction, Fraction] | None = None
+
+
+class Solid(Piece):
     """A solid shape with half-height S along z and half-width ratio S along y."""
 
     kind: Literal["circular", "elliptic", "rectangular"]
@@ -69,7 +78,7 @@ class Layer(Table):
     stretch: PositiveNumber = 1.0
 
 
-class Hollow(Table):
+class Hollow(Piece):
     """What sections with one cavity have in common."""
 
     wall: Size
@@ -147,7 +156,7 @@ class Part(Table):
         return self
 
 
-class Composite(Table):
+class Composite(Piece):
     """Parts of material and cavities."""
 
     kind: Literal["composite"]
@@ -164,7 +173,7 @@ class Composite(Table):
         return self
 
 
-class Stiffness(Table):
+class Stiffness(Piece):
     """Stiffness as a section program prints it, about the axis.
 
     EA; ES_y = ∫ E z dA, ES_z = ∫ E y dA; EI_yy = ∫ E z² dA, EI_zz = ∫ E y² dA,
@@ -247,6 +256,17 @@ Section = Annotated[
     Discriminator(_kind),
     BeforeValidator(one_of(*KINDS)),
     BeforeValidator(_named),
+]
+
+
+def _several(value: object) -> str:
+    return "pieces" if isinstance(value, (list, tuple)) else "section"
+
+
+Sections = Annotated[
+    Annotated[Section, Tag("section")]
+    | Annotated[Annotated[tuple[Section, ...], Field(min_length=1)], Tag("pieces")],
+    Discriminator(_several),
 ]
 
 

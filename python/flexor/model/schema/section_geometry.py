@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flexor import sections
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
+from flexor.materials import library
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
 from flexor.model.schema.profile import interpolated, surface
@@ -40,11 +41,10 @@ def is_made_of_fibres(rod: Rod) -> bool:
 
 def gauss_points(rod: Rod) -> NDArray[np.intp]:
     """Return which sample points of a rod are Gauss points."""
-    points = np.arange(rod.sample_count)
-    return np.flatnonzero(points % (rod.gauss_points + 1))
+    return rod.gauss_rule[0]
 
 
-def check_section(rod: Rod, path: str, materials: Materials) -> None:
+def check_section(rod: Rod, path: str, materials: Materials, planar: bool) -> None:
     """Check that a rod's section can be made of the materials there are.
 
     Parameters
@@ -55,6 +55,8 @@ def check_section(rod: Rod, path: str, materials: Materials) -> None:
         Dotted path of its table, for messages.
     materials
         The materials of the file.
+    planar
+        Whether the model is planar.
 
     Raises
     ------
@@ -63,32 +65,41 @@ def check_section(rod: Rod, path: str, materials: Materials) -> None:
     """
     if rod.material is not None and rod.material not in materials:
         raise field_error(_unknown(rod.material, materials), f"{path}.material")
-    for key, name in materials_of(rod.section):
-        if name is None and rod.material is None:
-            if isinstance(rod.section, Solid):
-                continue
-            tail = "is missing: name one of [materials], here or as the rod's material"
-            raise field_error(tail, f"{path}.section.{key}")
-        if name is not None and name not in materials:
-            raise field_error(_unknown(name, materials), f"{path}.section.{key}")
-    if not is_made_of_fibres(rod) or isinstance(rod.section, Stiffness):
+    if not is_made_of_fibres(rod):
         return
+    names = [f"{path}.section"]
+    if isinstance(rod.section, tuple):
+        names = [f"{path}.section[{index}]" for index in range(len(rod.pieces))]
+    for place, section in zip(names, rod.pieces, strict=True):
+        for key, name in materials_of(section):
+            if name is None and rod.material is None:
+                tail = "is missing: name one of [materials], here or as the rod's material"
+                raise field_error(tail, f"{place}.{key}")
+            if name is not None and name not in materials:
+                raise field_error(_unknown(name, materials), f"{place}.{key}")
     radius, _ = surface(rod.radius, rod.sample_points)
-    points = gauss_points(rod)
-    built = geometries(rod, materials)
-    try:
-        for index, point in enumerate(points):
-            geometry = built[index % len(built)]
-            geometry.check(float(radius[point]))
-        if isinstance(rod.section, Composite):
-            for s in {float(radius.min()), float(radius.max())}:
-                built[0].check_parts(s, _part_names(rod.section))
-    except InputError as error:
-        raise field_error(f"cannot be made: {error}", f"{path}.section") from None
+    built, of_gauss = geometries(rod, materials)
+    at_gauss = radius[gauss_points(rod)]
+    pieces = np.array([rod.piece_at(x) for x in rod.sample_points])
+    for index, (piece, geometry) in enumerate(built):
+        if geometry is None:
+            continue
+        section = rod.pieces[piece]
+        try:
+            for s in at_gauss[np.array(of_gauss) == index]:
+                geometry.check(float(s))
+            if isinstance(section, Composite):
+                for s in (radius[pieces == piece].max(), radius[pieces == piece].min()):
+                    geometry.check_parts(float(s), _part_names(section))
+        except InputError as error:
+            raise field_error(f"cannot be made: {error}", names[piece]) from None
+        if planar and not geometry.is_symmetric(float(radius.mean())):
+            tail = "is not symmetric in y, as a section of a planar model has to be"
+            raise field_error(tail, names[piece])
 
 
 def _unknown(name: str, materials: Materials) -> str:
-    return f"refers to the {unknown_name('material', name, materials)}"
+    return f"refers to the {unknown_name('material', name, {**library(), **materials})}"
 
 
 def _part_names(section: Composite) -> dict[int, str]:
@@ -97,11 +108,28 @@ def _part_names(section: Composite) -> dict[int, str]:
     return {place: f"parts[{i}]" for place, i in enumerate(order)}
 
 
-def geometries(rod: Rod, materials: Materials) -> list[Geometry]:
-    """Return the section at each Gauss point, or once if its sizes vary with S only."""
-    x = rod.sample_points[gauss_points(rod)]
-    varies = any(isinstance(size, tuple) for size in _sizes(rod.section))
-    return [_geometry(rod, materials, float(at)) for at in (x if varies else x[:1])]
+Built = tuple[int, Geometry | None]
+
+
+def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
+    """Return the sections that a rod has, and which of these each Gauss point has.
+
+    Each with its place among the pieces of the rod; without geometry if its stiffness is given.
+    """
+    built: dict[tuple[int, float], Built] = {}
+    of_gauss = []
+    for x in rod.sample_points[gauss_points(rod)]:
+        place = rod.piece_at(x)
+        piece = rod.pieces[place]
+        varies = any(isinstance(size, tuple) for size in _sizes(piece))
+        key = (place, float(x) if varies else 0.0)
+        if key not in built:
+            geometry = None
+            if not isinstance(piece, Stiffness):
+                geometry = _geometry(piece, rod.material, materials, float(x))
+            built[key] = (place, geometry)
+        of_gauss.append(list(built).index(key))
+    return list(built.values()), of_gauss
 
 
 def _sizes(section: Section) -> list[object]:
@@ -120,15 +148,14 @@ def _layer(layer: Layer | None, x: float) -> tuple[Linear, str, float] | None:
     return None if layer is None else (_linear(layer.thickness, x), layer.material, layer.stretch)
 
 
-def _geometry(rod: Rod, materials: Materials, x: float) -> Geometry:
-    section = rod.section
+def _geometry(section: Section, own: str | None, materials: Materials, x: float) -> Geometry:
     if isinstance(section, Solid):
-        assert rod.material is not None
-        return sections.solid(section.kind, section.ratio or 1.0, rod.material)
+        assert own is not None
+        return sections.solid(section.kind, section.ratio or 1.0, own)
     if isinstance(section, Composite):
-        return _composite(section, rod, x)
+        return _composite(section, own, x)
     assert isinstance(section, Hollow)
-    material = section.material or rod.material
+    material = section.material or own
     assert material is not None
     wall = _linear(section.wall, x)
     wound = materials[material].winding == "hoop"
@@ -144,14 +171,14 @@ def _geometry(rod: Rod, materials: Materials, x: float) -> Geometry:
     return sections.box(width, wall, floor, _layer(section.layer, x), *rest)
 
 
-def _composite(section: Composite, rod: Rod, x: float) -> Geometry:
+def _composite(section: Composite, own: str | None, x: float) -> Geometry:
     parts, cavities = [], {}
     for part in section.parts:
         shape = _shape(part, x)
         if part.cavity is not None:
             cavities[part.cavity] = shape
         else:
-            material = part.material or rod.material
+            material = part.material or own
             assert material is not None
             parts.append(sections.Part(shape, material, part.stretch))
     return sections.composite(parts, cavities, None)
@@ -166,7 +193,7 @@ def _shape(part: Part, x: float) -> sections.Rectangle | sections.Sector:
     return sections.Sector(y, z, inner, outer, half=part.shape.startswith("half"))
 
 
-def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
+def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> Array:
     """Return half of the width of a rod, along y.
 
     Parameters
@@ -177,13 +204,42 @@ def half_width(rod: Rod, materials: Materials, radius: Array) -> Array:
         The materials of the file.
     radius : (n,) array
         S at points along it [m].
+    points : (n,) array
+        Where they are, X in [0, 1].
     """
-    if isinstance(rod.section, Solid):
+    if not is_made_of_fibres(rod):
+        assert isinstance(rod.section, Solid)
         return (rod.section.ratio or 1.0) * radius
-    if isinstance(rod.section, Stiffness):
-        return radius
-    parts = geometries(rod, materials)[0].parts
-    return np.array([max(part.shape.extent(float(s))[1] for part in parts) for s in radius])
+    found = radius.copy()
+    for i, x in enumerate(points):
+        piece = rod.pieces[rod.piece_at(x)]
+        if not isinstance(piece, Stiffness):
+            parts = _geometry(piece, rod.material, materials, float(x)).parts
+            found[i] = max(part.shape.extent(float(radius[i]))[1] for part in parts)
+    return found
+
+
+def roundness(rod: Rod, materials: Materials) -> float:
+    """Return S times the curvature of a rod's underside across in its middle; 0 where flat.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    """
+    piece = rod.pieces[rod.piece_at(0.5)]
+    if isinstance(piece, Solid) and not is_made_of_fibres(rod):
+        return 0.0 if piece.kind == "rectangular" else 1.0 / (piece.ratio or 1.0) ** 2
+    if isinstance(piece, Stiffness):
+        return 1.0
+    s = float(surface(rod.radius, np.array([0.5]))[0][0])
+    parts = _geometry(piece, rod.material, materials, 0.5).parts
+    lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
+    if isinstance(lowest, sections.Rectangle) or lowest.half:
+        return 0.0
+    return s / lowest.outer.at(s)
 
 
 def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dict[str, Any]:
@@ -200,37 +256,30 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
     planar
         Whether the model is planar.
     """
-    count = len(gauss_points(rod))
-    if isinstance(rod.section, Stiffness):
-        full = rod.section.full()
-        described = {
-            "fibres": [],
-            "torsion": 0.0,
-            "rigidity": [full[i][j] for i in range(6) for j in range(i, 6)],
-            "mass": [float(rod.section.mass), 0.0, 0.0],
-            "clearances": [],
-        }
-        return {"rod": name, "sections": [described], "of_gauss": [0] * count}
-    built = geometries(rod, materials)
+    built, of_gauss = geometries(rod, materials)
     radius, _ = surface(rod.radius, rod.sample_points)
     radii = radius[gauss_points(rod)]
     index = {material: i for i, material in enumerate(materials)}
     moduli = {key: material.material(key).shear_modulus for key, material in materials.items()}
     densities = {key: float(material.density) for key, material in materials.items()}
-    rigidity = [0.0] * 21
-    if isinstance(rod.section, Composite) and rod.section.torsion_stiffness is not None:
-        rigidity[0] = float(rod.section.torsion_stiffness)
-    lowered = [
-        {
-            "fibres": geometry.fibres(index, planar),
-            "torsion": 0.0
-            if geometry.torsion is None or "twist_x" not in rod.strain.modes
-            else geometry.torsion(moduli, float(radii[place])),
-            "rigidity": rigidity,
-            "mass": geometry.mass(densities).tolist(),
-            "clearances": [width.coefficients.tolist() for width, _ in geometry.clearances],
-        }
-        for place, geometry in enumerate(built)
-    ]
-    of_gauss = list(range(count)) if len(built) > 1 else [0] * count
+    lowered = []
+    for number, (piece, geometry) in enumerate(built):
+        section = rod.pieces[piece]
+        described: dict[str, Any] = {"fibres": [], "torsion": 0.0, "rigidity": [0.0] * 21}
+        if isinstance(section, Stiffness):
+            full = section.full()
+            described["rigidity"] = [full[i][j] for i in range(6) for j in range(i, 6)]
+            described["mass"] = [float(section.mass), 0.0, 0.0]
+            described["clearances"] = []
+        else:
+            assert geometry is not None
+            described["fibres"] = geometry.fibres(index, planar)
+            if geometry.torsion is not None and "twist_x" in rod.strain.modes:
+                s = float(radii[of_gauss.index(number)])
+                described["torsion"] = geometry.torsion(moduli, s)
+            if isinstance(section, Composite) and section.torsion_stiffness is not None:
+                described["rigidity"][0] = float(section.torsion_stiffness)
+            described["mass"] = geometry.mass(densities).tolist()
+            described["clearances"] = [w.coefficients.tolist() for w, _ in geometry.clearances]
+        lowered.append(described)
     return {"rod": name, "sections": lowered, "of_gauss": of_gauss}

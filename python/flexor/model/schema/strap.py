@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexor.model import units
-from flexor.model.schema.body import Rod
+from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.body_system import BodySystem
-from flexor.model.schema.checks import check_rod
+from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.points import Station
 from flexor.model.schema.profile import surface
 from flexor.model.schema.reference import reference_frames
-from flexor.model.schema.table import Name, Number
+from flexor.model.schema.table import Name, Number, Table
 from flexor.model.units import (
     NonNegativeForce,
     NonNegativeLength,
@@ -29,19 +29,34 @@ from flexor.model.validation import describe, field_error
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
+class Loop(Table):
+    """The end of a strap that loops around a link and slides along it."""
+
+    body: Name
+    loop: Literal[True]
+
+
+def _form(value: object) -> str:
+    looped = isinstance(value, Loop) or (isinstance(value, dict) and "loop" in value)
+    return "loop" if looped else "sewn"
+
+
 class Strap(Force):
     """A strap that only pulls, from the underside of a rod to the back of a body.
 
-    It is sewn to both surfaces: its ends follow the rod's S(X) and the body's radius. In the
-    reference state it has the tension ``pretension``, or is longer than the distance of its ends by
-    ``slack``. Its stiffness is given, or is that of its ``width`` times ``stiffness_per_width``.
+    It is sewn to both surfaces: its ends follow the rod's S(X) and the body's radius. Or it is a
+    `Loop`, which holds the rod at the place of the link that is nearest. In the reference state it
+    has the tension ``pretension``, or is longer than the distance of its ends by ``slack``. Its
+    stiffness is given, or is that of its ``width`` times ``stiffness_per_width``.
     """
 
     description: ClassVar[str] = "springs"
 
     rod: Name
     at: Fraction
-    to: Station
+    to: Annotated[
+        Annotated[Station, Tag("sewn")] | Annotated[Loop, Tag("loop")], Discriminator(_form)
+    ]
     stiffness: PositiveStiffness | None = None
     width: PositiveLength | None = None
     stiffness_per_width: PositiveStiffnessPerLength | None = None
@@ -76,14 +91,37 @@ class Strap(Force):
             elements = system.rod(self.rod).elements
             tail = f"is {self.at}: it must be an element boundary, a multiple of 1/{elements}"
             raise field_error(tail, path=f"{path}.at")
+        if isinstance(self.to, Loop):
+            check_known(self.to.body, "body", system.bodies, f"{path}.to.body")
+            if isinstance(system.bodies[self.to.body], Rod):
+                tail = f'is "{self.to.body}", which is a rod: a loop slides along a link'
+                raise field_error(tail, path=f"{path}.to.body")
+            return
         self.to.check_point(f"{path}.to", system.bodies)
         if self._rest(system) < 0.0:
             tail = f"is {describe(getattr(self.pretension, 'text', self.pretension))}: it must not "
             tail += f"stretch the strap to more than the {1e3 * self._distance(system):.4g} mm "
             raise field_error(f"{tail}between its ends", path=f"{path}.pretension")
 
+    def listed(self) -> str:
+        """Return the list of the engine's description that it belongs to."""
+        return "loops" if isinstance(self.to, Loop) else self.description
+
+    def group(self, name: str, system: BodySystem) -> dict[str, Any]:
+        """Describe the spheres of a loop: of its point of the rod and of both ends of the link."""
+        first = Station(body=self.rod, at=self.at).lower_point(system.bodies)
+        ends = [{"body": self.to.body, "station": {"fraction": end}} for end in (0.0, 1.0)]
+        return {"name": f"{name}.loop", "spheres": [first, *ends]}
+
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
-        """Describe the strap to the engine, as a spring that may be slack."""
+        """Describe the strap to the engine, as a spring that may be slack, or as a loop."""
+        if isinstance(self.to, Loop):
+            return {
+                "name": name,
+                "spheres": f"{name}.loop",
+                "stiffness": self.constant,
+                "rest_length": self._rest(system),
+            }
         first = Station(body=self.rod, at=self.at).lower_point(system.bodies)
         second = self.to.lower_point(system.bodies)
         first["surface"], second["surface"] = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
@@ -102,11 +140,28 @@ class Strap(Force):
     def _distance(self, system: BodySystem) -> float:
         """Distance of the ends in the reference state [m]."""
         frames = reference_frames(system.bodies)
+        if isinstance(self.to, Loop):
+            return self._gap(system, frames)
         first = _surface_point(system, frames, self.rod, self.at, -1.0)
-        second = _surface_point(system, frames, self.to.body, self._fraction(system), 1.0)
+        second = _surface_point(system, frames, self.to.body, self.fraction(system), 1.0)
         return float(np.linalg.norm(first - second))
 
-    def _fraction(self, system: BodySystem) -> float:
+    def _gap(self, system: BodySystem, frames: dict[str, Any]) -> float:
+        """Gap between rod and link, negative where they overlap [m]."""
+        rod, link = system.rod(self.rod), system.bodies[self.to.body]
+        assert isinstance(link, Link)
+        base, tip = float(link.radius.base), float(link.radius.tip)
+        r = np.linalg.solve(frames[self.to.body](0.0), frames[self.rod](self.at)[:, 3])[:3]
+        along, across = float(r[0]), float(np.hypot(r[1], r[2]))
+        length, taper = float(link.length), tip - base
+        shift = taper * across / np.sqrt(length**2 - taper**2) if length > abs(taper) else np.inf
+        x = float(np.clip(along + np.copysign(shift, taper), 0.0, length))
+        surface_here = float(surface(rod.radius, np.array([self.at]))[0][0])
+        return float(np.hypot(along - x, across)) - base - x / length * taper - surface_here
+
+    def fraction(self, system: BodySystem) -> float:
+        """Return where on the body it is sewn, as a fraction of its length."""
+        assert isinstance(self.to, Station)
         body = system.bodies[self.to.body]
         if self.to.point is not None and isinstance(body, Rod):
             return float(body.sample_points[self.to.point])

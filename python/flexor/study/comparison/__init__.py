@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from flexor.study.comparison.profiles import Profile, data_profiles, performance_profiles
 from flexor.study.comparison.result import MethodComparison, SearchRun, Summary
-from flexor.study.comparison.run import PAPER_SETS, compare, resume_comparison
+from flexor.study.comparison.run import (
+    PAPER_SETS,
+    compare,
+    open_comparison,
+    resume_comparison,
+)
 from flexor.study.comparison.work import ComparisonCallback, ComparisonProgress
 
 __all__ = [
@@ -17,6 +22,7 @@ __all__ = [
     "Summary",
     "compare",
     "data_profiles",
+    "open_comparison",
     "performance_profiles",
     "resume_comparison",
 ]

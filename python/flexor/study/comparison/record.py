@@ -71,6 +71,16 @@ def save(database: Database, run: SearchRun) -> None:
     )
 
 
+def references(database: Database) -> dict[str, float]:
+    """Return the value of each set's own start, as far as they are known."""
+    noted = database.noted("reference") or {}
+    if not isinstance(noted, dict) or not all(
+        isinstance(value, float) and not np.isnan(value) for value in noted.values()
+    ):
+        raise database.damaged("a reference is not a number")
+    return noted
+
+
 def finished(database: Database) -> dict[Key, SearchRun]:
     """Return the finished searches."""
     runs = {}

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError
 from flexor.objectives import Objective
+from flexor.objectives import objective as named_objective
 from flexor.optimizers import Search, available, canonical
 from flexor.optimizers import method as named_method
-from flexor.store import Workspace, read_settings
-from flexor.study.comparison.record import COMPARISON
+from flexor.store import Workspace, open_record, read_settings
+from flexor.study.comparison.record import COMPARISON, finished, references
 from flexor.study.comparison.result import MethodComparison
 from flexor.study.comparison.work import ComparisonCallback, Plan, carry_out
 from flexor.study.executors import AnyExecutor, Threads, chosen_executor
@@ -49,6 +52,7 @@ def compare(
     resume: bool = False,
     progress: ComparisonCallback | None = None,
     executor: AnyExecutor | None = None,
+    finish: Callable[[MethodComparison], None] | None = None,
     workers: int = 0,
     engine_options: Mapping[str, float] | None = None,
 ) -> MethodComparison:
@@ -77,10 +81,12 @@ def compare(
     resume : bool
         Resume the comparison in ``folder``; sets, methods and seeds may be added to it.
     progress : callable, optional
-        Called with a `ComparisonProgress` now and then.
+        Called with a `ComparisonProgress` periodically.
     executor : Threads, concurrent.futures.Executor or str, optional
         Where designs are evaluated; on one thread for each search by default. What
         `flexor.optimize` takes; the workers of a pool of processes or a cluster do whole searches.
+    finish : callable, optional
+        Called with the comparison while its folder is locked, to write files into it.
     workers : int
         Concurrent searches; 0 for one per core, or per thread of the cluster. The results do not
         depend on it, but times may.
@@ -96,21 +102,26 @@ def compare(
         If a name is not known, a library is missing, an objective is not the norm of a vector
         where a method needs that, or the folder cannot be used.
     """
-    if budget < 1:
-        raise InputError(f"budget is {budget}: it must be at least 1.")
+    workers = integer("workers", workers, 0)
+    check_callable("progress", progress)
+    check_callable("finish", finish)
     plan = Plan(
         problems=_problems(model, parameters, objective, force, engine_options),
         methods=_methods(methods),
         seeds=_seeds(seeds),
-        budget=budget,
+        budget=integer("budget", budget, 1),
     )
     plan.check()
     files = {MODEL: model.file.to_toml()}
     with (
         chosen_executor(executor if executor is not None else Threads(1)) as where,
-        Workspace(COMPARISON, folder, _settings(plan), files, resume) as work,
+        Workspace(
+            COMPARISON, folder, _settings(plan), files, resume, packages=plan.packages
+        ) as work,
     ):
         found = carry_out(plan, work, known or {}, progress, where, workers)
+        if finish is not None:
+            finish(found)
         work.database.close()
         return found
 
@@ -121,15 +132,16 @@ def resume_comparison(
     known: Mapping[str, float] | None = None,
     progress: ComparisonCallback | None = None,
     executor: AnyExecutor | None = None,
+    finish: Callable[[MethodComparison], None] | None = None,
     workers: int = 0,
 ) -> MethodComparison:
-    """Resume a comparison, or read a finished one, from its folder.
+    """Resume a comparison from its folder.
 
     Parameters
     ----------
     folder : path
         The comparison's folder.
-    known, progress, executor, workers : optional
+    known, progress, executor, finish, workers : optional
         As for `compare`.
 
     Returns
@@ -164,8 +176,56 @@ def resume_comparison(
         resume=True,
         progress=progress,
         executor=executor,
+        finish=finish,
         workers=workers,
         engine_options=values["engine"],
+    )
+
+
+def open_comparison(
+    folder: str | Path, *, known: Mapping[str, float] | None = None
+) -> MethodComparison:
+    """Read a finished comparison of any version from its folder.
+
+    Parameters
+    ----------
+    folder : path
+        The comparison's folder.
+    known : dict, optional
+        As for `compare`.
+
+    Returns
+    -------
+    MethodComparison
+        The whole comparison.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a comparison, is damaged or not finished, or names an objective that
+        is not known.
+    """
+    values = read_settings(COMPARISON, Path(folder))
+    wanted = named_objective(values["objective"]["name"]).at(values["objective"]["force"])
+    with closing(open_record(COMPARISON, Path(folder), write=False)) as database:
+        runs, reference = finished(database), references(database)
+    keys = [
+        (s, m, seed) for s in values["sets"] for m in values["methods"] for seed in values["seeds"]
+    ]
+    if missing := sum(key not in runs for key in keys):
+        raise InputError(
+            f'the comparison "{folder}" lacks {missing} of {len(keys)} searches: resume it.'
+        )
+    return MethodComparison(
+        model=values["model"]["name"],
+        objective=wanted,
+        budget=values["budget"],
+        sets={name: len(limits["labels"]) for name, limits in values["sets"].items()},
+        methods=tuple(values["methods"]),
+        seeds=tuple(values["seeds"]),
+        reference=reference,
+        runs=tuple(runs[key] for key in keys),
+        known=dict(known or {}),
     )
 
 
@@ -210,13 +270,11 @@ def _listed(given: str | Sequence[Any], what: str) -> list[Any]:
 
 
 def _seeds(seeds: int | Sequence[int]) -> tuple[int, ...]:
-    if isinstance(seeds, int):
-        if seeds < 1:
-            raise InputError(f"seeds is {seeds}: it must be at least 1.")
-        return tuple(range(seeds))
-    chosen = tuple(int(seed) for seed in seeds)
-    if not chosen or min(chosen) < 0 or len(set(chosen)) < len(chosen):
-        raise InputError(f"seeds must be different whole numbers from 0, got {list(seeds)}.")
+    if isinstance(seeds, str) or not isinstance(seeds, Iterable):
+        return tuple(range(integer("seeds", seeds, 1)))
+    chosen = tuple(integer("a seed", seed, 0) for seed in seeds)
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise InputError(f"seeds must be distinct non-negative integers, got {list(seeds)}.")
     return chosen
 
 

@@ -21,9 +21,9 @@ from flexor.optimizers import (
     uses_gradients,
 )
 from flexor.store import Workspace
-from flexor.study.comparison.record import Key, finished, running_record, save
+from flexor.study.comparison.record import Key, finished, references, running_record, save
 from flexor.study.comparison.result import MethodComparison, SearchRun
-from flexor.study.executors import Executor, Threads
+from flexor.study.executors import DesignEvaluator, Threads
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
 from flexor.study.recorded_evaluator import RecordedEvaluator
@@ -46,8 +46,13 @@ class Plan:
         """Any of the problems: model, objective and loads are the same in all."""
         return next(iter(self.problems.values()))
 
+    @property
+    def packages(self) -> set[str]:
+        """Packages whose versions decide the results."""
+        return {name for each in self.methods.values() for name in getattr(each, "packages", ())}
+
     def check(self) -> None:
-        """Refuse at once an objective that is not the norm of a vector where a method needs it."""
+        """Refuse an objective that is not the norm of a vector where a method needs it."""
         if any(isinstance(search, LevenbergMarquardt) for search in self.methods.values()):
             start = self.problem.parameters.start[None, :]
             self.problem.residuals(self.problem.evaluate(start))
@@ -152,7 +157,7 @@ def carry_out(
     work: Workspace,
     known: Mapping[str, float],
     progress: ComparisonCallback | None,
-    executor: Executor,
+    executor: DesignEvaluator,
     workers: int,
 ) -> MethodComparison:
     """Run every search of a plan that has not finished yet, ``workers`` at a time.
@@ -166,10 +171,8 @@ def carry_out(
     keys = [(s, m, seed) for seed in plan.seeds for s in plan.problems for m in plan.methods]
     runs = {key: kept[key] for key in keys if key in kept}
     missing = [key for key in keys if key not in kept]
-    if missing:
-        work.check_versions()
-    work.save_settings()
     reference = _references(plan, work)
+    work.save_settings()
     starts = {
         name: _starts(problem, plan.seeds, executor)
         for name, problem in plan.problems.items()
@@ -224,20 +227,21 @@ def carry_out(
 
 
 def _references(plan: Plan, work: Workspace) -> dict[str, float]:
-    """Return values of each set's own start; kept, so a finished comparison evaluates nothing."""
-    kept = work.database.noted("reference")
-    known: dict[str, Any] = dict(kept) if isinstance(kept, dict) else {}
-    for name, problem in plan.problems.items():
-        if not isinstance(known.get(name), float):
-            known[name] = float(problem.evaluate(problem.parameters.start[None, :]).value[0])
-        elif np.isnan(known[name]):
-            raise work.database.damaged(f"the reference of {name} is no number")
-    if known != kept:
-        work.database.note("reference", known)
-    return {name: known[name] for name in plan.problems}
+    """Evaluate each set's own start; the values must be those that are known."""
+    kept = references(work.database)
+    found = {
+        name: float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        for name, problem in plan.problems.items()
+    }
+    known = [name for name in found if name in kept]
+    work.check_reproduces([kept[name] for name in known], [found[name] for name in known])
+    work.database.note("reference", {**kept, **found})
+    return found
 
 
-def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dict[int, FloatArray]:
+def _starts(
+    problem: Problem, seeds: tuple[int, ...], executor: DesignEvaluator
+) -> dict[int, FloatArray]:
     """Draw the start of each seed: its first random design that does not fail, (1, k)."""
     lower, upper = problem.parameters.lower, problem.parameters.upper
     random = {seed: np.random.default_rng(seed) for seed in seeds}
@@ -256,7 +260,12 @@ def _starts(problem: Problem, seeds: tuple[int, ...], executor: Executor) -> dic
 
 
 def _search(
-    problem: Problem, key: Key, task: SearchTask, work: Workspace, executor: Executor, tally: _Tally
+    problem: Problem,
+    key: Key,
+    task: SearchTask,
+    work: Workspace,
+    executor: DesignEvaluator,
+    tally: _Tally,
 ) -> tuple[SearchResult, float]:
     """Search; return how long that took as well [s], NaN if it was interrupted on the way."""
     if executor.remote:

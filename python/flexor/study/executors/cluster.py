@@ -18,14 +18,14 @@ from flexor.study.executors.local_cluster import LocalCluster
 from flexor.study.executors.pool import Pool
 from flexor.study.executors.task import one_line
 
-# How long a scheduler may take to answer [s], and how long a cluster may be without workers.
-ANSWER = 10.0
-AT_ONCE = 0.3
-PATIENCE = 60.0
+# Time for a scheduler to answer, to leave after an interruption, and for workers to appear [s].
+CONNECT_TIMEOUT = 10.0
+INTERRUPT_TIMEOUT = 0.3
+WORKER_TIMEOUT = 60.0
 _NO_ANSWER = "its scheduler no longer answers"
 # How long a count of threads stays valid [s].
-_VALID = 5.0
-# More processes than this on one machine are a slip of the finger.
+_COUNT_TTL = 5.0
+# More processes than this on one machine are almost certainly a mistake.
 MOST_LOCAL = 1024
 _REMOTE = re.compile(
     r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[\w.-]+):(?P<port>[0-9]{1,5})/?", re.ASCII
@@ -39,8 +39,8 @@ def local_workers(address: str) -> int:
         count = int(rest) if re.fullmatch(r"[0-9]{1,6}", rest, re.ASCII) else -1
         if not 1 <= count <= MOST_LOCAL:
             raise InputError(
-                f'the cluster "{address}" cannot be started: after "local:" belongs the number of '
-                f'workers, from 1 to {MOST_LOCAL}, such as "local:4".'
+                f'the cluster "{address}" cannot be started: expected "local:N", N from 1 to '
+                f"{MOST_LOCAL}."
             )
         return count
     match = _REMOTE.fullmatch(address)
@@ -82,16 +82,16 @@ class Cluster(Pool):
     script, so that a script needs ``if __name__ == "__main__":``.
     """
 
-    def __init__(self, address: str, patience: float = PATIENCE) -> None:
+    def __init__(self, address: str, patience: float = WORKER_TIMEOUT) -> None:
         self.address = address.strip()
         name, workers = f'the cluster "{self.address}"', local_workers(self.address)
         self._patience = patience
         self._opened = ExitStack()
         self._local: LocalCluster | None = None
-        self._leaving = ANSWER  # time to leave [s]
+        self._close_timeout = CONNECT_TIMEOUT  # [s]
         self._client: Any = None
-        self._threads, self._counted = 0, -_VALID
-        self._bare_since: float | None = None
+        self._threads, self._counted = 0, -_COUNT_TTL
+        self._without_workers_since: float | None = None
         distributed = _library()
         # Its client logs broken connections, which are reported as exceptions here.
         log = logging.getLogger("distributed.client")
@@ -118,7 +118,7 @@ class Cluster(Pool):
     def __exit__(self, *raised: object) -> None:
         """Leave the cluster; after an interruption at once."""
         if any(isinstance(each, KeyboardInterrupt) for each in raised):
-            self._leaving = AT_ONCE
+            self._close_timeout = INTERRUPT_TIMEOUT
             if self._local is not None:
                 self._local.kill()
         self.close()
@@ -126,7 +126,7 @@ class Cluster(Pool):
     def _leave_scheduler(self) -> None:
         # It may be gone already.
         with suppress(OSError, RuntimeError, CancelledError, TimeoutError):
-            self._client.close(timeout=self._leaving)
+            self._client.close(timeout=self._close_timeout)
 
     def _connect(self, distributed: Any, name: str, workers: int) -> Any:
         target = self.address
@@ -135,13 +135,13 @@ class Cluster(Pool):
                 self._local = local = LocalCluster(distributed, workers)
             except (OSError, TimeoutError, RuntimeError) as error:
                 raise InputError(f"{name} could not be started: {one_line(error)}.") from error
-            self._opened.callback(lambda: local.close(self._leaving))
+            self._opened.callback(lambda: local.close(self._close_timeout))
             target = local.address
         elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
             raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
-                target, timeout=ANSWER, set_as_default=False, name="flexor"
+                target, timeout=CONNECT_TIMEOUT, set_as_default=False, name="flexor"
             )
             self._opened.callback(self._leave_scheduler)
             return self._client
@@ -154,14 +154,14 @@ class Cluster(Pool):
             if time.monotonic() - began > self._patience:
                 raise InputError(f"{self._name} has no workers: none came in {self._patience:g} s.")
             time.sleep(0.2)
-            self._counted = -_VALID
+            self._counted = -_COUNT_TTL
 
     def _check_workers(self) -> None:
         """Refuse workers of another version at once, and not at their first task."""
         run = self._client.run
         found = self._guarded(lambda: run(task.check, decisive(), on_error="return"))
         for worker, why in found.items():
-            # A worker that dies meanwhile is no error.
+            # A worker that dies meanwhile is not an error.
             if why and not isinstance(why, OSError):
                 if not isinstance(why, str):
                     why = f"has another Flexor, or none: {one_line(why)}"
@@ -169,7 +169,7 @@ class Cluster(Pool):
 
     def _count(self) -> int:
         """Count the threads of all workers; 0 while there are none."""
-        if time.monotonic() - self._counted >= _VALID:
+        if time.monotonic() - self._counted >= _COUNT_TTL:
             if self._client.status != "running":  # it then has no scheduler to ask
                 raise ClusterError(f"{self._name} was lost: {_NO_ANSWER}.")
             self._threads = sum(self._guarded(self._client.nthreads).values())
@@ -178,20 +178,17 @@ class Cluster(Pool):
 
     def _check_alive(self) -> None:
         if self._count():
-            self._bare_since = None
-        elif self._bare_since is None:
-            self._bare_since = time.monotonic()
-        elif time.monotonic() - self._bare_since > self._patience:
+            self._without_workers_since = None
+        elif self._without_workers_since is None:
+            self._without_workers_since = time.monotonic()
+        elif time.monotonic() - self._without_workers_since > self._patience:
             raise ClusterError(
                 f"{self._name} has lost all its workers: none came back in {self._patience:g} s."
             )
 
     def _why(self, error: BaseException) -> str:
         if type(error).__name__ == "KilledWorker":
-            return (
-                "it lost one worker after another at the same designs, and their logs say why, "
-                "often for want of memory"
-            )
+            return "several workers died on the same designs, often out of memory; see their logs"
         if self._client.status == "running":
             return one_line(error)
         return _NO_ANSWER
@@ -209,11 +206,11 @@ def _library() -> Any:
 
 
 def _kind_of_server(distributed: Any, address: str) -> str:
-    """Ask what answers at an address, once and not for ever, as a client would not do."""
+    """Ask what answers at an address, with a timeout, which a client does not have."""
 
     async def ask() -> str:
         options = distributed.Security().get_connection_args("client")
-        comm = await distributed.core.connect(address, timeout=ANSWER, **options)
+        comm = await distributed.core.connect(address, timeout=CONNECT_TIMEOUT, **options)
         try:
             await comm.write({"op": "identity"})
             return str((await comm.read())["type"])
@@ -221,13 +218,17 @@ def _kind_of_server(distributed: Any, address: str) -> str:
             comm.abort()
 
     async def ask_in_time() -> str:
-        return await asyncio.wait_for(ask(), ANSWER)
+        return await asyncio.wait_for(ask(), CONNECT_TIMEOUT)
 
     try:
-        # In a thread of its own: this one may have a loop already, as in notebooks.
+        # In another thread: this one may have an event loop already, as in notebooks.
         with ThreadPoolExecutor(1) as pool:
             return pool.submit(asyncio.run, ask_in_time()).result()
     except Exception as error:
         late = isinstance(error, (OSError, asyncio.TimeoutError))
-        why = f"no Dask scheduler answers there within {ANSWER:g} s" if late else one_line(error)
+        why = (
+            f"no Dask scheduler answers there within {CONNECT_TIMEOUT:g} s"
+            if late
+            else one_line(error)
+        )
         raise InputError(f'the cluster "{address}" cannot be reached: {why}.') from error

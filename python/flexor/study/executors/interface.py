@@ -1,4 +1,4 @@
-"""The interface of executors, and the one that uses threads of this process."""
+"""The interface of what evaluates designs, and the one that uses threads of this process."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 
-class Executor(ABC):
-    """Evaluates designs somewhere; the outcomes do not depend on where.
+class DesignEvaluator(ABC):
+    """Evaluates designs; results do not depend on the executor.
 
     A context manager for what it may have to close.
     """
@@ -77,7 +77,7 @@ class Executor(ABC):
 
 
 @dataclass(frozen=True)
-class Threads(Executor):
+class Threads(DesignEvaluator):
     """Evaluates in this process; InputError if the number of threads is not useful."""
 
     threads: int = 0  # of the engine; 0 for one per core

@@ -1,4 +1,4 @@
-"""A Dask cluster on this machine, whose processes end with this one and do not hear Ctrl-C."""
+"""A Dask cluster on this machine, whose processes end with this one and ignore Ctrl-C."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class LocalCluster:
                     n_workers=workers,
                     threads_per_worker=1,
                     local_directory=place,
-                    dashboard_address="127.0.0.1:0",  # whatever is free, seen from here only
+                    dashboard_address="127.0.0.1:0",  # any free port, local only
                     worker_dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
@@ -74,7 +74,7 @@ class LocalCluster:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Start a thread whose processes do not hear Ctrl-C: it is for this one, which stops them."""
+    """Start a thread whose processes ignore Ctrl-C: this process stops them."""
     if not hasattr(signal, "pthread_sigmask"):  # on Windows
         yield
         return

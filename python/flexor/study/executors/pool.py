@@ -1,4 +1,4 @@
-"""Evaluation on any executor with the interface of `concurrent.futures`."""
+"""Evaluation on any `concurrent.futures.Executor`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Generator
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
-from concurrent.futures import Executor as StandardExecutor
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, wait
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -18,24 +17,24 @@ from flexor.model import chunks
 from flexor.model.interruption import end_all
 from flexor.model.results import Paths
 from flexor.study.executors import task
-from flexor.study.executors.interface import Executor
+from flexor.study.executors.interface import DesignEvaluator
 from flexor.study.executors.task import PickledProblem, Reply, one_line
 from flexor.study.problem import FloatArray, Problem
 
 Result = TypeVar("Result")
-# A task should take no less than this [s], or passing it on takes as long as doing it.
-SHORTEST = 0.02
-# Tasks kept waiting for each worker, so that none is idle between two.
-AHEAD = 3
-# How often a wait looks whether there is still something to wait for [s].
-_LOOK = 0.2
+# Shorter tasks [s] would take as long to send as to do.
+MIN_TASK_SECONDS = 0.02
+# Tasks submitted per worker, so that none is idle between two.
+QUEUE_DEPTH = 3
+# Seconds between checks that the executor is alive while waiting for it.
+_POLL_INTERVAL = 0.2
 
 
-class Pool(Executor):
-    """Evaluates with an executor of `concurrent.futures`, or anything of the same interface.
+class Pool(DesignEvaluator):
+    """Evaluates with a `concurrent.futures.Executor`.
 
-    Threads of this process are called as they are; to other processes goes the pickled problem,
-    which each unpickles once, and then the designs.
+    Threads of this process get the problem itself; other processes get it pickled with each task
+    and unpickle it once.
 
     Parameters
     ----------
@@ -51,7 +50,7 @@ class Pool(Executor):
     `flexor.errors.ClusterError` if the executor is lost.
     """
 
-    def __init__(self, executor: StandardExecutor, name: str = "the executor") -> None:
+    def __init__(self, executor: Executor, name: str = "the executor") -> None:
         self._executor, self._name = executor, name
         self._here = isinstance(executor, ThreadPoolExecutor)
         self._pickled: WeakKeyDictionary[Problem, PickledProblem] = WeakKeyDictionary()
@@ -76,7 +75,7 @@ class Pool(Executor):
         running: deque[Future[Reply]] = deque()
         try:
             while left or running:
-                while left and len(running) < AHEAD * self.slots:
+                while left and len(running) < QUEUE_DEPTH * self.slots:
                     running.append(self._submit(problem, task.evaluate, left.popleft(), gradient))
                 reply = self._reply(running.popleft())
                 outcomes: Paths = reply.result
@@ -121,7 +120,7 @@ class Pool(Executor):
 
     def _reply(self, future: Future[Reply], stopped: Callable[[], bool] | None = None) -> Reply:
         """Wait for a reply."""
-        while not wait([future], _LOOK).done:
+        while not wait([future], _POLL_INTERVAL).done:
             if stopped is not None and stopped():
                 future.cancel()
                 raise CancelledError
@@ -155,9 +154,9 @@ class Pool(Executor):
         parts = -(-count // chunks.SIZE)
         if parts < slots:
             known, seconds = self._spent.get(problem, (0, 0.0))
-            worth = count if not known else int(count * seconds / known / SHORTEST)
+            worth = count if not known else int(count * seconds / known / MIN_TASK_SECONDS)
             parts = max(parts, min(slots, worth, count))
-        elif parts < AHEAD * slots:
+        elif parts < QUEUE_DEPTH * slots:
             parts = -(-parts // slots) * slots  # the same for each worker
         return np.array_split(designs, parts) if parts else []
 

@@ -41,7 +41,7 @@ class PickledProblem:
 
 @dataclass(frozen=True)
 class Reply:
-    """What became of a task."""
+    """The outcome of a task."""
 
     result: Any = None
     seconds: float = 0.0
@@ -58,7 +58,7 @@ def run(problem: PickledProblem, work: bytes) -> Reply:
     except InputError as error:
         return Reply(error=error)
     except Exception as error:
-        # What users' own functions import may be missing here.
+        # A user's function may import what is missing here.
         return Reply(error=InputError(f"a worker cannot load the problem: {one_line(error)}."))
 
 
@@ -77,7 +77,7 @@ def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Paths:
 
 
 def check(wanted: Mapping[str, str]) -> str:
-    """Return in what Flexor differs here from the one that asks; empty if in nothing."""
+    """Return how Flexor differs here from the version that asks; empty if it does not."""
     here = decisive()
     if here["flexor"] != wanted["flexor"]:
         return f"runs Flexor {here['flexor']}, this is {wanted['flexor']}: install the same version"

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from flexor.design import ParameterSet, parameter_set
+from flexor.arguments import check_callable, integer
+from flexor.design import ParameterSet
 from flexor.errors import InputError, unknown
-from flexor.model.loading import require_model
 from flexor.objectives import Objective
 from flexor.optimizers import Grid
 from flexor.study.executors import AnyExecutor
 from flexor.study.landscape.result import Landscape
-from flexor.study.optimization import optimize
-from flexor.study.study import StudyCallback
+from flexor.study.optimization import resume_search, run_search
+from flexor.study.problem import Problem
+from flexor.study.settings import LANDSCAPE, Settings, reopened
+from flexor.study.study import Study, StudyCallback
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -31,11 +33,12 @@ def landscape(
     axes: Sequence[str] | None = None,
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    force: ArrayLike | None = None,
+    force: Any = None,
     folder: str | Path | None = None,
     resume: bool = False,
     progress: StudyCallback | None = None,
     executor: AnyExecutor | None = None,
+    finish: Callable[[Landscape], None] | None = None,
     engine_options: Mapping[str, float] | None = None,
 ) -> Landscape:
     """Evaluate an objective on a grid over one or two parameters.
@@ -50,8 +53,8 @@ def landscape(
         Labels of the one or two parameters to vary; required if the set has more than two.
     start : (k,) array, optional
         Values of the other parameters, SI; the set's own start by default.
-    bounds, force, folder, resume, progress, executor, engine_options : optional
-        As for `flexor.optimize`.
+    bounds, force, folder, resume, progress, executor, finish, engine_options : optional
+        As for `flexor.optimize`; ``finish`` is called with the landscape.
 
     Returns
     -------
@@ -64,22 +67,64 @@ def landscape(
         If a name is not known, the axes are not one or two of the set's parameters, or the folder
         cannot be used.
     """
-    chosen = parameter_set(parameters, require_model(model).design)
-    study = optimize(
-        model,
-        chosen,
-        objective,
-        _grid(chosen, grid, axes),
-        start=start,
-        bounds=bounds,
-        force=force,
+    problem = Problem.of(model, parameters, objective, force, bounds, engine_options)
+    check_callable("finish", finish)
+    study = run_search(
+        LANDSCAPE,
+        problem,
+        _grid(problem.parameters, integer("grid", grid, 2), axes),
+        start,
         folder=folder,
         resume=resume,
         progress=progress,
         executor=executor,
-        engine_options=engine_options,
+        finish=_finished(finish),
     )
     return Landscape.of(study)
+
+
+def resume_landscape(
+    folder: str | Path,
+    *,
+    progress: StudyCallback | None = None,
+    executor: AnyExecutor | None = None,
+    finish: Callable[[Landscape], None] | None = None,
+) -> Landscape:
+    """Resume a landscape from its folder.
+
+    Parameters
+    ----------
+    folder : path
+        The landscape folder.
+    progress, executor, finish : optional
+        As for `landscape`.
+
+    Returns
+    -------
+    Landscape
+        Arrays over the grid.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a landscape, is damaged or in use, or names something not known.
+    """
+    place = Path(folder)
+    settings = Settings.read(place, LANDSCAPE)
+    check_callable("finish", finish)
+    study = resume_search(
+        place,
+        settings,
+        reopened(place, settings),
+        progress=progress,
+        executor=executor,
+        finish=_finished(finish),
+    )
+    return Landscape.of(study)
+
+
+def _finished(finish: Callable[[Landscape], None] | None) -> Callable[[Study], None] | None:
+    return None if finish is None else lambda study: finish(Landscape.of(study))
 
 
 def _grid(chosen: ParameterSet, points: int, axes: Sequence[str] | None) -> Grid:

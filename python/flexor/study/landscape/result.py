@@ -15,7 +15,7 @@ from flexor.optimizers import SearchResult, grid_axes, grid_designs
 from flexor.store.files import csv_text, reason, replaced, write_text
 from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
-from flexor.study.settings import Settings
+from flexor.study.settings import LANDSCAPE, Settings
 from flexor.study.study import Study
 
 _SI = {"cm": "m", "mm": "m", "deg": "rad"}
@@ -45,7 +45,7 @@ class Landscape:
         """
         values, chosen = study.settings.values, study.problem.parameters
         options = values["method"]["options"]
-        where = f'the study "{study.folder}"' if study.folder else "the study"
+        where = f"the {study.settings.kind.name}" + (f' "{study.folder}"' if study.folder else "")
         if values["method"]["name"] != "grid" or not values["start"]:
             raise InputError(f"{where} is not a landscape.")
         columns = tuple(options["columns"]) or tuple(range(chosen.size))
@@ -75,16 +75,9 @@ class Landscape:
         )
 
     @classmethod
-    def check(cls, folder: str | Path) -> None:
-        """Refuse a study folder that is not a landscape, finished or not."""
-        values = Settings.read(Path(folder)).values
-        if values["method"]["name"] != "grid":
-            method = values["method"]["name"]
-            raise InputError(f'the study "{folder}" is not a landscape: its method is {method}.')
-
-    @classmethod
     def open(cls, folder: str | Path) -> Landscape:
-        """Read a finished landscape from its folder; InputError if there is none."""
+        """Read a finished landscape of any version from its folder; InputError if there is none."""
+        Settings.read(Path(folder), LANDSCAPE)
         return cls.of(Study.open(folder))
 
     @property

@@ -1,0 +1,134 @@
+//! Fibres of one material, evaluated together: loops over arrays, which are vectorised.
+
+use super::description::Fibre;
+use super::law::Law;
+
+/// All fibres of a material that is not linear, ready for evaluation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fibres {
+    /// Gauss points in order, each with the end of its fibres.
+    runs: Vec<(usize, usize)>,
+    /// z/L and −y/L.
+    z: Vec<f64>,
+    y: Vec<f64>,
+    /// w L A.
+    weight: Vec<f64>,
+    stretch: Vec<f64>,
+    ratio: Vec<f64>,
+}
+
+/// w and its derivatives with respect to 1 + ε + κ_y z − κ_z y, fibre by fibre.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Energies {
+    pub stretch: Vec<f64>,
+    pub value: Vec<f64>,
+    pub first: Vec<f64>,
+    pub second: Vec<f64>,
+}
+
+/// Sums over the fibres of a Gauss point: forces conjugate to ε, θ_y, θ_z and their derivative.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PointForce {
+    pub force: [f64; 3],
+    pub tangent: [[f64; 3]; 3],
+}
+
+impl Energies {
+    fn resize(&mut self, n: usize) {
+        for numbers in [&mut self.stretch, &mut self.value, &mut self.first, &mut self.second] {
+            numbers.resize(n, 0.0);
+        }
+    }
+}
+
+impl Fibres {
+    pub fn clear(&mut self) {
+        self.runs.clear();
+        for numbers in [&mut self.z, &mut self.y, &mut self.weight, &mut self.stretch, &mut self.ratio] {
+            numbers.clear();
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.weight.is_empty()
+    }
+
+    /// Appends a fibre of a Gauss point, the last so far or a later one, of weight w L = `scale`.
+    pub fn push(&mut self, point: usize, fibre: &Fibre, length: f64, scale: f64) {
+        self.z.push(fibre.z / length);
+        self.y.push(-fibre.y / length);
+        self.weight.push(scale * fibre.area);
+        self.stretch.push(fibre.stretch);
+        self.ratio.push(fibre.ratio);
+        match self.runs.last_mut() {
+            Some((last, end)) if *last == point => *end += 1,
+            _ => self.runs.push((point, self.weight.len())),
+        }
+    }
+
+    /// Evaluates all fibres under the strains ε, θ_y and θ_z of the Gauss points; `false` if one of them
+    /// vanishes.
+    pub fn evaluate(
+        &self,
+        law: Law,
+        constants: &[f64],
+        wound: bool,
+        strains: &[[f64; 3]],
+        out: &mut Energies,
+    ) -> bool {
+        out.resize(self.weight.len());
+        let mut first = 0;
+        for (point, end) in &self.runs {
+            let [axial, bend_y, bend_z] = strains[*point];
+            let at = first..*end;
+            let arms = self.z[at.clone()].iter().zip(&self.y[at.clone()]).zip(&self.stretch[at.clone()]);
+            for (out, ((z, y), stretch)) in out.stretch[at].iter_mut().zip(arms) {
+                *out = (1.0 + axial + (z * bend_y + y * bend_z)) * stretch;
+            }
+            first = *end;
+        }
+        let exists = |(x, ratio): (&f64, &f64)| *x > 0.0 && (!wound || ratio * x - (ratio - 1.0) > 0.0);
+        let sound = out.stretch.iter().zip(&self.ratio).map(exists).fold(true, |all, one| all & one);
+        law.evaluate(constants, &self.stretch, wound.then_some(&self.ratio), out);
+        sound
+    }
+
+    /// Adds the fibres' forces to those of the Gauss points and returns their energy.
+    pub fn add_forces<const P: usize>(&self, energies: &Energies, points: &mut [PointForce]) -> f64 {
+        let (mut total, mut first) = (0.0, 0);
+        for (point, end) in &self.runs {
+            let mut sums = [0.0; 10];
+            for i in first..*end {
+                let (z, y, weight) = (self.z[i], self.y[i], self.weight[i]);
+                let (force, slope) = (weight * energies.first[i], weight * energies.second[i]);
+                let spatial = if P == 3 { [force, slope, slope * z, slope * y] } else { [0.0; 4] };
+                let terms = [weight * energies.value[i], force, force * z, slope, slope * z, slope * z * z];
+                sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+                sums[6..].iter_mut().zip(spatial).for_each(|(sum, term)| *sum += term * y);
+            }
+            let [energy, n, m_y, nn, ny, yy, m_z, nz, yz, zz] = sums;
+            let add = |a: &mut [f64; 3], b: [f64; 3]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            let out = &mut points[*point];
+            add(&mut out.force, [n, m_y, m_z]);
+            for (row, more) in out.tangent.iter_mut().zip([[nn, ny, nz], [ny, yy, yz], [nz, yz, zz]]) {
+                add(row, more);
+            }
+            total += energy;
+            first = *end;
+        }
+        total
+    }
+
+    /// Adds the sizes of the fibres' forces to those of the Gauss points.
+    pub fn add_magnitudes(&self, energies: &Energies, points: &mut [[f64; 3]]) {
+        let mut first = 0;
+        for (point, end) in &self.runs {
+            for i in first..*end {
+                let force = (self.weight[i] * energies.first[i]).abs();
+                let sizes = [force, force * self.z[i].abs(), force * self.y[i].abs()];
+                points[*point].iter_mut().zip(sizes).for_each(|(sum, size)| *sum += size);
+            }
+            first = *end;
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! Contact of a rod with round links through the elastic foundation of their skins.
+//!
+//! The overlap of rod and link is taken up by their skins, as if these were independent springs. It is
+//! integrated across in closed form and along the rod at points with weights.
+
+mod attached;
+mod definition;
+mod strap_loop;
+mod strip;
+mod touch;
+
+pub use definition::FoundationDescription;
+pub use strap_loop::StrapLoopDescription;
+pub(crate) use strap_loop::StrapLoops;
+
+use super::contact::{Closest, ContactSummary, closest, direction, is_far};
+use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
+use super::state::State;
+use super::terms::Terms;
+use crate::geometry::add_radius_slope;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::{ModelError, Tree};
+use attached::{moved, points, relative};
+use definition::Foundation;
+use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
+
+/// All elastic foundations.
+#[derive(Clone, Debug)]
+pub(crate) struct Foundations(Vec<Foundation>);
+
+/// Position on a cone's axis, as a share of it, to which a point counts as being at its end.
+const THRESHOLD: f64 = 1e-7;
+
+/// Depth, as a share of S, at which the stiffness of a contact that closes is predicted.
+const USUAL_DEPTH: f64 = 0.05;
+
+impl Foundations {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        foundations: &[FoundationDescription],
+    ) -> Result<Self, ModelError> {
+        foundations.iter().map(|d| Foundation::build(tree, d)).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Visits the round cones that points of the rods touch, or lack less than `margin` of touching, and,
+    /// with negative weight, the spheres that two of them share.
+    #[inline]
+    fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        margin: f64,
+        mut visit: impl FnMut(Near<P>),
+    ) {
+        let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
+        for (index, foundation) in self.0.iter().enumerate() {
+            let length = at.parameters()[foundation.length];
+            for (first, share) in foundation.first.clone().zip(&foundation.weights) {
+                let (p, surface, weight) = (centre(first), at.geometry.radii[first], length * share);
+                for (c, cone) in foundation.cones.iter().enumerate() {
+                    let ends = cone.ends.map(centre);
+                    let radii = cone.ends.map(|end| at.geometry.radii[end]);
+                    if is_far(p, ends, surface + radii[0].max(radii[1]) + margin) {
+                        continue;
+                    }
+                    let axis = *ends[1] - *ends[0];
+                    let mut near = |weight, found: Closest<P>| {
+                        let depth = surface + found.radius - found.distance;
+                        if depth > -margin {
+                            visit(Near {
+                                foundation: index,
+                                first,
+                                cone: c,
+                                weight,
+                                surface,
+                                radii,
+                                axis,
+                                depth,
+                                found,
+                            });
+                        }
+                    };
+                    near(weight, closest(p, ends, radii));
+                    if cone.joined && weight != 0.0 {
+                        let r = *p - *ends[0];
+                        let (normal, distance) = direction(r, r.norm(), radii[0]);
+                        let (across, radius) = (Vector::ZERO, radii[0]);
+                        near(
+                            -weight,
+                            Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds to the summary, and to the force on the tip, without allocating.
+    ///
+    /// Points without weight only tell overlap and pressure.
+    pub fn summarise<const P: usize>(
+        &self,
+        state: &[Touch<P>],
+        summary: &mut ContactSummary,
+        tip: &mut Vector<P>,
+    ) {
+        let mut last = None;
+        for touch in state {
+            let this = Some((touch.foundation, touch.first));
+            summary.pairs += u32::from(touch.weight > 0.0);
+            summary.touching += u32::from(this != last && touch.weight != 0.0);
+            last = this;
+            summary.overlap = summary.overlap.max(touch.depth);
+            summary.pressure = summary.pressure.max(touch.pressure());
+            *tip += touch.gradient() * -self.tip_share(touch);
+        }
+    }
+
+    /// The share of a point that belongs to the tip.
+    fn tip_share<const P: usize>(&self, touch: &Touch<P>) -> f64 {
+        let foundation = &self.0[touch.foundation];
+        foundation.tip[touch.first - foundation.first.start]
+    }
+
+    /// What touches the tip, with its points p, a, b, and the derivatives with respect to these of the
+    /// force on the tip along a direction.
+    pub fn for_each_tip_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        tree: &Tree<G, D, P>,
+        state: &[Touch<P>],
+        direction: &Vector<P>,
+        mut visit: impl FnMut([usize; 3], [Vector<P>; 3]),
+    ) {
+        for touch in state {
+            let share = self.tip_share(touch);
+            if share == 0.0 {
+                continue;
+            }
+            let mut changes = [Vector::ZERO; 3];
+            for (i, change) in changes.iter_mut().enumerate() {
+                for axis in 0..P {
+                    let mut motion = [Vector::ZERO; 3];
+                    motion[i] = Vector::unit(axis);
+                    change[axis] = -share * direction.dot(&touch.change_of_gradient(&moved(touch, &motion)));
+                }
+            }
+            visit(points(touch, tree), changes);
+        }
+    }
+
+    /// Adds the derivative of the force on the tip along a direction with frames and points held.
+    pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &[Touch<P>],
+        direction: &Vector<P>,
+        gradient: &mut [f64],
+    ) {
+        for touch in state {
+            let share = self.tip_share(touch);
+            if share != 0.0 {
+                self.add_work(at, touch, &(*direction * -share), gradient);
+            }
+        }
+    }
+
+    /// Adds the change of the work of a touch's gradient on a velocity with every parameter, frames and
+    /// points held.
+    fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        touch: &Touch<P>,
+        velocity: &Vector<P>,
+        gradient: &mut [f64],
+    ) {
+        let (p, tree) = (at.parameters(), at.tree);
+        let foundation = &self.0[touch.foundation];
+        let cone = &foundation.cones[touch.cone];
+        let work = |i: usize| {
+            let mut explicit = [0.0; 6];
+            explicit[i] = 1.0;
+            let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
+            velocity.dot(&touch.change_of_gradient(&change))
+        };
+        gradient[foundation.length] += velocity.dot(&touch.gradient()) / p[foundation.length];
+        let spheres = [touch.first, touch.ends[0], touch.ends[1]];
+        for (sphere, i) in spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+            add_radius_slope(tree, p, tree.spheres[sphere].radius, work(i), gradient);
+        }
+        for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
+            gradient[slot] += work(i);
+        }
+        let point = touch.first - foundation.first.start;
+        let by_width = work(WIDTH);
+        gradient[foundation.half_width + point] += by_width;
+        gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[touch.first];
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Foundations {
+    type Design = ();
+    /// What touches.
+    type State = Vec<Touch<P>>;
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Foundations {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
+        Vec::with_capacity(self.0.iter().map(Foundation::most_couplings).sum())
+    }
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|foundation| foundation.is_admissible(parameters))
+    }
+
+    fn most_couplings(&self) -> usize {
+        self.0.iter().map(Foundation::most_couplings).sum()
+    }
+
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// For the predictor, contacts that open and close with the stiffness that they have or, before they
+    /// touch, at a depth that is usual.
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<Touch<P>>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        self.for_each_near(at, margin, |near| {
+            if near.weight == 0.0 {
+                return;
+            }
+            let foundation = &self.0[near.foundation];
+            let Near { first, depth, found, .. } = &near;
+            let usual = USUAL_DEPTH * near.surface;
+            let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
+            let touch = Touch::new(foundation, at.parameters(), &expected);
+            let [a, b] = touch.ends;
+            let spheres = match found.t {
+                _ if found.slip > 0.0 => [*first, a, b],
+                t if t < 0.5 => [*first, a, a],
+                _ => [*first, b, b],
+            };
+            visit(Switch {
+                points: spheres.map(|sphere| at.tree.spheres[sphere].point),
+                t: found.t,
+                normal: found.normal,
+                depth: *depth,
+                stiffness: touch.stiffness(),
+            });
+        });
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &mut Vec<Touch<P>>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        state.clear();
+        self.for_each_near(at, 0.0, |near| {
+            let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
+            if touch.weight != 0.0 {
+                attached::add_residual(at, &touch, out);
+            }
+            state.push(touch);
+        });
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        state
+            .iter()
+            .filter(|touch| touch.weight != 0.0)
+            .for_each(|touch| attached::add_tangent(at, touch, out));
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
+        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
+    }
+
+    /// Opening is smooth; where a point passes from a cone's side to its end the tangent jumps.
+    fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
+        let mut found = false;
+        self.for_each_near(at, 0.0, |near| {
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            if near.found.unbounded.is_some_and(passing) {
+                let [a, b] = self.0[near.foundation].cones[near.cone].ends;
+                let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
+                found |= moves(&points, &near.axis) || moves(&points, &near.found.normal);
+            }
+        });
+        found
+    }
+
+    /// Contact of two joined round cones at their common sphere counts once.
+    fn contact_forces(&self, at: &State<G, D, P>, state: &Vec<Touch<P>>, out: &mut Vec<ContactForce<P>>) {
+        for touch in state {
+            let force = -touch.gradient();
+            let same = |f: &ContactForce<P>| {
+                f.first == touch.first && (f.force + force).norm() <= 1e-9 * force.norm()
+            };
+            if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
+                out.remove(i);
+                continue;
+            }
+            let inward = at.geometry.radii[touch.first] - 0.5 * touch.depth;
+            let [p, ..] = points(touch, at.tree);
+            out.push(ContactForce {
+                first: touch.first,
+                second: Some(touch.ends),
+                nearest: Some(touch.ends[usize::from(touch.t >= 0.5)]),
+                cone: true,
+                force,
+                depth: touch.depth,
+                pressure: Some(touch.pressure()),
+                point: *at.point(p) - touch.normal * inward,
+            });
+        }
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for touch in state {
+            self.add_work(at, touch, &relative(touch, at, motion), gradient);
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        let each = |touch| attached::geometric_work(at, touch, motion, velocities);
+        *work += state.iter().map(each).sum::<f64>();
+    }
+}

@@ -1,0 +1,184 @@
+//! Straps that are sewn to a rod and loop around a link, along which they slide without friction:
+//! ½ k (‖p − c(t)‖ − r(t) − S − ℓ₀)₊², with the point c(t) of the link's axis that is closest.
+
+use super::super::contact::closest;
+use super::super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
+use super::super::magnitudes::Magnitudes;
+use super::super::state::State;
+use super::super::terms::Terms;
+use super::attached::{self, relative};
+use super::touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch};
+use crate::geometry::add_radius_slope;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+use crate::tree::{ModelError, Tree, finite, not_negative};
+use serde::Deserialize;
+
+/// A strap around a link.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StrapLoopDescription {
+    /// Unique name.
+    pub name: String,
+    /// Three spheres: of a point of a rod, and at both ends of a link.
+    pub spheres: String,
+    /// Stiffness [N/m].
+    pub stiffness: f64,
+    /// Gap between rod and link up to which it is slack [m]; negative if it presses them together.
+    pub rest_length: f64,
+}
+
+/// A strap around a link: its spheres, and parameters holding k and ℓ₀.
+#[derive(Clone, Debug)]
+struct StrapLoop {
+    spheres: [usize; 3],
+    stiffness: usize,
+    rest_length: usize,
+}
+
+/// All straps around links.
+#[derive(Clone, Debug)]
+pub(crate) struct StrapLoops(Vec<StrapLoop>);
+
+impl StrapLoops {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        straps: &[StrapLoopDescription],
+    ) -> Result<Self, ModelError> {
+        let mut built = vec![];
+        for strap in straps {
+            let field = |f: &str| format!("loops.{}.{f}", strap.name);
+            let group = tree.sphere_group(&field("spheres"), &strap.spheres)?;
+            not_negative(field("stiffness"), strap.stiffness)?;
+            finite(field("rest_length"), &[strap.rest_length])?;
+            let [p, a, b] = [0, 1, 2].map(|i| group.start + i);
+            let frame = |sphere: usize| tree.spheres.get(sphere).map(|s| tree.points[s.point].frame);
+            if group.len() != 3 || frame(a) != frame(b) {
+                let problem = "expected a point of a rod and both ends of one link";
+                return Err(ModelError::new(field("spheres"), problem));
+            }
+            tree.keep_jacobian(tree.points[tree.spheres[a].point].frame);
+            let stiffness = tree.slot(format!("{}.stiffness", strap.name), &[strap.stiffness]).start;
+            let rest_length = tree.slot(format!("{}.rest_length", strap.name), &[strap.rest_length]).start;
+            built.push(StrapLoop { spheres: [p, a, b], stiffness, rest_length });
+        }
+        Ok(Self(built))
+    }
+
+    /// Tension of each.
+    pub fn tensions<const P: usize>(&self, state: &[Touch<P>]) -> Vec<f64> {
+        let mut tensions = vec![0.0; self.0.len()];
+        state.iter().for_each(|touch| tensions[touch.foundation] = -touch.normal_force());
+        tensions
+    }
+}
+
+impl StrapLoop {
+    /// The strap with its index, if it is taut.
+    fn taut<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+    ) -> Option<Touch<P>> {
+        let [first, a, b] = self.spheres;
+        let [p, start, stop] = self.spheres.map(|sphere| at.point(at.tree.spheres[sphere].point));
+        let radii = [a, b].map(|end| at.geometry.radii[end]);
+        let surface = at.geometry.radii[first];
+        let found = closest(p, [start, stop], radii);
+        let depth = surface + found.radius - found.distance;
+        let stretch = -depth - at.parameters()[self.rest_length];
+        let (axis, weight) = (*stop - *start, 1.0);
+        (stretch > 0.0).then(|| {
+            let near = Near { foundation: index, first, cone: 0, weight, surface, radii, axis, depth, found };
+            Touch::of_loop(&near, [a, b], at.parameters()[self.stiffness], stretch)
+        })
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for StrapLoops {
+    type Design = ();
+    /// The straps that are taut.
+    type State = Vec<Touch<P>>;
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for StrapLoops {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
+        Vec::with_capacity(self.0.len())
+    }
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|strap| parameters[strap.stiffness] >= 0.0)
+    }
+
+    fn most_couplings(&self) -> usize {
+        self.0.len()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &mut Vec<Touch<P>>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        state.clear();
+        state.extend(self.0.iter().enumerate().filter_map(|(index, strap)| strap.taut(index, at)));
+        state.iter().for_each(|touch| attached::add_residual(at, touch, out));
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        state.iter().for_each(|touch| attached::add_tangent(at, touch, out));
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
+        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for touch in state {
+            let velocity = relative(touch, at, motion);
+            let strap = &self.0[touch.foundation];
+            let work = |i: usize| {
+                let mut explicit = [0.0; 6];
+                explicit[i] = 1.0;
+                let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
+                velocity.dot(&touch.change_of_gradient(&change))
+            };
+            gradient[strap.stiffness] += work(STIFFNESS[0]);
+            gradient[strap.rest_length] += work(SURFACE);
+            for (sphere, i) in strap.spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+                add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, work(i), gradient);
+            }
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<Touch<P>>,
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        *work +=
+            state.iter().map(|touch| attached::geometric_work(at, touch, motion, velocities)).sum::<f64>();
+    }
+}

@@ -1,0 +1,140 @@
+"""A path in the terminal: a row per load step, what is beyond its limits, and events."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexor.cli.console import say
+from flexor.cli.table import fixed, number, show
+
+if TYPE_CHECKING:
+    from flexor.model import Event, Path
+
+Columns = dict[str, list[str]]  # cells by heading
+
+
+def report(path: Path) -> None:
+    """Print a path as a table, then explanations, warnings and events."""
+    from flexor.model import explained, why_stalled
+
+    columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
+    columns["state"] = [_state(path, step) for step in range(len(path))]
+    columns["events"] = [
+        ", ".join(_kind(event) for event in path.events if event.step == step)
+        for step in range(len(path))
+    ]
+    show(list(columns), list(zip(*columns.values(), strict=True)), left=0)
+    failed = path.status[~path.converged]
+    if len(failed):
+        say(explained(failed[0]))
+    if "stalled" in failed:
+        say(why_stalled(path))
+    free = dict.fromkeys(name for names in path.free for name in names)
+    if free:
+        say(f"held by nothing: {', '.join(free)}")
+    if path.converged[-1]:
+        _print_extremes(path)
+    for warning in path.warnings:
+        say(f"warning: {warning}")
+    for event in path.events:
+        say(_event(event, path))
+
+
+def _loads(path: Path) -> Columns:
+    model, columns = path.model, {}
+    several = len(model.inputs) > 1
+    loads = path.loads.T if several else path.force[None]
+    for index, load in enumerate(loads):
+        size, unit = model.load_unit(index)
+        name = model.inputs[index] if several else model.load_name()
+        columns[f"{name} / {unit}".removesuffix(" / ")] = [number(x) for x in load / size]
+    for name, found in path.found_loads().items():
+        size, unit = model.controlled[name].shown
+        what = model.controlled[name].name.split(" ", 1)[1]
+        heading = f"{what} of {name}" if several else what
+        columns[f"{heading} / {unit}"] = [number(x) for x in found / size]
+    return columns
+
+
+def _joints(path: Path) -> Columns:
+    """Return the angles and travels of joints, or the tips of rods where no joint turns."""
+    model, columns = path.model, {}
+    angular = model.angular_joints
+    angles = {
+        name: np.degrees(column)
+        for name, column in zip(model.joints, path.joint_angles.T, strict=True)
+        if name in angular
+    }
+    for name, angle in angles.items():
+        columns[f"{model.joint_labels[name]} / °"] = [fixed(x) for x in angle]
+    axes = {tuple(each["axis"]) for each in model.engine.joints if each["name"] in angular}
+    if len(angles) > 1 and len(axes) == 1:
+        columns["sum / °"] = [fixed(x) for x in sum(angles.values())]
+    for name, column in zip(model.joints, path.joint_angles.T, strict=True):
+        if name not in angular:
+            columns[f"{model.joint_labels[name]} / mm"] = [fixed(1e3 * x) for x in column]
+    if not angular:
+        frames = [path.frames(step) for step in range(len(path))]
+        for rod in model.rods:
+            tips = (100.0 * each[rod][-1, :3, 3] for each in frames)
+            columns[f"{rod} tip x, y, z / cm"] = [", ".join(map(fixed, tip)) for tip in tips]
+    return columns
+
+
+def _contacts(path: Path) -> Columns:
+    if not path.model.first_spheres:
+        return {}
+    return {
+        "contacts": [str(count) for count in path.touching],
+        "tip force / N": [number(force) for force in path.tip_force],
+    }
+
+
+def _device(path: Path) -> Columns:
+    """Return what device and wearer feel."""
+    model, found = path.model, {}
+    if model.foundations:
+        found["overlap / mm"] = 1e3 * path.max_overlap
+        found["on the skin / kPa"] = path.max_contact_pressure / 1e3
+    if np.isfinite(path.stretch).any():
+        found["strain / %"] = 100.0 * path.max_strain
+    for name, volume in zip(model.pressures, path.volume.T, strict=True):
+        found[f"{name} / mL"] = 1e6 * volume
+    for name, force in (path.strap_forces() | path.obstacle_forces()).items():
+        found[f"{name} / N"] = force
+    return {heading: [number(float(x)) for x in values] for heading, values in found.items()}
+
+
+def _print_extremes(path: Path) -> None:
+    """Print where contact pressure and strain are largest at the last step."""
+    found = path[-1].extremes()
+    for key, what in (("max_contact_pressure", "contact pressure"), ("max_strain", "strain")):
+        if (each := found.get(key)) is not None:
+            on = f" on {each.on}" if each.on else ""
+            say(f"largest {what}: {each.body} at X = {each.X:.3g}{on}")
+
+
+def _state(path: Path, step: int) -> str:
+    if not path.converged[step]:
+        return str(path.status[step]).replace("_", " ")
+    return str(path.stability[step])
+
+
+def _kind(event: Event) -> str:
+    return event.kind.replace("_", " ")
+
+
+def _event(event: Event, path: Path) -> str:
+    moves = []
+    joints = zip(path.model.joints, event.angles_before, event.angles_after, strict=True)
+    for name, *ends in joints:
+        turns = name in path.model.angular_joints
+        before, after = (
+            f"{fixed(degrees(end))}°" if turns else f"{fixed(1e3 * end)} mm" for end in ends
+        )
+        moves.append(f"{path.model.joint_labels[name]} {before} to {after}")
+    what = f"{_kind(event)} at {path.model.show_load(event.force, '.4g')}"
+    return f"{what}: {', '.join(moves)}" if moves else what
