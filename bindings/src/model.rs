@@ -313,6 +313,7 @@ impl Model {
         out.set_item("max_overlap", result.overlap.into_pyarray(py).reshape(shape)?)?;
         out.set_item("max_contact_pressure", result.pressure.into_pyarray(py).reshape(shape)?)?;
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        out.set_item("applied", result.applied.into_pyarray(py).reshape([designs, steps, inputs])?)?;
         out.set_item("volume", result.volume.into_pyarray(py).reshape([designs, steps, volumes])?)?;
         let shape = [designs, steps, materials, 2];
         out.set_item("stretch", result.stretch.into_pyarray(py).reshape(shape)?)?;

@@ -66,6 +66,8 @@ pub struct BatchResult {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip [N].
     pub tip_force: Vec<f64>,
+    /// Load of each input; of one that is controlled by its conjugate, what was found.
+    pub applied: Vec<f64>,
     /// Largest overlap of a contact [m].
     pub overlap: Vec<f64>,
     /// Largest pressure on an elastic foundation [Pa].
@@ -116,6 +118,7 @@ struct Row<'a> {
     pairs: &'a mut [u32],
     touching: &'a mut [u32],
     tip_force: &'a mut [f64],
+    applied: &'a mut [f64],
     overlap: &'a mut [f64],
     pressure: &'a mut [f64],
     volume: &'a mut [f64],
@@ -150,11 +153,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
             return;
         }
         row.q[index * row.dof..(index + 1) * row.dof].copy_from_slice(report.q);
-        row.energy[index] = system.data().energy();
+        row.energy[index] = system.data().potential(self.model);
         let contact = system.data().contact_summary(self.model);
         row.pairs[index] = contact.pairs;
         row.touching[index] = contact.touching;
         row.tip_force[index] = contact.tip_force;
+        let load = system.applied_load();
+        row.applied[index * load.len()..(index + 1) * load.len()].copy_from_slice(load);
         row.overlap[index] = contact.overlap;
         row.pressure[index] = contact.pressure;
         let (volumes, materials) = (self.model.pressure_count(), 2 * self.model.material_count());
@@ -203,6 +208,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             pairs: vec![0; count],
             touching: vec![0; count],
             tip_force: vec![0.0; count],
+            applied: vec![f64::NAN; count * inputs],
             overlap: vec![0.0; count],
             pressure: vec![0.0; count],
             volume: vec![f64::NAN; count * self.pressure_count()],
@@ -212,7 +218,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             events: vec![],
             free: vec![],
         };
-        let widths = [dof, self.pressure_count(), 2 * self.material_count()];
+        let widths = [dof, inputs, self.pressure_count(), 2 * self.material_count()];
         let mut rows = split_rows(&mut result, widths, steps, width);
         let solve = |rows: &mut [Row]| {
             let mut path = Continuation::new(self, options, batch.cancel);
@@ -249,7 +255,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
 /// Cuts the arrays into the rows of each design.
 fn split_rows(
     result: &mut BatchResult,
-    [dof, volumes, stretches]: [usize; 3],
+    [dof, inputs, volumes, stretches]: [usize; 4],
     steps: usize,
     width: usize,
 ) -> Vec<Row<'_>> {
@@ -269,6 +275,7 @@ fn split_rows(
         pairs,
         touching,
         tip_force,
+        applied,
         overlap,
         pressure,
         volume,
@@ -281,7 +288,7 @@ fn split_rows(
     let (mut residual, mut energy, mut pairs) = (&mut residual[..], &mut energy[..], &mut pairs[..]);
     let (mut touching, mut tip_force, mut gradient) =
         (&mut touching[..], &mut tip_force[..], &mut gradient[..]);
-    let (mut overlap, mut pressure) = (&mut overlap[..], &mut pressure[..]);
+    let (mut applied, mut overlap, mut pressure) = (&mut applied[..], &mut overlap[..], &mut pressure[..]);
     let (mut volume, mut stretch) = (&mut volume[..], &mut stretch[..]);
     let (mut tolerance, mut stability) = (&mut tolerance[..], &mut stability[..]);
     let designs = regularity.iter_mut().enumerate();
@@ -299,6 +306,7 @@ fn split_rows(
             pairs: cut(&mut pairs, steps),
             touching: cut(&mut touching, steps),
             tip_force: cut(&mut tip_force, steps),
+            applied: cut(&mut applied, steps * inputs),
             overlap: cut(&mut overlap, steps),
             pressure: cut(&mut pressure, steps),
             volume: cut(&mut volume, steps * volumes),

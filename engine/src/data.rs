@@ -1,6 +1,7 @@
 //! The workspace of one thread: a design, a state, and derived quantities.
 
 use crate::assembly::Assembly;
+use crate::control::Controls;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, Switch};
@@ -18,6 +19,8 @@ pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
     pub(crate) kinematics: Kinematics<G, D, P>,
     pub(crate) assembly: Assembly<D, P>,
+    /// Present where loads of controlled inputs are changes of their conjugates; else they are forces.
+    pub(crate) controls: Option<Controls>,
     /// How stiff terms make forces of distances.
     pub(crate) law: Law,
 }
@@ -30,6 +33,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             kinematics: Kinematics::new(&model.tree),
             assembly: Assembly::new(model),
             law: Law::Actual,
+            controls: None,
+        }
+    }
+
+    /// Lets the loads of controlled inputs act by their conjugates from now on.
+    pub(crate) fn control(&mut self, model: &Model<G, D, P>) {
+        self.controls = (!model.controls.is_empty()).then(|| Controls::new(model));
+        self.update_controls(model);
+    }
+
+    fn update_controls(&mut self, model: &Model<G, D, P>) {
+        if let Some(controls) = &mut self.controls {
+            controls.update(model, &self.design, &self.kinematics);
         }
     }
 
@@ -39,6 +55,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// If the length is not that of the model's parameters.
     pub fn set_parameters(&mut self, model: &Model<G, D, P>, parameters: &[f64]) {
         self.design.set_parameters(model, parameters);
+        self.update_controls(model);
     }
 
     /// Computes energy, residual and tangent at the state `q` under `load`.
@@ -49,11 +66,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, law } = self;
+        let Self { design, kinematics, assembly, law, controls } = self;
         let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         kinematics.update(tree, geometry, q);
+        let load = controls.as_mut().map_or(load, |controls| controls.apply(model, design, q, load));
         assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load, law });
+        if let Some(controls) = controls {
+            assembly.energy += controls.energy(&model.controls);
+        }
     }
 
     /// Computes the tangent that goes with the last residual, given its state and load once more.
@@ -64,10 +85,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// The same, but of a tangent with the form of a chain only what its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, law } = self;
+        let Self { design, kinematics, assembly, law, controls } = self;
         let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
+        let load = controls.as_ref().map_or(load, Controls::applied);
         assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load, law });
+        if let Some(controls) = controls {
+            controls.update_gradient(model, design, kinematics, q);
+            controls.add_tangent(&mut assembly.tangent);
+        }
     }
 
     /// Completes it.
@@ -78,6 +104,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// Π [J] at the last state evaluated, without the work of non-conservative loads.
     pub fn energy(&self) -> f64 {
         self.assembly.energy
+    }
+
+    /// Π [J] at the last state evaluated, without the work of controlled inputs.
+    pub(crate) fn potential(&self, model: &Model<G, D, P>) -> f64 {
+        self.energy() - self.controls.as_ref().map_or(0.0, |controls| controls.stored(&model.controls))
     }
 
     /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
@@ -117,6 +148,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         load: &'a [f64],
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
+        let load = self.controls.as_ref().map_or(load, Controls::applied);
         State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
@@ -237,7 +269,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// Keeps the forces that springs and contacts would have after a motion of the points, distances to first
     /// order, at the state evaluated last.
     pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &[Vector<P>]) {
-        let Self { design, kinematics, assembly, law } = self;
+        let Self { design, kinematics, assembly, law, .. } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
         let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
         model.forces.keep(&at, motion, &mut assembly.forces);
@@ -245,7 +277,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Makes the columns of all frames available; those that the last tangent needed are of its state.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
-        let Self { design, kinematics, assembly, law } = self;
+        let Self { design, kinematics, assembly, law, .. } = self;
         let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         assembly.complete_columns(&State { tree, geometry, kinematics, q: &[], load: &[], law });
@@ -278,6 +310,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let project = |frame: usize, wrench: &Vector<D>, out: &mut [f64]| {
             self.assembly.add_generalised_force(model, frame, wrench, out);
         };
-        model.forces.add_load_derivative(&at, &self.design.forces, change, out, &project);
+        let mut add = |change: &[f64]| {
+            model.forces.add_load_derivative(&at, &self.design.forces, change, out, &project);
+        };
+        match &self.controls {
+            None => add(change),
+            Some(controls) => controls.with_applied_rate(&model.controls, change, add),
+        }
     }
 }

@@ -8,6 +8,7 @@
 mod assembly;
 mod batch;
 mod branch;
+mod control;
 mod data;
 mod design;
 pub mod equilibrium;

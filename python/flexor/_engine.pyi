@@ -60,6 +60,7 @@ class Points(TypedDict):
 class Paths(Points):
     """Points of shape (n, s)."""
 
+    applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     stable: NDArray[np.bool_]  # whether stability is "stable"
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events

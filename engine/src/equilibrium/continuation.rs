@@ -1,6 +1,7 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
 use super::budget::{Budget, Cancel};
+use super::controlled::Places;
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
@@ -44,6 +45,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
+    pub(super) places: Places,
 }
 
 /// The listed load that is being approached.
@@ -83,6 +85,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             energy: 0.0,
             unstable: false,
             work: zeros(),
+            places: Places::new(inputs),
         }
     }
 
@@ -92,7 +95,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if admissible {
             self.system.set_parameters(parameters);
         }
-        admissible
+        admissible && self.system.can_be_controlled()
     }
 
     /// Solves at `loads[0]` from the state `q0` and follows the equilibrium to each further load.
@@ -117,11 +120,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 status = if index == 0 {
                     self.system.set_load(target);
                     let radius = self.options.trust_region.initial_radius;
-                    let status = self.find_stable(radius, tangent_reuse);
+                    let found = self.find_stable(radius, tangent_reuse);
+                    let status = self.hold(found, target, step, sink);
                     self.unstable = status == Status::Unstable;
                     status
                 } else {
-                    self.follow_segment(target, step, sink)
+                    self.follow_to(target, step, sink)
                 };
             } else {
                 status = Status::NotReached;
@@ -144,7 +148,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     }
 
     /// From the equilibrium at the current load to the one at `target`, in sub-steps.
-    fn follow_segment(
+    pub(super) fn follow_segment(
         &mut self,
         target: &[f64],
         step: LoadStep,

@@ -140,7 +140,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             self.work_of_forces()
         };
         self.system.load_gradient(&self.rate, &mut self.work);
-        released > h * dot(&self.work, &self.moved).abs() + self.options.jump.min_energy
+        // A control gives back what it has stored by itself over `h`.
+        let stored = h * self.system.load_curvature(&self.rate);
+        let work = (dot(&self.work, &self.moved) + stored).abs();
+        released - 0.5 * h * stored > h * work + self.options.jump.min_energy
     }
 
     /// The work of all forces from `start` straight to the state found.

@@ -21,6 +21,7 @@ mod branch_end;
 mod budget;
 mod contact_changes;
 mod continuation;
+mod controlled;
 mod corrector;
 mod critical;
 mod damped_newton;

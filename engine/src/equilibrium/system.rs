@@ -66,9 +66,11 @@ const RUNAWAY: [f64; 2] = [1e3, 3e3];
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
         let n = model.dof();
+        let mut data = Data::new(model);
+        data.control(model);
         let mut system = Self {
             model,
-            data: Data::new(model),
+            data,
             factor: Factor::new(model),
             q: vec![0.0; n],
             load: vec![0.0; model.inputs().len()],
@@ -210,6 +212,63 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     pub(super) fn set_state(&mut self, q: &[f64]) {
         self.q.copy_from_slice(q);
+    }
+
+    /// Whether some loads are changes of the conjugates of their inputs.
+    pub(super) fn is_controlled(&self) -> bool {
+        self.data.controls.is_some()
+    }
+
+    /// Whether the conjugates of these change with the state.
+    pub(super) fn can_be_controlled(&self) -> bool {
+        self.data.controls.as_ref().is_none_or(crate::control::Controls::act)
+    }
+
+    /// What is missing of the listed changes of the conjugates at the state evaluated last, by input, zero
+    /// for other inputs; returns the largest, in units of the model's own.
+    pub(super) fn gap(&self, target: &[f64], out: &mut [f64]) -> f64 {
+        out.fill(0.0);
+        let Some(controls) = &self.data.controls else { return 0.0 };
+        let mut largest = 0.0f64;
+        let changes = controls.change().iter().zip(controls.units());
+        for (control, (change, unit)) in self.model.controls.iter().zip(changes) {
+            out[control.input] = target[control.input] - change;
+            largest = largest.max((out[control.input] / unit).abs());
+        }
+        largest
+    }
+
+    /// By how much each conjugate lags behind the place from which its input acts; zero for other inputs.
+    pub(super) fn lag(&self, out: &mut [f64]) {
+        let load = &self.load;
+        self.gap(load, out);
+    }
+
+    /// Whether the conjugates, to the tolerance, and the other loads are as listed.
+    pub(super) fn is_at(&self, target: &[f64], tolerance: f64) -> bool {
+        let Some(controls) = &self.data.controls else { return self.load == target };
+        let mut changes = controls.change().iter().zip(controls.units());
+        (0..target.len()).all(|input| match self.model.controls.iter().any(|c| c.input == input) {
+            true => changes.next().is_some_and(|(c, unit)| (target[input] - c).abs() <= tolerance * unit),
+            false => self.load[input] == target[input],
+        })
+    }
+
+    /// Second derivative of the energy with the load along a rate, at a fixed state, dimensionless: that
+    /// which controls store in their own stiffness.
+    pub(super) fn load_curvature(&self, rate: &[f64]) -> f64 {
+        let stored = self.data.controls.as_ref().map(|c| c.curvature(&self.model.controls, rate));
+        stored.map_or(0.0, |stored| stored / self.unit_energy())
+    }
+
+    /// Adds to the current load.
+    pub(super) fn add_load(&mut self, change: &[f64]) {
+        self.load.iter_mut().zip(change).for_each(|(u, d)| *u += d);
+    }
+
+    /// The load that each input has at the state evaluated last.
+    pub(crate) fn applied_load(&self) -> &[f64] {
+        self.data.controls.as_ref().map_or(&self.load, crate::control::Controls::applied)
     }
 
     /// Goes back to a state whose residual is known.

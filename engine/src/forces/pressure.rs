@@ -133,8 +133,66 @@ impl Pressures {
         }
     }
 
+    /// The volume of one cavity in the reference state [m³].
+    pub fn reference(pressure: usize, volumes: &Volumes) -> f64 {
+        volumes.fixed[pressure].0
+    }
+
+    /// How much the volume of one cavity has changed from the reference state [m³].
+    pub fn change_of_volume(&self, pressure: usize, q: &[f64], volumes: &Volumes) -> f64 {
+        let before: usize = volumes.fixed[..pressure].iter().map(|(_, count)| count).sum();
+        let columns = &volumes.columns[before..before + volumes.fixed[pressure].1];
+        columns.iter().map(|(dof, size)| size * q[*dof]).sum()
+    }
+
     pub fn count(&self) -> usize {
         self.0.len()
+    }
+
+    /// Adds the derivative of `factor` times the work of one volume's gradient on a motion. The motion from
+    /// the reference state makes it that of the change of volume.
+    pub fn add_parameter_work_of<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        pressure: usize,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        motion: &[f64],
+        factor: f64,
+        gradient: &mut [f64],
+    ) {
+        let pressure = &self.0[pressure];
+        let rod = &tree.rods[pressure.rod];
+        let length = p[rod.length];
+        for (g, gauss) in rod.gauss.iter().enumerate() {
+            let radius = rod.radius.start + gauss.point;
+            let slot = pressure.sections[pressure.of_gauss[g]].clone();
+            let s = p[radius];
+            let moments = Moments::new(&p[slot.clone()], s);
+            // Work by area and by moments.
+            let mut work = [0.0; 3];
+            let weight = factor * gauss.weight * pressure.share[g];
+            for (dof, mode, phi) in &gauss.columns {
+                let share = weight * phi * motion[*dof];
+                match mode {
+                    1 => work[2] += share,
+                    2 => work[1] -= share,
+                    3 => {
+                        work[0] += share * length;
+                        gradient[rod.length] += share * moments.value[0];
+                    }
+                    _ => {}
+                }
+            }
+            for (work, slope) in work.iter().zip(moments.by_radius) {
+                gradient[radius] += work * slope;
+            }
+            let powers = [1.0, s, s * s, s * s * s];
+            let of = |k: usize| if k < 3 { (0, k) } else { (1 + (k - 3) / 4, (k - 3) % 4) };
+            for (k, out) in gradient[slot].iter_mut().enumerate() {
+                let (part, power) = of(k);
+                *out += work[part] * powers[power];
+            }
+        }
     }
 
     /// Visits the columns of each pressure's volume.
@@ -231,40 +289,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        let p = at.parameters();
-        for pressure in &self.0 {
-            let rod = &at.tree.rods[pressure.rod];
-            let length = p[rod.length];
-            for (g, gauss) in rod.gauss.iter().enumerate() {
-                let radius = rod.radius.start + gauss.point;
-                let slot = pressure.sections[pressure.of_gauss[g]].clone();
-                let s = p[radius];
-                let moments = Moments::new(&p[slot.clone()], s);
-                // Work by area and by moments.
-                let mut work = [0.0; 3];
-                let weight = -at.load[pressure.input] * gauss.weight * pressure.share[g];
-                for (dof, mode, phi) in &gauss.columns {
-                    let share = weight * phi * motion.coordinates[*dof];
-                    match mode {
-                        1 => work[2] += share,
-                        2 => work[1] -= share,
-                        3 => {
-                            work[0] += share * length;
-                            gradient[rod.length] += share * moments.value[0];
-                        }
-                        _ => {}
-                    }
-                }
-                for (work, slope) in work.iter().zip(moments.by_radius) {
-                    gradient[radius] += work * slope;
-                }
-                let powers = [1.0, s, s * s, s * s * s];
-                let of = |k: usize| if k < 3 { (0, k) } else { (1 + (k - 3) / 4, (k - 3) % 4) };
-                for (k, out) in gradient[slot].iter_mut().enumerate() {
-                    let (part, power) = of(k);
-                    *out += work[part] * powers[power];
-                }
-            }
+        for (index, pressure) in self.0.iter().enumerate() {
+            let factor = -at.load[pressure.input];
+            self.add_parameter_work_of(index, at.tree, at.parameters(), motion.coordinates, factor, gradient);
         }
     }
 }

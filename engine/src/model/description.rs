@@ -53,6 +53,10 @@ pub struct Description {
     /// Cavities under pressure.
     #[serde(default)]
     pub pressures: Vec<PressureDescription>,
+    /// Names of the chambers and cables controlled by their length and of the pressures controlled by the
+    /// volume of their cavity: their loads are changes of these from the reference state.
+    #[serde(default)]
+    pub controls: Vec<String>,
     /// Springs and straps.
     #[serde(default)]
     pub springs: Vec<SpringDescription>,

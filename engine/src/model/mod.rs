@@ -12,6 +12,7 @@ pub use description::*;
 pub(crate) use forces::{Designs, Forces, Sensitivities, States};
 pub use structure::{JointStructure, Structure};
 
+use crate::control::Control;
 use crate::lie::LieGroup;
 use crate::tree::{Chain, Tree};
 use std::ops::Deref;
@@ -22,6 +23,8 @@ pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) tree: Tree<G, D, P>,
     pub(crate) forces: Forces<P>,
     pub(crate) components: Components,
+    /// Inputs that are controlled by their conjugates.
+    pub(crate) controls: Vec<Control>,
     /// How the tangent of many coordinates is factorised.
     pub(crate) chain: Option<Chain>,
 }
@@ -37,9 +40,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         }
         let mut tree = Tree::new(&description.bodies, &description.spheres)?;
         let forces = Forces::build(&mut tree, description)?;
-        let chain = Chain::of(&tree).filter(|chain| chain.pays() && forces.is_conservative::<G, D>());
+        let controls = Control::all(description, &tree.inputs)?;
+        // A control couples all coordinates of its rod.
+        let chained = forces.is_conservative::<G, D>() && controls.is_empty();
+        let chain = Chain::of(&tree).filter(|chain| chained && chain.pays());
         let components = Components::of(&tree, description);
-        Ok(Self { tree, forces, components, chain })
+        Ok(Self { tree, forces, components, controls, chain })
     }
 
     /// Number of generalised coordinates.

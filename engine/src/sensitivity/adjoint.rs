@@ -1,6 +1,7 @@
 //! λᵀ ∂g/∂p for all wanted parameters at once.
 
 use super::design_velocity::DesignVelocity;
+use super::held::Held;
 use super::tip_force;
 use crate::data::Data;
 use crate::equilibrium::System;
@@ -119,6 +120,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
         self.prepare(model, data, q, load);
+        let mut held = Held::new(model, system);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {
@@ -131,7 +133,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
                 lambda[model.joints[output].dof] = 1.0;
             }
             system.solve_transposed(&mut lambda);
+            held.project(system, &mut lambda);
             self.virtual_work(model, data, q, load, &lambda);
+            held.add_parameters(&mut self.gradient);
             self.gradient.iter_mut().for_each(|g| *g = -*g);
             if explicit {
                 tip_force::add_parameters(model, data, &self.design_velocities, &mut self.gradient);

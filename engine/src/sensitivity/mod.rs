@@ -7,6 +7,7 @@
 
 mod adjoint;
 mod design_velocity;
+mod held;
 mod regularity;
 mod tip_force;
 

@@ -20,8 +20,9 @@ def simulate(
             "--load",
             "--force",
             metavar="LOADS",
-            help="Forces in N or pressures: `first:last:step`, values, or a list of both such as "
-            "`0:5:1,5:0:1` or `0:60:5 kPa`; of a model with several inputs `NAME=LOADS`, repeated.",
+            help="Forces in N, pressures, or volumes and lengths of controlled inputs: "
+            "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; "
+            "of a model with several inputs `NAME=LOADS`, repeated.",
         ),
     ] = None,
     start: Annotated[
@@ -71,6 +72,8 @@ def simulate(
     * `flexor simulate finger --set exosuit.length="8 cm"`
     * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
     * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
+    * `flexor simulate examples/pneumatic-finger.toml --set actuators.chamber.control=volume
+      --load "0:8:1 mL"` finds the pressures that a syringe needs
     * `flexor simulate finger --json > bent.json`, then
       `flexor simulate finger --start bent.json --force 4,3,2`
     * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`

@@ -14,6 +14,7 @@ from flexor._engine import REGULARITY, STABILITY, STATUS
 from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
+from flexor.model.controlled import check_controlled
 from flexor.model.events import event_table, no_events
 from flexor.model.geometry import Geometry
 from flexor.model.results import Paths
@@ -31,6 +32,7 @@ _EngineArray = Literal[
     "pairs",
     "touching",
     "tip_force",
+    "applied",
     "max_overlap",
     "max_contact_pressure",
     "volume",
@@ -61,6 +63,8 @@ def follow(
     threads, lead = useful_threads(threads), len(steps) - len(loads)
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
+    if model.controlled and count == 1:
+        check_controlled(model, _parameters(model, geometry), loads)
     whole: dict[str, Any] = {}
     _ask_for_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
@@ -121,13 +125,15 @@ def follow_branch(
 
     The steps of the path are the points of the branch, with the loads found there.
     """
+    for name in model.controlled:
+        raise InputError(
+            f'follow is "arc-length", which needs a load to find, but that of "{name}" is found '
+            "already: leave it out."
+        )
     settings, steps = _from_start(loads, start, options)
-    parameters = model.parameters.copy()
-    if geometry is not None:
-        indices, values = model.geometry_slots(geometry)
-        parameters[indices] = values[0]
     with _input_errors():
-        found: dict[str, Any] = dict(model.engine.branch(parameters, steps, **settings))
+        branch = model.engine.branch(_parameters(model, geometry), steps, **settings)
+    found: dict[str, Any] = dict(branch)
     codes, found_loads = found.pop("status"), found.pop("loads")
     stability = _STABILITY[found.pop("stability")]
     free = [(0, *each) for each in found.pop("free").tolist()]
@@ -135,6 +141,7 @@ def follow_branch(
     return Paths(
         model=model,
         loads=found_loads,
+        applied=found_loads[None],
         status=_STATUS[codes][None],
         converged=np.isin(codes, [_CONVERGED, _UNSTABLE])[None],
         stable=(stability == "stable")[None],
@@ -147,6 +154,15 @@ def follow_branch(
         **arrays,
         **_arrays(geometry),
     )
+
+
+def _parameters(model: Structure, geometry: Geometry | None) -> Array:
+    """Return the engine's parameters of one design, (P,)."""
+    parameters = model.parameters.copy()
+    if geometry is not None:
+        indices, values = model.geometry_slots(geometry)
+        parameters[indices] = values[0]
+    return parameters
 
 
 def _from_start(
@@ -163,7 +179,9 @@ def _from_start(
 
 
 def _arrays(geometry: Geometry | None) -> dict[str, Any]:
-    return {} if geometry is None else dict(vars(geometry))
+    if geometry is None:
+        return {}
+    return {"rod_length": geometry.length, "radius": geometry.radius, "slope": geometry.slope}
 
 
 @contextmanager

@@ -12,11 +12,12 @@ from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
-from flexor.model.units import FORCE, PRESSURE, Dimension
+from flexor.model.units import FORCE, LOAD_FACTOR, MOMENT, Dimension
 from flexor.model.validation import describe
 
 Forces = str | float | Sequence[float | str] | Array
 _MAX_STEPS = 1_000_000
+_BARE = (FORCE, MOMENT, LOAD_FACTOR)  # whose texts may be plain numbers
 
 
 def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> Array:
@@ -30,14 +31,15 @@ def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> 
         them. A single value is a list of one. Forces may rise, fall and be negative; where a range
         begins as the entry before it ends, that force comes once.
     dimension
-        Dimension of the loads. Texts with pressures need a unit (``"0:60:5 kPa"``).
+        Dimension of the loads. Texts with pressures (``"0:60:5 kPa"``), volumes and lengths need a
+        unit.
     name
         What they are, for messages.
 
     Returns
     -------
     (steps,) array
-        The loads [N or Pa].
+        The loads [SI].
 
     Raises
     ------
@@ -68,7 +70,7 @@ def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> 
 
 
 def loads(force: Forces | Mapping[str, Forces], inputs: Mapping[str, Dimension]) -> Array:
-    """Parse the loads of all inputs of these dimensions, (steps, inputs) [N or Pa].
+    """Parse the loads of all inputs of these dimensions, (steps, inputs) [SI].
 
     A table has forces by the name of the input: an input that is left out stays at zero, a single
     force is held constant. An array or a list of lists has all of them, in SI units.
@@ -122,11 +124,12 @@ def _table(force: object) -> Array | None:
 
 
 def _example(dimension: Dimension) -> str:
-    return "0:60:5 kPa" if dimension is PRESSURE else "0:5:1"
+    last, _, unit = dimension.example.partition(" ")
+    return "0:5:1" if dimension in _BARE else f"0:{last}:{5 if len(last) > 1 else 1} {unit}"
 
 
 def _value(value: object, path: str, dimension: Dimension) -> float:
-    bare = dimension is not PRESSURE
+    bare = dimension in _BARE
     if bare and isinstance(value, str) and (number := _decimal(value)) is not None:
         value = float(number)
     if isinstance(value, str):
@@ -148,7 +151,7 @@ def _range(text: str, path: str, dimension: Dimension) -> list[float]:
     last = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(.*?)\s*", text.split(":")[-1])
     unit = last[1] if last else ""
     parts = [part.strip().removesuffix(unit).strip() for part in text.split(":")]
-    if not unit and dimension is not PRESSURE:
+    if not unit and dimension in _BARE:
         return [float(step) for step in _steps(parts, text, path, dimension)]
     one = f"1 {unit}".strip()
     try:

@@ -60,6 +60,9 @@ def lower(file: ModelFile) -> Json:
             described.setdefault("fibres", []).append(fibres)
     for _, name, force in file.forces():
         described.setdefault(force.listed(), []).append(force.lower(name, file))
+    controls = [name for name, each in file.actuators.items() if each.loads is not each.applied]
+    if controls:
+        described["controls"] = controls
     return described
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.errors import InputError
+from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
@@ -45,10 +45,12 @@ class Results:
     ----------
     model : Model
         The model.
-    length, radius, slope : (n,), (n, m) and (n, m) arrays
+    rod_length, radius, slope : (n,), (n, m) and (n, m) arrays
         Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
     loads : (s, inputs) array
-        Loads of every input [N].
+        Loads of every input [N or Pa; m or m³ of one that is controlled by its length or volume].
+    applied : (n, s, inputs) array
+        The same, but of controlled inputs the force or pressure that was found [N or Pa].
     q : (n, s, dof) array
         Generalized coordinates.
     joint_angles : (n, s, joints) array
@@ -72,7 +74,7 @@ class Results:
     tolerance : (n, s) array
         What it may be: the tolerance asked for, and the rounding of the terms that balance.
     energy : (n, s) array
-        Potential [J].
+        Potential [J], without the work of controlled inputs.
     pairs, touching : (n, s) arrays
         Touching pairs of spheres, and n_c, the spheres of the contacts' first groups that touch.
     tip_force : (n, s) array
@@ -112,7 +114,7 @@ class Results:
     axes: ClassVar[str] = ""
 
     model: Structure = field(default=_NONE, metadata=_MODEL)
-    length: Array = field(default=_NONE, metadata=_DESIGN)
+    rod_length: Array = field(default=_NONE, metadata=_DESIGN)
     radius: Array = field(default=_NONE, metadata=_DESIGN)
     slope: Array = field(default=_NONE, metadata=_DESIGN)
     loads: Array = field(default=_NONE, metadata=_STEP)
@@ -130,6 +132,7 @@ class Results:
     pairs: NDArray[np.uint32] = field(default=_NONE, metadata=_PATH)
     touching: NDArray[np.integer] = field(default=_NONE, metadata=_PATH_RECORDED)
     tip_force: Array = field(default=_NONE, metadata=_PATH_RECORDED)
+    applied: Array = field(default=_NONE, metadata=_PATH)
     max_overlap: Array = field(default=_NONE, metadata=_PATH)
     max_contact_pressure: Array = field(default=_NONE, metadata=_PATH)
     volume: Array = field(default=_NONE, metadata=_PATH)
@@ -146,7 +149,7 @@ class Results:
 
     @property
     def force(self) -> Array:
-        """Force of the first input, or zeros without one, (s,) [N]."""
+        """Load of the first input, or zeros without one, (s,)."""
         if self.loads.shape[-1] == 0:
             return np.zeros(self.loads.shape[:-1])
         return self.loads[..., 0]
@@ -168,7 +171,7 @@ class Results:
         every = np.broadcast_to(self.model.parameters, (*self._count, self.model.parameters.size))
         every = every.copy()
         if self.radius is not None:
-            geometry = Geometry(self.length, self.radius, self.slope)
+            geometry = Geometry(self.rod_length, self.radius, self.slope)
             indices, values = self.model.geometry_slots(geometry)
             every[..., indices] = values if self._count else values[0]
         return every
@@ -330,8 +333,9 @@ class Path(Results):
         dict
             ``force`` (of the first input; with several, ``loads`` has all by name) [N],
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
-            ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with straps
-            ``strap_force`` [N] and with obstacles
+            ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with chambers and
+            cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
+            [Pa] or ``tension`` [N], with straps ``strap_force`` [N] and with obstacles
             ``obstacle_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
             ``max_contact_pressure`` [Pa], with materials ``max_strain`` and ``min_stretch`` of a
             fibre, with an unwound cavity ``hoop_strain``, an estimate; ``places`` of the largest
@@ -365,6 +369,25 @@ class Path(Results):
             "coordinates": self.model.engine.coordinates,
             "q": _plain(self.q),
         }
+
+    def length(self, actuator: str) -> Array:
+        """Return the length of a chamber's or cable's path [m], (s,).
+
+        NaN where there is no equilibrium.
+        """
+        threads = self.model.threads
+        if actuator not in threads:
+            raise unknown("chamber or cable", actuator, threads)
+        found = np.full(len(self), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
+            lengths = self.model.engine.actuator_lengths(self.parameters, self.q[step])
+            found[step] = lengths[threads.index(actuator)]
+        return found
+
+    def found_loads(self) -> dict[str, Array]:
+        """Return the force or pressure of each controlled input [N or Pa], (s,)."""
+        inputs = self.model.inputs
+        return {name: self.applied[:, inputs.index(name)] for name in self.model.controlled}
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
@@ -427,6 +450,11 @@ class Path(Results):
         pressures = self.model.pressures
         if pressures and self.volume is not None:
             shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
+        if self.model.threads:
+            shown["length"] = {name: _plain(self.length(name)) for name in self.model.threads}
+        for name, found in self.found_loads().items():
+            kind = "pressure" if name in pressures else "tension"
+            shown.setdefault(kind, {})[name] = _plain(found)
         if forces := self.strap_forces():
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
         if forces := self.obstacle_forces():

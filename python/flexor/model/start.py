@@ -15,6 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
+from flexor.model.controlled import changes
 from flexor.model.schema import Rod
 from flexor.model.schema.strain import GLOBAL
 from flexor.model.units import ANGLE, LENGTH, Dimension
@@ -50,8 +51,16 @@ def read_start(given: Any, model: Structure) -> Start:
             "the name of a file."
         )
     if q.ndim == 2:
-        q, loads = q[-1], loads[-1]
-    return _checked(q, loads, model, "start")
+        given = given[-1]
+        q, loads = given.q, given.loads
+    start = _checked(q, loads, model, "start")
+    if given.model.controlled.keys() == model.controlled.keys():
+        return start
+    # Forces where the other model has volumes and lengths, and these where it has forces.
+    load = given.applied.copy()
+    for name, change in changes(model, given.parameters, q).items():
+        load[model.inputs.index(name)] = change
+    return Start(start.q, load)
 
 
 def coordinates(given: Coordinates, model: Structure, path: str = "start") -> Array:

@@ -17,7 +17,7 @@ from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
-from flexor.model.units import FORCE, PRESSURE, Dimension
+from flexor.model.units import FORCE, Dimension
 
 
 class Structure:
@@ -58,12 +58,13 @@ class Structure:
 
     @cached_property
     def input_dimensions(self) -> dict[str, Dimension]:
-        """Dimension of each load input: a force, moment or pressure, or the factor of a wrench."""
+        """Dimension of each load input: a force, moment or pressure, or the factor of a wrench.
+
+        Of a controlled one it is the change of a volume or a length.
+        """
         actuators, wrenches = self.file.actuators, self.file.wrenches
         return {
-            name: wrenches[name].load
-            if name in wrenches
-            else (PRESSURE if actuators[name].kind == "pressure" else FORCE)
+            name: wrenches[name].load if name in wrenches else actuators[name].loads
             for name in self.inputs
         }
 
@@ -73,14 +74,25 @@ class Structure:
         return weights({"variants": self.file.variants}, self.name)
 
     @cached_property
+    def controlled(self) -> dict[str, Dimension]:
+        """Inputs whose loads are found, and the dimension of what is found."""
+        found = self.file.actuators.items()
+        return {name: each.applied for name, each in found if each.loads is not each.applied}
+
+    @cached_property
     def pressures(self) -> tuple[str, ...]:
         """Names of the pressures."""
-        return tuple(name for name, kind in self.input_dimensions.items() if kind is PRESSURE)
+        actuators = self.file.actuators
+        return tuple(name for name, each in actuators.items() if each.kind == "pressure")
+
+    @cached_property
+    def threads(self) -> tuple[str, ...]:
+        """Names of the chambers and cables."""
+        return tuple(name for name in self.file.actuators if name not in self.pressures)
 
     def load_unit(self, index: int = 0) -> tuple[float, str]:
         """Return the unit in which loads of an input are shown, in SI and by name."""
-        dimension = [*self.input_dimensions.values(), FORCE][index]
-        return (1e3, "kPa") if dimension is PRESSURE else (1.0, dimension.unit)
+        return [*self.input_dimensions.values(), FORCE][index].shown
 
     def load_name(self, index: int = 0) -> str:
         """Return what the loads of an input are, such as ``"force"``."""
@@ -213,6 +225,11 @@ class Structure:
                 f"evaluation.loads, or by name such as --load {self.inputs[0]}=..."
             )
         last, step = float(evaluation.force), float(evaluation.step)
+        if self.inputs and self.inputs[0] in self.controlled:
+            raise InputError(
+                f'"{self.inputs[0]}" of the model "{self.name}" is controlled by its '
+                f"{self.load_name()}: give evaluation.loads or the loads themselves."
+            )
         if self.pressures:
             if evaluation.pressure is None:
                 raise InputError(f'the model "{self.name}" has no evaluation.pressure: give it.')

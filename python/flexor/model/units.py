@@ -50,6 +50,9 @@ class Quantity(float):
         return (float(self), self.text)
 
 
+_SHOWN = {"Pa": (1e3, "kPa"), "m^3": (1e-6, "mL"), "m": (1e-3, "mm")}
+
+
 @dataclass(frozen=True)
 class Dimension:
     """A physical dimension."""
@@ -64,6 +67,11 @@ class Dimension:
         if not self.unit:
             return f"write {self.name}, such as {self.example}"
         return f'write {self.name} with its unit, such as "{self.example}"'
+
+    @property
+    def shown(self) -> tuple[float, str]:
+        """The unit in which loads are shown, in SI and by name."""
+        return _SHOWN.get(self.unit, (1.0, self.unit))
 
     def si(self, value: float) -> Quantity:
         """Return the quantity of this dimension with this SI value."""
@@ -181,6 +189,9 @@ FORCE = Dimension("a force", "N", "5 N")
 LOAD_FACTOR = Dimension("a load factor", "", "5")
 MOMENT = Dimension("a moment", "N*m", "0.1 N*m")
 PRESSURE = Dimension("a pressure", "Pa", "60 kPa")
+VOLUME = Dimension("a volume", "m^3", "8 mL")
+LENGTHENING = Dimension("a lengthening", "m", "10 mm")
+SHORTENING = Dimension("a shortening", "m", "10 mm")
 AXIAL_STIFFNESS = Dimension("an axial stiffness", "N", "40 N")
 COUPLED_STIFFNESS = Dimension("a coupling of bending and extension", "N*m", "0.1 N*m")
 BENDING_STIFFNESS = Dimension("a bending stiffness", "N*m^2", "5e-4 N*m^2")

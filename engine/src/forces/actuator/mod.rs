@@ -13,7 +13,7 @@ use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::strain::Mode;
-use crate::tree::{GaussPoint, ModelError, Tree, finite};
+use crate::tree::{GaussPoint, ModelError, Rod, Tree, finite};
 pub(crate) use path::Paths;
 use path::{
     Actuator, PathColumn, PathPoint, RoutingPoint, add_strain, add_tangent_of, dot, tangent_by_offset,
@@ -87,8 +87,50 @@ impl Actuators {
     /// Length of each actuator's path.
     pub fn lengths(&self, q: &[f64], paths: &Paths) -> Vec<f64> {
         let mut lengths = vec![0.0; self.0.len()];
-        self.for_each_point(q, paths, |actuator, weight, _, norm, _| lengths[actuator] += weight * norm);
+        self.conjugates(q, paths, &mut lengths);
+        lengths.iter_mut().for_each(|length| *length = length.abs());
         lengths
+    }
+
+    /// What each input multiplies: the length of a chamber's path, and minus that of a cable's.
+    pub fn conjugates(&self, q: &[f64], paths: &Paths, out: &mut [f64]) {
+        out.fill(0.0);
+        self.for_each_point(q, paths, |actuator, weight, _, norm, _| {
+            out[actuator] += self.0[actuator].sign * weight * norm;
+        });
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds the derivative of `factor` times one of these with respect to the parameters.
+    pub fn add_parameters_of_conjugate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        actuator: usize,
+        tree: &Tree<G, D, P>,
+        p: &[f64],
+        q: &[f64],
+        factor: f64,
+        gradient: &mut [f64],
+    ) {
+        let actuator = &self.0[actuator];
+        let rod = &tree.rods[actuator.rod];
+        for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
+            let path = actuator.path(rod, gauss, routing, p);
+            let point = PointSensitivity::of::<G, D, P>(rod, gauss, path, p, q);
+            let weight = factor * actuator.sign * gauss.weight;
+            let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
+            for i in 0..2 {
+                let by_offset = weight * dot(&point.unit, &point.by_offset[i]);
+                let by_slope = weight * point.unit[i + 1];
+                let lever = p[actuator.lever + i];
+                gradient[radius] += lever * by_offset;
+                gradient[slope] += lever * by_slope;
+                gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
+            }
+            gradient[rod.length] += weight * dot(&point.unit, &point.by_length);
+        }
     }
 
     /// Visits each Gauss point of each actuator with (actuator, weight, τ̂, |τ|, columns along each axis).
@@ -139,6 +181,45 @@ pub(crate) struct PointSensitivity {
     by_length: [f64; 3],
 }
 
+impl PointSensitivity {
+    /// At the coordinates `q`, without tension.
+    fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        rod: &Rod,
+        gauss: &GaussPoint,
+        [offset, path_slope]: [[f64; 2]; 2],
+        p: &[f64],
+        q: &[f64],
+    ) -> Self {
+        let length = p[rod.length];
+        // Normalised strains of the state, mode by mode.
+        let mut strain = [0.0; 6];
+        for mode in G::AXES {
+            strain[mode.index()] = length * rod.reference_strain[mode.index()];
+        }
+        add_strain(&mut strain, &gauss.columns, length, q);
+        let mut tau = tangent_of::<G, D, P>(&strain, offset);
+        for i in 0..2 {
+            tau[i + 1] += path_slope[i];
+        }
+        let (unit, norm) = unit_tangent(tau, reference_tangent(rod, length, [offset, path_slope]));
+        let by_offset = tangent_by_offset::<G, D, P>(&strain);
+        // L scales linear strains and the whole reference strain.
+        for mode in G::AXES {
+            let m = mode.index();
+            strain[m] = if mode.is_angular() { rod.reference_strain[m] } else { strain[m] / length };
+        }
+        let by_length = tangent_of::<G, D, P>(&strain, offset);
+        Self { offset, unit, norm, tension: 0.0, by_offset, by_length }
+    }
+}
+
+/// τ of a path, given by its offset and slope, in the reference state.
+fn reference_tangent(rod: &Rod, length: f64, [offset, slope]: [[f64; 2]; 2]) -> [f64; 3] {
+    let mut tau = [0.0, slope[0], slope[1]];
+    add_tangent_of(&rod.reference_strain.map(|strain| length * strain), &Mode::ALL, offset, &mut tau);
+    tau
+}
+
 impl<const P: usize> ForceMemory<P> for Actuators {
     type Design = Paths;
     type State = Tangents;
@@ -160,11 +241,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for actuator in &self.0 {
             let rod = &tree.rods[actuator.rod];
             let length = p[rod.length];
-            let reference = rod.reference_strain.map(|strain| length * strain);
             for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
                 let [d, slope] = actuator.path(rod, gauss, routing, p);
-                let mut base = [0.0, slope[0], slope[1]];
-                add_tangent_of(&reference, &Mode::ALL, d, &mut base);
+                let base = reference_tangent(rod, length, [d, slope]);
                 let ends = paths.push_columns(gauss, length, d, tree.dof);
                 paths.points.push(PathPoint { base, weight: gauss.weight, ends });
             }
@@ -238,40 +317,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
-    fn update_sensitivity(&self, at: &State<G, D, P>, paths: &Paths, points: &mut Vec<PointSensitivity>) {
-        let p = at.parameters();
+    fn update_sensitivity(&self, at: &State<G, D, P>, _: &Paths, points: &mut Vec<PointSensitivity>) {
         points.clear();
-        let mut paths = paths.points.iter();
         for (actuator, load) in self.0.iter().zip(at.load) {
             let rod = &at.tree.rods[actuator.rod];
-            let length = p[rod.length];
-            for ((routing, gauss), path) in actuator.routing.iter().zip(&rod.gauss).zip(&mut paths) {
-                let [offset, path_slope] = actuator.path(rod, gauss, routing, p);
-                // Normalised strains of the state, mode by mode.
-                let mut strain = [0.0; 6];
-                for mode in G::AXES {
-                    strain[mode.index()] = length * rod.reference_strain[mode.index()];
-                }
-                add_strain(&mut strain, &gauss.columns, length, at.q);
-                let mut tau = tangent_of::<G, D, P>(&strain, offset);
-                for i in 0..2 {
-                    tau[i + 1] += path_slope[i];
-                }
-                let (unit, norm) = unit_tangent(tau, path.base);
-                let by_offset = tangent_by_offset::<G, D, P>(&strain);
-                // L scales linear strains and the whole reference strain.
-                for mode in G::AXES {
-                    let m = mode.index();
-                    strain[m] = if mode.is_angular() { rod.reference_strain[m] } else { strain[m] / length };
-                }
-                points.push(PointSensitivity {
-                    offset,
-                    unit,
-                    norm,
-                    tension: -actuator.sign * load * gauss.weight,
-                    by_offset,
-                    by_length: tangent_of::<G, D, P>(&strain, offset),
-                });
+            for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
+                let path = actuator.path(rod, gauss, routing, at.parameters());
+                let mut point = PointSensitivity::of::<G, D, P>(rod, gauss, path, at.parameters(), at.q);
+                point.tension = -actuator.sign * load * gauss.weight;
+                points.push(point);
             }
         }
     }

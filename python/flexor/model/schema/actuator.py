@@ -84,7 +84,8 @@ class Actuator(Force):
     """A chamber (u > 0 elongates it) or a cable (u > 0 is its tension) along a rod.
 
     Its offset from the axis is ``path`` + ``lever`` S(X). A scalar lever is along z, so that 1 is
-    on the dorsal surface.
+    on the dorsal surface. Controlled by its ``length``, its loads are changes of that: of a chamber
+    how much longer, of a cable how much shorter it is than in the reference state.
     """
 
     description: ClassVar[str] = "actuators"
@@ -95,6 +96,19 @@ class Actuator(Force):
         Annotated[Curve, Tag("curve")] | Annotated[Helix, Tag("helix")], Discriminator(_form)
     ] = Curve()
     lever: Annotated[Lever, BeforeValidator(_lever)] = Lever()
+    control: Annotated[Literal["force", "length"], Choice("force", "length")] = "force"
+
+    @property
+    def loads(self) -> units.Dimension:
+        """What its loads are."""
+        if self.control == "force":
+            return self.applied
+        return units.LENGTHENING if self.kind == "chamber" else units.SHORTENING
+
+    @property
+    def applied(self) -> units.Dimension:
+        """What it acts with."""
+        return units.FORCE
 
     def check(self, path: str, system: BodySystem) -> None:
         """Check that the rod exists."""

@@ -6,20 +6,25 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from flexor.model import units
 from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.cavity import lower_cavity
 from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.section import cavities_of
-from flexor.model.schema.table import Name, Number
+from flexor.model.schema.table import Choice, Name, Number
 from flexor.model.validation import field_error
 
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
 class Pressure(Force):
-    """A pressure in a cavity of a rod, from ``span[0]`` to ``span[1]`` of its length."""
+    """A pressure in a cavity of a rod, from ``span[0]`` to ``span[1]`` of its length.
+
+    Controlled by the ``volume`` of the cavity, its loads are what is added to that of the reference
+    state.
+    """
 
     description: ClassVar[str] = "pressures"
 
@@ -27,6 +32,17 @@ class Pressure(Force):
     rod: Name
     cavity: Name | None = None
     span: tuple[Fraction, Fraction] = (0.0, 1.0)
+    control: Annotated[Literal["pressure", "volume"], Choice("pressure", "volume")] = "pressure"
+
+    @property
+    def loads(self) -> units.Dimension:
+        """What its loads are."""
+        return self.applied if self.control == "pressure" else units.VOLUME
+
+    @property
+    def applied(self) -> units.Dimension:
+        """What it acts with."""
+        return units.PRESSURE
 
     @model_validator(mode="after")
     def _check(self) -> Pressure:

@@ -1,0 +1,80 @@
+//! Conjugates that are held at given values: what the constraints c(q; p) = v do to an adjoint.
+//!
+//! With K λ + Σ ν ∇c = ∂y/∂q and ∇cᵀ λ = 0 for each, dy/dp = ∂y/∂p − λᵀ ∂g/∂p − Σ ν ∂c/∂p at fixed loads.
+//! K may be the tangent H or H + ρ ∇c ∇cᵀ.
+
+use crate::equilibrium::System;
+use crate::lie::LieGroup;
+use crate::model::Model;
+use nalgebra::{DMatrix, DVector};
+
+/// The constraints at one equilibrium.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Held {
+    /// ∂c/∂p of each, of all parameters.
+    by_parameters: Vec<Vec<f64>>,
+    /// K⁻ᵀ ∇c of each.
+    solved: Vec<Vec<f64>>,
+    /// ∇cᵀ K⁻¹ ∇c.
+    flexibility: DMatrix<f64>,
+    /// ν.
+    multipliers: DVector<f64>,
+}
+
+impl Held {
+    /// The constraints of the equilibrium that the system is in.
+    pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        model: &Model<G, D, P>,
+        system: &System<G, D, P>,
+    ) -> Self {
+        let data = system.data();
+        let Some(controls) = &data.controls else { return Self::default() };
+        let geometry = &data.design.geometry;
+        let by_parameters = model.controls.iter().map(|control| {
+            let mut out = vec![0.0; model.parameters().len()];
+            control.add_parameters(model, geometry, system.state(), 1.0, &mut out);
+            out
+        });
+        let solved: Vec<Vec<f64>> = controls
+            .gradients()
+            .map(|gradient| {
+                let mut z = gradient.to_vec();
+                system.solve_transposed(&mut z);
+                z
+            })
+            .collect();
+        let rows: Vec<&[f64]> = controls.gradients().collect();
+        let flexibility = DMatrix::from_fn(rows.len(), rows.len(), |i, j| dot(rows[i], &solved[j]));
+        let multipliers = DVector::zeros(rows.len());
+        Self { by_parameters: by_parameters.collect(), solved, flexibility, multipliers }
+    }
+
+    /// Takes from λ = K⁻ᵀ ∂y/∂q the part that would change the conjugates.
+    pub fn project<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &System<G, D, P>,
+        lambda: &mut [f64],
+    ) {
+        let Some(controls) = &system.data().controls else { return };
+        for (nu, gradient) in self.multipliers.iter_mut().zip(controls.gradients()) {
+            *nu = dot(gradient, lambda);
+        }
+        if !self.flexibility.clone().lu().solve_mut(&mut self.multipliers) {
+            self.multipliers.fill(f64::NAN);
+        }
+        for (z, nu) in self.solved.iter().zip(self.multipliers.iter()) {
+            lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= nu * z);
+        }
+    }
+
+    /// Adds Σ ν ∂c/∂p, of the adjoint projected last.
+    pub fn add_parameters(&self, gradient: &mut [f64]) {
+        for (by_parameters, nu) in self.by_parameters.iter().zip(self.multipliers.iter()) {
+            gradient.iter_mut().zip(by_parameters).for_each(|(g, c)| *g += nu * c);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
