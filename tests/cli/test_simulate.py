@@ -16,7 +16,7 @@ def test_json_is_one_object_with_the_path(flexor) -> None:
     path = json.loads(ran.out)
     assert set(path) == {
         *("force", "joint_angles", "converged", "stable", "contacts", "tip_force", "events"),
-        *("max_overlap", "places"),
+        *("max_overlap", "places", "length"),
         *("coordinates", "q"),
     }
     assert path["force"] == [0, 1, 2, 3, 4, 5]
@@ -190,3 +190,16 @@ def test_arc_length_is_an_option(flexor) -> None:
     assert forces[0] == 0 and forces[-1] == 3 and len(forces) > 2
     refused = flexor("simulate", "finger", "--follow", "arc")
     assert refused.code == 2 and "arc-length" in refused.err
+
+
+def test_a_syringe_finds_its_pressures(flexor) -> None:
+    syringe = ("simulate", "pneumatic-finger", "--set", "actuators.chamber.control=volume")
+    ran = flexor(*syringe, "--load", "0:2:1 mL")
+    assert ran.code == 0
+    assert "volume" in ran.out and "mL" in ran.out and "kPa" in ran.out
+    found = json.loads(flexor(*syringe, "--load", "0:2:1 mL", "--json").out)
+    assert found["force"] == [0.0, 1e-6, 2e-6]
+    pressure, volume = found["pressure"]["chamber"], found["volume"]["chamber"]
+    assert pressure[0] == 0.0 < pressure[1] < pressure[2]
+    assert volume[2] - volume[0] == pytest.approx(2e-6)
+    assert flexor(*syringe, "--load", "0:2:1 kPa").code == 2

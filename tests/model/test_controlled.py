@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
+from scipy.optimize import minimize_scalar
 
 from flexor.design import parameter_set
 from flexor.errors import InputError
@@ -116,6 +117,35 @@ def test_a_truss_is_held_through_its_limit_points() -> None:
     assert np.diff(path.found_loads()["wire"]).min() < 0.0 < np.diff(path.found_loads()["wire"])[0]
     free = load(model.file, changes={"actuators.wire.control": "force"})
     assert [event.kind for event in free.equilibrium("0:5:0.1").events] == ["snap"]
+
+
+def test_a_soft_tail_snaps_though_the_length_is_held() -> None:
+    tail = """
+[bodies.tail]
+kind = "rod"
+parent = "bar"
+length = "5 cm"
+radius = "5 mm"
+section = { kind = "stiffness", EA = "10 N", EI_yy = "1e-3 N*m^2" }
+strain = { extend_x = { basis = "monomial", order = 0 } }
+elements = 2
+gauss_points = 2
+
+[springs.strut]"""
+    text = TRUSS.replace("[springs.strut]", tail.lstrip())
+    text = text.replace('body = "bar", at', 'body = "tail", at').replace('"9 cm"', '"14 cm"')
+    path = Model(parse(text)).equilibrium("0:24:1 mm")
+    assert path.stable.all()
+    (event,) = path.events
+    assert event.kind == "snap"
+
+    def push(moved: float) -> float:
+        strut = np.hypot(0.01 - moved, 0.02)
+        return float(4000.0 * (1.0 - 2.2360679774997896e-2 / strut) * (moved - 0.01))
+
+    # The tail, of 200 N/m, is shortened by what the strut pushes: drawn = moved + push / 200.
+    fold = minimize_scalar(lambda s: -s - push(s) / 200.0, bounds=(0.0, 0.01), method="bounded")
+    assert event.force == pytest.approx(-float(fold.fun), rel=1e-4)
 
 
 def test_the_branch_is_that_of_arc_length() -> None:
