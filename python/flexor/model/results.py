@@ -17,7 +17,12 @@ from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
-from flexor.model.limits import balloons, materials_exceeded, straps_exceeded
+from flexor.model.limits import (
+    balloons,
+    joints_exceeded,
+    materials_exceeded,
+    straps_exceeded,
+)
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -392,8 +397,9 @@ class Path(Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, straps and hoop strains beyond their limits, a sentence each."""
-        return materials_exceeded(self) + straps_exceeded(self) + balloons(self)
+        """Materials, straps, joints and hoop strains beyond their limits, a sentence each."""
+        checks = (materials_exceeded, straps_exceeded, joints_exceeded, balloons)
+        return [sentence for check in checks for sentence in check(self)]
 
     def hoop_strain(self) -> dict[str, Array]:
         """Return the estimated hoop strain of cavities without winding, (s,), by pressure.
