@@ -163,8 +163,10 @@ options! {
         beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
         /// States found on the way to a limit point.
         max_points: usize = 30, Interval::from(1.0).to(1e3);
-        /// Newton steps for each.
-        max_iterations: usize = 5, Interval::from(1.0).to(1e3);
+        /// Largest dimensionless residual of each,
+        residual: f64 = 1e-8, Interval::from(0.0).to(1.0);
+        /// and Newton steps for it.
+        max_iterations: usize = 8, Interval::from(1.0).to(1e3);
         /// Displacement to the first of them, at most
         longest: f64 = 0.15, Interval::above(0.0).to(1e3);
         /// and at least;

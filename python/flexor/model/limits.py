@@ -1,4 +1,4 @@
-"""Whether materials, straps and cavities exceed their limits."""
+"""Whether materials, straps, cavities and joints exceed their limits."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.model.hoop import LIMIT, hoop_strains
+from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
 if TYPE_CHECKING:
     from flexor.model.results import Path
+
+# Widths beyond its limit up to which the law of a joint is meant; then it only holds.
+WIDTHS = 10.0
 
 
 def materials_exceeded(path: Path) -> list[str]:
@@ -65,6 +69,32 @@ def straps_exceeded(path: Path) -> list[str]:
             found.append(
                 f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
                 f"limit of {limit:.4g} N"
+            )
+    return found
+
+
+def joints_exceeded(path: Path) -> list[str]:
+    """List the joints too far beyond their limits, a sentence each; see `materials_exceeded`."""
+    size, unit = path.model.load_unit()
+    found = []
+    for name, body in path.model.file.bodies.items():
+        joint = body.joint
+        if not isinstance(joint, RevoluteJoint | PrismaticJoint):
+            continue
+        angular = isinstance(joint, RevoluteJoint)
+        own = path.model.engine.coordinates.index(f"{name}.theta" if angular else f"{name}.d")
+        lower = -np.inf if joint.lower is None else joint.lower
+        upper = np.inf if joint.upper is None else joint.upper
+        beyond = np.maximum(lower - path.q[:, own], path.q[:, own] - upper)
+        meant = WIDTHS * joint.limit_width
+        if (beyond > meant).any():
+            load = f"{path.force[np.argmax(beyond > meant)] / size:.4g} {unit}"
+            shown = np.array([np.nanmax(beyond), meant])
+            far, allowed = np.degrees(shown) if angular else 1e3 * shown
+            measure = "deg" if angular else "mm"
+            found.append(
+                f'the joint of "{name}" is {far:.4g} {measure} beyond its limit, from {load} on '
+                f"more than the {allowed:.4g} {measure} up to which its law is meant"
             )
     return found
 

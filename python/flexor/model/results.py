@@ -17,7 +17,12 @@ from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
-from flexor.model.limits import balloons, materials_exceeded, straps_exceeded
+from flexor.model.limits import (
+    balloons,
+    joints_exceeded,
+    materials_exceeded,
+    straps_exceeded,
+)
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -269,6 +274,11 @@ class States(Results):
 
     axes: ClassVar[str] = "n"
 
+    @property
+    def length(self) -> Array:
+        """Lengths of the designed rod, for use as a geometry, (n,) [m]."""
+        return self.rod_length
+
     def __len__(self) -> int:
         return len(self.joint_angles)
 
@@ -415,8 +425,9 @@ class Path(Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, straps and hoop strains beyond their limits, a sentence each."""
-        return materials_exceeded(self) + straps_exceeded(self) + balloons(self)
+        """Materials, straps, joints and hoop strains beyond their limits, a sentence each."""
+        checks = (materials_exceeded, straps_exceeded, joints_exceeded, balloons)
+        return [sentence for check in checks for sentence in check(self)]
 
     def hoop_strain(self) -> dict[str, Array]:
         """Return the estimated hoop strain of cavities without winding, (s,), by pressure.
@@ -557,6 +568,11 @@ class Paths(Results):
         if self.gradient is None:
             raise InputError("the paths have no gradient: evaluate them with gradient=True.")
         return np.asarray(self.gradient @ self.model.geometry_slot_jacobian(jacobian))
+
+    @property
+    def length(self) -> Array:
+        """Lengths of the designed rod, for use as a geometry, (n,) [m]."""
+        return self.rod_length
 
     def __repr__(self) -> str:
         good = int((self.converged & self.stable).all(axis=1).sum())
