@@ -269,6 +269,11 @@ class States(Results):
 
     axes: ClassVar[str] = "n"
 
+    @property
+    def length(self) -> Array:
+        """Lengths of the designed rod, for use as a geometry, (n,) [m]."""
+        return self.rod_length
+
     def __len__(self) -> int:
         return len(self.joint_angles)
 
@@ -559,6 +564,11 @@ class Paths(Results):
         if self.gradient is None:
             raise InputError("the paths have no gradient: evaluate them with gradient=True.")
         return np.asarray(self.gradient @ self.model.geometry_slot_jacobian(jacobian))
+
+    @property
+    def length(self) -> Array:
+        """Lengths of the designed rod, for use as a geometry, (n,) [m]."""
+        return self.rod_length
 
     def __repr__(self) -> str:
         good = int((self.converged & self.stable).all(axis=1).sum())
