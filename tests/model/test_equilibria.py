@@ -241,6 +241,11 @@ def test_the_limit_of_a_free_hinge_is_no_event(tmp_path: Path) -> None:
     path = model.equilibrium([0.0, 0.5, 1.0, 1000.0])
     assert path.converged.all()
     assert not path.events
+    beyond = np.degrees(path.joint_angles[3, 0]) - 90.0
+    assert path.warnings == [
+        f'the joint of "a" is {beyond:.4g} deg beyond its limit, from 1000 N*m on more than '
+        "the 10 deg up to which its law is meant"
+    ]
     assert np.degrees(path.joint_angles[:, 0]) == pytest.approx([0.0, 93.2, 96.0, 134.0], abs=12.0)
 
 

@@ -171,6 +171,9 @@ def test_a_deep_arch_snaps_once(steps: int) -> None:
     assert path.converged.all()
     assert kinds(path) == ["snap"]
     assert path.events[0].force / stiffness == pytest.approx(8.97, abs=0.02)
+    branch = model.equilibrium([0.0, 9.6 * stiffness], follow="arc-length")
+    limit = branch.force[np.flatnonzero(np.diff(branch.force) < 0.0)[0]]
+    assert path.events[0].force == pytest.approx(limit, rel=2e-3)
 
 
 @pytest.mark.parametrize("length", [1e-6, 1.0, 1e3])

@@ -244,6 +244,15 @@ def test_lee_s_frame_snaps_back_in_load_and_displacement(lee: Model, steps: int)
         assert state.stable == (np.linalg.eigvalsh(tangent).min() > 0.0), state.force
 
 
+def test_lee_s_frame_snaps_once_at_its_limit_point(lee: Model) -> None:
+    path = lee.equilibrium(np.linspace(0.0, 1.9, 5))
+    assert path.converged.all()
+    assert [event.kind for event in path.events] == ["snap"]
+    assert path.events[0].force == pytest.approx(1.854657, abs=3e-4)
+    # The pin is 10⁸ times as stiff as the frame; its force is an unknown.
+    assert path.iterations.sum() < 400
+
+
 def test_every_equilibrium_at_a_listed_load_is_met(truss: Model) -> None:
     path = truss.equilibrium([0.0, 0.1, 0.5], start={"node": "20 mm"}, follow="arc-length")
     met = np.sort(path.q[path.force == 0.1, 0])

@@ -366,5 +366,5 @@ joint = { kind = "revolute", stiffness = "0.1 N*m/rad" }
     weight = 1000.0 * np.pi * 0.01**2 * 0.1 * 10.0
     assert theta == pytest.approx(weight * 0.05 * np.cos(theta) / 0.1, rel=1e-8)
     assert path.force.tolist() == [0.0]
-    with pytest.raises(InputError, match="has no \\[design\\], so nothing to be designed"):
+    with pytest.raises(InputError, match="has no \\[design\\] table"):
         _ = model.design

@@ -140,7 +140,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let mut bordered = Bordered::new(n, self.rate.len(), 1);
         bordered.set_base_load(&self.start_load);
         let target = BorderedTarget {
-            tolerance: self.options.tolerance,
+            tolerance: self.options.tolerance.max(options.residual),
             small_step: self.options.arc_length.small_step,
             max_iterations: options.max_iterations,
         };

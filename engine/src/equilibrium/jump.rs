@@ -35,7 +35,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 self.swap_ends();
                 return Ok(lambda);
             }
-            Ahead::Limit(at) => {
+            // One that lies further back belongs to another branch.
+            Ahead::Limit(at) if at >= 2.0 * from - failed => {
                 self.start.copy_from_slice(self.system.state());
                 self.snap(from, at, failed, step, sink, control)?
             }
@@ -46,7 +47,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 }
                 failed
             }
-            Ahead::Unknown => self.jump(from, failed, step, sink)?,
+            Ahead::Limit(_) | Ahead::Unknown => self.jump(from, failed, step, sink)?,
         };
         self.leave(control);
         Ok(reached)
@@ -63,14 +64,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
         control: &mut StepControl,
     ) -> Result<f64, Status> {
-        let lambda = (at + self.options.locate.beyond * self.span()).min(1.0);
-        if lambda > from {
-            self.find_at(lambda, step)?;
-            let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
-            if moved && self.releases_energy(lambda - at) {
-                self.report(EventKind::Snap, at, lambda, step, sink);
-                return Ok(lambda);
-            }
+        // The state at `from` is approximate, so that the limit point may lie before it.
+        let lambda = (at + self.options.locate.beyond * self.span()).max(from).min(1.0);
+        self.find_at(lambda, step)?;
+        let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
+        if moved && self.releases_energy(lambda - at) {
+            self.report(EventKind::Snap, at, lambda, step, sink);
+            return Ok(lambda);
         }
         control.end_was_negligible();
         self.jump(from, next, step, sink)
@@ -128,7 +128,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let jump = self.options.jump;
         let speed = max_norm(&self.velocity[0]).max(max_norm(&self.velocity[1]));
         let explained = jump.min_displacement + jump.speed_margin * h * speed;
-        max_norm(&self.moved) > explained && self.releases_energy(h)
+        // Without a potential, the work on the way to a state to which the last may drift says nothing.
+        let drift = !self.system.is_conservative() && self.system.may_drift();
+        !drift && max_norm(&self.moved) > explained && self.releases_energy(h)
     }
 
     /// Whether more energy is released than where the energy is convex between `start` and the state found. There

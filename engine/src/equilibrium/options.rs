@@ -163,8 +163,10 @@ options! {
         beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
         /// States found on the way to a limit point.
         max_points: usize = 30, Interval::from(1.0).to(1e3);
-        /// Newton steps for each.
-        max_iterations: usize = 5, Interval::from(1.0).to(1e3);
+        /// Largest dimensionless residual of each,
+        residual: f64 = 1e-8, Interval::from(0.0).to(1.0);
+        /// and Newton steps for it.
+        max_iterations: usize = 8, Interval::from(1.0).to(1e3);
         /// Displacement to the first of them, at most
         longest: f64 = 0.15, Interval::above(0.0).to(1e3);
         /// and at least;
@@ -333,7 +335,7 @@ options! {
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Implicit steps of the overdamped motion from an unstable state,
-        max_relaxation: usize = 200, Interval::from(0.0).to(1e6);
+        max_relaxation: usize = 1500, Interval::from(0.0).to(1e6);
         /// which begins this far from an equilibrium.
         perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }

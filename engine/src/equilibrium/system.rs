@@ -58,6 +58,8 @@ pub struct Accuracy {
 
 /// Rounding of a residual, in units of what one rounding of its terms makes.
 const ROUNDINGS: f64 = 8.0;
+/// Dimensionless stiffness below which next to nothing holds a motion.
+const DRIFT: f64 = 1e-6;
 /// Where rounding alone is more than this share of the forces, nothing is solved.
 const MEANINGLESS: f64 = 1e-2;
 /// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
@@ -447,6 +449,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         let lost = self.factor.stability(&self.data, slack) == Stability::Unstable;
         self.factorise(0.0);
         lost
+    }
+
+    /// Whether next to nothing holds some motion, at the tangent at hand, with its factor, which is kept.
+    pub(super) fn may_drift(&mut self) -> bool {
+        let found = self.factor.stability(&self.data, DRIFT);
+        self.factorise(0.0);
+        found == Stability::Neutral
     }
 
     /// Static stability at the state whose tangent is at hand, with its factor, which is kept.

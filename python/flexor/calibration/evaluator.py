@@ -29,7 +29,7 @@ class Evaluator:
     problem: Problem
     record: Record
     threads: int = 0  # of the engine; 0 for one per core
-    # Set to make every evaluation raise KeyboardInterrupt, in whatever thread.
+    # Set to make every evaluation raise KeyboardInterrupt, in any thread.
     stopped: threading.Event = field(default_factory=threading.Event)
 
     def observed(self, u: Array, run: int, screening: bool = False, threads: int = 0) -> Array:

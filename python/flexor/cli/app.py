@@ -116,7 +116,7 @@ def main(arguments: list[str] | None = None) -> None:
         print_error(str(error))
         code = 2
     except BrokenPipeError:
-        # Whoever read has left; what is still buffered goes nowhere.
+        # The reader closed the pipe; what is still buffered goes nowhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 141
     except OSError as error:

@@ -102,7 +102,7 @@ def calibrate(
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
     loaded = load_changed(model, constants, changes)
     if resume and folder is None:
-        raise InputError("--resume needs --out, the folder to go on with.")
+        raise InputError("--resume needs --out, the folder to resume.")
     place = folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)
 
     def report(found: Calibration, seconds: float) -> int:

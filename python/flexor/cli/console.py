@@ -21,7 +21,7 @@ _SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"
 
 
 class _PlainConsole(Console):
-    """A console on which texts are what they are: no markup, and no control characters."""
+    """A console that prints text literally: no markup, and no control characters."""
 
     def print(self, *objects: Any, **options: Any) -> None:
         """Print texts and tables."""

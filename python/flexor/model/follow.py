@@ -186,7 +186,7 @@ def _arrays(geometry: Geometry | None) -> dict[str, Any]:
 
 @contextmanager
 def _input_errors() -> Iterator[None]:
-    """Raise what the engine refuses as an `InputError`."""
+    """Raise errors of the engine as `InputError`."""
     try:
         yield
     except (TypeError, ValueError) as error:

@@ -62,7 +62,7 @@ class DesignSpace:
     def of(cls, file: ModelFile) -> DesignSpace:
         """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
-            raise InputError(f'the model "{file.name}" has no [design], so nothing to be designed.')
+            raise InputError(f'the model "{file.name}" has no [design] table.')
         rod = file.rod(file.design.rod)
         ends, _ = surface(rod.radius, np.array([0.0, 1.0]))
         shortest, longest = file.design.length_bounds

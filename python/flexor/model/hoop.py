@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.model.schema import ModelFile
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.profile import interpolated
 from flexor.model.schema.section import Box, HalfRound, Hollow, Tube
+
+if TYPE_CHECKING:
+    from flexor.model.results import Path
 
 # The unwound half-round bends backwards in finite elements (docs/finite-elements.md) from its first
 # pressure on, 0.5 kPa, where this is its strain; one that is wound has none.
 LIMIT = 0.002
 
 
-def hoop_strains(file: ModelFile, radius: dict[str, Array]) -> Iterator[tuple[str, str, Array]]:
+def hoop_strains(path: Path) -> Iterator[tuple[str, str, Array]]:
     """Estimate the hoop strain per pressure at the bore of each cavity without winding.
 
     Parameters
     ----------
-    file
-        The model file.
-    radius : dict of (P,) arrays
-        S at the sample points of each rod [m].
+    path
+        Equilibria of one design.
 
     Yields
     ------
@@ -38,11 +39,12 @@ def hoop_strains(file: ModelFile, radius: dict[str, Array]) -> Iterator[tuple[st
     outer radius b: 3 p b² / (2 E (b² - a²)); of a box with a half of its bore's width. Flat walls
     that are not held bulge more.
     """
+    file = path.model.file
     for name, pressure in file.actuators.items():
         if not isinstance(pressure, Pressure):
             continue
         rod = file.rod(pressure.rod)
-        s, x = radius[pressure.rod], rod.sample_points
+        s, x = path.model.slot(f"{pressure.rod}.radius", path.parameters), rod.sample_points
         places = np.array([rod.piece_at(point) for point in x])
         for place, section in enumerate(rod.pieces):
             if not isinstance(section, Hollow):

@@ -1,4 +1,4 @@
-"""Whether materials and straps see more than they should."""
+"""Whether materials, straps, cavities and joints exceed their limits."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.model.hoop import LIMIT
+from flexor.model.hoop import LIMIT, hoop_strains
+from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
 if TYPE_CHECKING:
     from flexor.model.results import Path
+
+# Widths beyond its limit up to which the law of a joint is meant; then it only holds.
+WIDTHS = 10.0
 
 
 def materials_exceeded(path: Path) -> list[str]:
@@ -69,16 +73,45 @@ def straps_exceeded(path: Path) -> list[str]:
     return found
 
 
+def joints_exceeded(path: Path) -> list[str]:
+    """List the joints too far beyond their limits, a sentence each; see `materials_exceeded`."""
+    size, unit = path.model.load_unit()
+    found = []
+    for name, body in path.model.file.bodies.items():
+        joint = body.joint
+        if not isinstance(joint, RevoluteJoint | PrismaticJoint):
+            continue
+        angular = isinstance(joint, RevoluteJoint)
+        own = path.model.engine.coordinates.index(f"{name}.theta" if angular else f"{name}.d")
+        lower = -np.inf if joint.lower is None else joint.lower
+        upper = np.inf if joint.upper is None else joint.upper
+        beyond = np.maximum(lower - path.q[:, own], path.q[:, own] - upper)
+        meant = WIDTHS * joint.limit_width
+        if (beyond > meant).any():
+            load = f"{path.force[np.argmax(beyond > meant)] / size:.4g} {unit}"
+            shown = np.array([np.nanmax(beyond), meant])
+            far, allowed = np.degrees(shown) if angular else 1e3 * shown
+            measure = "deg" if angular else "mm"
+            found.append(
+                f'the joint of "{name}" is {far:.4g} {measure} beyond its limit, from {load} on '
+                f"more than the {allowed:.4g} {measure} up to which its law is meant"
+            )
+    return found
+
+
 def balloons(path: Path) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
-    for name, strains in path.hoop_strain().items():
+    for name, rod, along in hoop_strains(path):
+        pressures = path.loads[:, path.model.inputs.index(name)]
+        strains = pressures * along.max()
         if (strains > LIMIT).any():
-            pressure = path.loads[np.argmax(strains > LIMIT), path.model.inputs.index(name)]
+            pressure = pressures[np.argmax(strains > LIMIT)]
+            at = path.model.file.rod(rod).sample_points[np.argmax(along)]
             found.append(
                 f'the cavity of "{name}" is not wound and widens by an estimated '
-                f"{100.0 * strains.max():.3g} %, from {pressure / 1e3:.4g} kPa on beyond the "
-                f"{100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
+                f"{100.0 * strains.max():.3g} % at X = {at:.3g}, from {pressure / 1e3:.4g} kPa on "
+                f"beyond the {100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
             )
     return found
 

@@ -17,7 +17,12 @@ from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
-from flexor.model.limits import balloons, materials_exceeded, straps_exceeded
+from flexor.model.limits import (
+    balloons,
+    joints_exceeded,
+    materials_exceeded,
+    straps_exceeded,
+)
 from flexor.model.structure import Structure
 
 _Several = slice | list[int] | NDArray[Any]
@@ -219,7 +224,7 @@ class Results:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class State(Results):
-    """One equilibrium of one design, ``path[step]``; what counts for a path is that of its path."""
+    """One equilibrium of one design, ``path[step]``; path-level fields are those of its path."""
 
     def __repr__(self) -> str:
         ends = str(self.stability)
@@ -420,19 +425,18 @@ class Path(Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, straps and hoop strains beyond their limits, a sentence each."""
-        return materials_exceeded(self) + straps_exceeded(self) + balloons(self)
+        """Materials, straps, joints and hoop strains beyond their limits, a sentence each."""
+        checks = (materials_exceeded, straps_exceeded, joints_exceeded, balloons)
+        return [sentence for check in checks for sentence in check(self)]
 
     def hoop_strain(self) -> dict[str, Array]:
         """Return the estimated hoop strain of cavities without winding, (s,), by pressure.
 
         See `flexor.model.hoop`.
         """
-        model = self.model
-        radius = {rod: model.slot(f"{rod}.radius", self.parameters) for rod in model.rods}
         return {
-            name: self.loads[:, model.inputs.index(name)] * strain.max()
-            for name, _, strain in hoop_strains(model.file, radius)
+            name: self.loads[:, self.model.inputs.index(name)] * strain.max()
+            for name, _, strain in hoop_strains(self)
         }
 
     @property

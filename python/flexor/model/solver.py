@@ -37,7 +37,7 @@ def solver_options(options: Mapping[str, float]) -> dict[str, float]:
 
 
 def useful_threads(threads: int) -> int:
-    """Return a number of threads for the engine, no more than are of use."""
+    """Return a number of threads for the engine, capped at a useful maximum."""
     if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
         raise InputError(
             f"threads is {describe(threads)}: expected an integer, 0 for one per core or more."

@@ -154,7 +154,7 @@ def _from_file(file: FilePath, model: Structure) -> Start:
         load = np.array([float(each[step]) for each in loads[: len(inputs)]])
         q = np.array(found["q"][step], dtype=np.float64)
     except (ValueError, TypeError, KeyError, IndexError):
-        raise InputError(f'start is "{file}": there is no equilibrium in it.') from None
+        raise InputError(f'start is "{file}": it contains no equilibrium.') from None
     return _checked(q, load, model, f'start is "{file}", which')
 
 

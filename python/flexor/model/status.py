@@ -5,7 +5,6 @@ The engine has the statuses (`flexor._engine.STATUS`); this says them to people.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -16,8 +15,8 @@ if TYPE_CHECKING:
 MEANINGS = MappingProxyType(
     {
         "converged": (
-            "an equilibrium; whether it is stable is said beside it",
-            "nothing",
+            "an equilibrium; for its stability see `stability`",
+            "no action needed",
         ),
         "unstable": (
             "an equilibrium from which some motion grows by itself, without a stable one to be "
@@ -69,16 +68,14 @@ def why_stalled(path: Path) -> str:
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
     said = f"residual {residual:.2g} of the forces, where rounding allows for {tolerance:.2g}"
     model = path.model
-    tables: dict[str, Iterable[str]] = {
-        "contacts": model.file.contacts,
-        "springs": model.file.springs,
-        "obstacles": model.file.obstacles,
-    }
+    file, slots = model.file, model.engine.slots
+    names = [("contacts", name) for name in file.contacts]
+    names += [("springs", name) for name in file.springs]
+    names += [("obstacles", name) for name in file.obstacles]
     stiff = [
-        (float(model.parameters[model.engine.slots[f"{name}.stiffness"][0]]), f"{table}.{name}")
-        for table, entries in tables.items()
-        for name in entries
-        if f"{name}.stiffness" in model.engine.slots
+        (float(model.parameters[slots[f"{name}.stiffness"][0]]), f"{table}.{name}")
+        for table, name in names
+        if f"{name}.stiffness" in slots
     ]
     if not stiff:
         return said

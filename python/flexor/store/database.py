@@ -26,7 +26,7 @@ class Database:
     Each write is one transaction in SQLite's write-ahead log with ``synchronous=NORMAL``: what was
     written survives the death of the process at any moment (a power cut may cost the last
     transactions, never the file), and others may read meanwhile. Several threads may use it.
-    Pickled, a file is opened again for reading, and what is in memory goes along.
+    Pickling keeps the path of a file, which is opened again for reading, or the rows in memory.
 
     A new one is made with the SQL ``tables``; without, one that exists is opened. A ``path`` of
     None keeps the rows in memory. Whatever is wrong with a file is an InputError.

@@ -53,7 +53,7 @@ def check_writable(path: Path) -> None:
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """Write a file whole or not at all, in place of whatever has its name.
+    """Write a file atomically, replacing any of its name.
 
     Yields an empty file beside it with the same suffix, which takes its place at the end. A link
     of that name is replaced, not followed. OSError if it cannot be written.

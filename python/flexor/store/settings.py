@@ -17,7 +17,7 @@ from flexor.store.files import check_regular, reason, write_text
 
 FORMAT = 2
 SETTINGS = "settings.json"
-# May differ when work is resumed; versions are checked on their own.
+# May differ when work is resumed; `check_versions` compares the versions.
 _FREE = ("created", "flexor", "environment")
 _NAMES = {
     "flexor": "Flexor",
@@ -96,7 +96,7 @@ def read_settings(kind: Kind, folder: Path, *others: Kind) -> dict[str, Any]:
 
 
 def write_settings(folder: Path, values: Mapping[str, Any]) -> None:
-    """Write the settings of a folder; those that are there stay if that fails."""
+    """Write the settings of a folder; existing ones are kept if that fails."""
     write_text(folder / SETTINGS, json.dumps(values, indent=2, ensure_ascii=False) + "\n")
 
 

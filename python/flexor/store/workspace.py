@@ -4,7 +4,7 @@ settings.json   everything that determines the results
 record.sqlite   everything that was evaluated (`Database`)
 lock            held by the process that uses the folder
 
-and whatever files the kind of work adds, such as the model.
+and the files that the kind of work adds, such as the model.
 """
 
 from __future__ import annotations

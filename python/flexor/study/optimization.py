@@ -188,12 +188,13 @@ def resume_search(
     **options: Any,
 ) -> Study:
     """Resume the search of a study or a landscape; for ``options`` see `run_search`."""
-    values = settings.values
-    recorded = values["method"]
+    values, recorded = settings.values, settings.values["method"]
+    if search is None:
+        search = named_method(recorded["name"], **recorded["options"])
     return run_search(
         settings.kind,
         problem,
-        search or named_method(recorded["name"], **recorded["options"]),
+        search,
         "random" if values["start"] is None else values["start"],
         seed=values["seed"],
         budget=budget if budget is not None else Budget(**values["budget"]),

@@ -116,7 +116,7 @@ class Cluster(Pool):
         self._opened.close()
 
     def __exit__(self, *raised: object) -> None:
-        """Leave the cluster; after an interruption at once."""
+        """Leave the cluster; immediately after an interruption."""
         if any(isinstance(each, KeyboardInterrupt) for each in raised):
             self._close_timeout = INTERRUPT_TIMEOUT
             if self._local is not None:
@@ -157,7 +157,7 @@ class Cluster(Pool):
             self._counted = -_COUNT_TTL
 
     def _check_workers(self) -> None:
-        """Refuse workers of another version at once, and not at their first task."""
+        """Refuse workers of another version before their first task."""
         run = self._client.run
         found = self._guarded(lambda: run(task.check, decisive(), on_error="return"))
         for worker, why in found.items():

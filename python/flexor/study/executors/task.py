@@ -45,7 +45,7 @@ class Reply:
 
     result: Any = None
     seconds: float = 0.0
-    # What the function raised: part of the reply, so that whatever else waiting for a task raises
+    # What the function raised: part of the reply, so that anything else raised while waiting
     # is the executor's own.
     error: Exception | None = None
 
