@@ -245,6 +245,7 @@ def test_json_holds_one_entry_per_step(path: Path) -> None:
         "stable",
         "contacts",
         "tip_force",
+        "length",
         "max_overlap",
         "places",
         "events",
@@ -252,6 +253,7 @@ def test_json_holds_one_entry_per_step(path: Path) -> None:
         "q",
     ]
     assert found.pop("coordinates") == path.model.engine.coordinates
+    assert found.pop("length") == {"chamber": path.length("chamber").tolist()}
     places = found.pop("places")["max_overlap"]
     assert [place is None for place in places] == (path.max_overlap == 0.0).tolist()
     assert places[-1]["body"] == "exosuit"

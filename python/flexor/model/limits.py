@@ -103,14 +103,14 @@ def balloons(path: Path) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
     for name, rod, along in hoop_strains(path):
-        pressures = path.loads[:, path.model.inputs.index(name)]
+        pressures = path.applied[:, path.model.inputs.index(name)]
         strains = pressures * along.max()
         if (strains > LIMIT).any():
             pressure = pressures[np.argmax(strains > LIMIT)]
             at = path.model.file.rod(rod).sample_points[np.argmax(along)]
             found.append(
                 f'the cavity of "{name}" is not wound and widens by an estimated '
-                f"{100.0 * strains.max():.3g} % at X = {at:.3g}, from {pressure / 1e3:.4g} kPa on "
+                f"{100.0 * np.nanmax(strains):.3g} % at X = {at:.3g}, from {pressure / 1e3:.4g} kPa on "
                 f"beyond the {100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
             )
     return found

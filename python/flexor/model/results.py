@@ -435,7 +435,7 @@ class Path(Results):
         See `flexor.model.hoop`.
         """
         return {
-            name: self.loads[:, self.model.inputs.index(name)] * strain.max()
+            name: self.applied[:, self.model.inputs.index(name)] * strain.max()
             for name, _, strain in hoop_strains(self)
         }
 
