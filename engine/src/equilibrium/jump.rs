@@ -28,7 +28,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             Ahead::Further(lambda) => {
                 self.arrive();
                 self.predictor.forget_curvature();
-                if lambda < failed {
+                let near = max_norm(&self.moved) <= 10.0 * self.options.jump.min_displacement;
+                if lambda < failed && near {
                     control.end_was_negligible();
                 }
                 control.accept(from, lambda);
