@@ -47,9 +47,10 @@ impl<'a> Budget<'a> {
         }
     }
 
-    /// A load step begins.
+    /// Resets the budget for a load step; its first check looks at clock and cancellation.
     pub fn restart(&mut self) {
         self.iterations = 0;
+        self.checks = LOOK;
         self.deadline = self.max_time.and_then(|time| Instant::now().checked_add(time));
     }
 

@@ -319,7 +319,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     }
 
     /// Goes to a stable equilibrium with stiff terms made softer, and from there close to one with their own
-    /// stiffness; stays where it is if that fails.
+    /// stiffness; if that fails, stays where it is unless the energy is lower where it came.
     fn find_by_softening(&mut self, radius: f64) {
         let start = self.system.state().to_vec();
         self.system.soften();
@@ -328,7 +328,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let state = self.system.state().to_vec();
         self.system.harden();
         if softer != Status::Converged {
+            let reached = self.system.evaluate();
             self.system.set_state(&start);
+            if self.system.is_conservative() && reached < self.system.evaluate() {
+                self.system.set_state(&state);
+            }
         } else if self.corrector.mixed.approach(&mut self.system, self.options.mixed.reach).is_none() {
             self.system.set_state(&state);
         }

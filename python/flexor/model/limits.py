@@ -110,8 +110,9 @@ def balloons(path: Path) -> list[str]:
             at = path.model.file.rod(rod).sample_points[np.argmax(along)]
             found.append(
                 f'the cavity of "{name}" is not wound and widens by an estimated '
-                f"{100.0 * np.nanmax(strains):.3g} % at X = {at:.3g}, from {pressure / 1e3:.4g} kPa on "
-                f"beyond the {100.0 * LIMIT:g} % up to which a section keeps its shape: wind it"
+                f"{100.0 * np.nanmax(strains):.3g} % at X = {at:.3g}, from "
+                f"{pressure / 1e3:.4g} kPa on beyond the {100.0 * LIMIT:g} % up to which a section "
+                "keeps its shape: wind it"
             )
     return found
 
