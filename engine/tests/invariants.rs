@@ -206,7 +206,7 @@ fn check_descent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     for (options, monotonic) in [(never_stiff, true), (ContinuationOptions::default(), false)] {
         let mut energy = first;
         for max_iterations in 1..=40 {
-            let options = ContinuationOptions { max_iterations, ..options.clone() };
+            let options = ContinuationOptions { max_iterations, ..options };
             let mut path = Continuation::new(&model, options, None);
             let mut end = End::default();
             path.follow(&[load], &start, &mut end);

@@ -88,5 +88,5 @@ def test_damaged_values_of_designs(tmp_path: Path, value: str) -> None:
     with sqlite3.connect(tmp_path / "s" / "record.sqlite") as record:
         record.execute(f"UPDATE evaluations SET value = {value} WHERE id = 2")
     record.close()
-    with pytest.raises(InputError, match="a value is no finite number"):
+    with pytest.raises(InputError, match="a value is not finite"):
         resume(tmp_path / "s", budget=6)

@@ -281,7 +281,7 @@ def test_the_figure_of_a_loop_has_both_ways_and_dashes(truss: Model) -> None:
     loop = plot.path(truss.equilibrium([0.0, 0.2, 0.4, 0.2, -0.4, 0.0], start={"node": "20 mm"}))
     assert len(loop.axes) == 2
     branch = plot.path(truss.equilibrium([0.0, 0.5], start={"node": "20 mm"}, follow="arc-length"))
-    (panel,) = (axes for axes in branch.axes if axes.get_xlabel() == "load / N")
+    (panel,) = (axes for axes in branch.axes if axes.get_xlabel() == "force / N")
     styles = {line.get_linestyle() for line in panel.lines}
     assert {"-", "--"} <= styles
     rising = plot.path(truss.equilibrium([0.0, 0.1], start={"node": "20 mm"}))

@@ -86,7 +86,7 @@ impl<const P: usize> HalfSpaces<P> {
             let world = AttachmentDescription::World { world: half_space.point };
             let point = tree.attach(&field("point"), &world)?;
             let stiffness =
-                tree.slot(format!("{}.stiffness", half_space.name), &[half_space.stiffness]).start;
+                tree.slot(format!("{}.stiffness", half_space.name), "N/m", &[half_space.stiffness]).start;
             built.push(HalfSpace { spheres, point, normal, stiffness });
         }
         Ok(Self(built))

@@ -110,7 +110,7 @@ impl Pressures {
             finite(field("sections"), pressure.sections.as_flattened())?;
             finite(field("share"), &pressure.share)?;
             finite(field("enclosed"), &[pressure.enclosed])?;
-            let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), section);
+            let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), None, section);
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
             tree.inputs.push(pressure.name.clone());
             built.push(Pressure {

@@ -73,8 +73,9 @@ impl Springs {
                 tree.attach(&field("second"), &spring.second)?,
             ];
             tree.keep_jacobian(tree.points[ends[1]].frame);
-            let stiffness = tree.slot(format!("{}.stiffness", spring.name), &[spring.stiffness]).start;
-            let rest_length = tree.slot(format!("{}.rest_length", spring.name), &[spring.rest_length]).start;
+            let stiffness = tree.slot(format!("{}.stiffness", spring.name), "N/m", &[spring.stiffness]).start;
+            let rest_length =
+                tree.slot(format!("{}.rest_length", spring.name), "m", &[spring.rest_length]).start;
             built.push(Spring { ends, stiffness, rest_length, slack: spring.slack });
         }
         Ok(Self(built))

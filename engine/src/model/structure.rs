@@ -53,7 +53,7 @@ impl Structure {
             sphere_groups: groups.collect(),
             body_frames: bodies.collect(),
             joints: joints(model, description),
-            slot_units: model.layout.iter().map(|(name, _)| (name.into(), unit(name, description))).collect(),
+            slot_units: model.layout.units().map(|(name, unit)| (name.into(), unit)).collect(),
         }
     }
 }
@@ -97,32 +97,6 @@ fn joints<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
     }
     found
-}
-
-/// Unit of a parameter slot, named `owner.part`.
-fn unit(slot: &str, description: &Description) -> Option<&'static str> {
-    let (owner, part) = slot.rsplit_once('.')?;
-    match part {
-        "rotation" => Some("rad"),
-        "young_modulus" | "shear_modulus" => Some("Pa"),
-        "density" => Some("kg/m^3"),
-        "joint_stiffness" => {
-            let body = description.bodies.iter().find(|b| b.name == owner)?;
-            match body.joint.kind {
-                JointKind::Free => None,
-                JointKind::Prismatic => Some("N/m"),
-                _ => Some("N*m/rad"),
-            }
-        }
-        "stiffness" => {
-            let per_length = description.contacts.iter().any(|c| c.name == owner && c.per_length);
-            Some(if per_length { "N/m^2" } else { "N/m" })
-        }
-        "foundation" => Some("Pa/m"),
-        "length" | "radius" | "slope" | "radius_base" | "radius_tip" | "translation" | "lever"
-        | "rest_length" | "half_width" => Some("m"),
-        _ => None,
-    }
 }
 
 impl JointKind {

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MEANINGS = MappingProxyType(
     {
         "converged": (
-            "an equilibrium; for its stability see `stability`",
+            "an equilibrium; its stability is given separately",
             "no action needed",
         ),
         "unstable": (

@@ -161,7 +161,9 @@ class QuantityField:
         quantity = self.dimension.parse(value)
         if self.sign == "positive" and not quantity > 0.0:
             raise field_error(f"is {describe(quantity.text)}: it must be greater than zero")
-        if not 1e-60 <= abs(quantity or 1.0) <= 1e60:  # its fourth power is a normal number
+        if (
+            self.sign == "positive" and not 1e-60 <= quantity <= 1e60
+        ):  # its fourth power is a normal number
             within = f"between 1e-60 and 1e60 {self.dimension.unit}"
             raise field_error(f"is {describe(quantity.text)}: it must be {within}")
         if self.sign == "non-negative" and quantity < 0.0:

@@ -76,7 +76,7 @@ impl Actuators {
                 slope: actuator.path_slope[gauss.point],
             };
             let routing = tree.rods[rod].gauss.iter().map(at).collect();
-            let lever = tree.slot(format!("{}.lever", actuator.name), &actuator.lever).start;
+            let lever = tree.slot(format!("{}.lever", actuator.name), "m", &actuator.lever).start;
             let sign = if actuator.kind == ActuatorKind::Chamber { 1.0 } else { -1.0 };
             built.push(Actuator { rod, sign, lever, routing });
             tree.inputs.push(actuator.name.clone());

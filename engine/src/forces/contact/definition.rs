@@ -101,7 +101,8 @@ impl Contact {
                 )
             })? = true;
         }
-        let stiffness = tree.slot(format!("{}.stiffness", contact.name), &[contact.stiffness]).start;
+        let unit = if contact.per_length { "N/m^2" } else { "N/m" };
+        let stiffness = tree.slot(format!("{}.stiffness", contact.name), unit, &[contact.stiffness]).start;
         for sphere in second.clone() {
             let frame = tree.points[tree.spheres[sphere].point].frame;
             tree.keep_jacobian(frame);

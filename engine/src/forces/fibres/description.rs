@@ -180,7 +180,7 @@ pub(super) fn materials<G: LieGroup<D, P>, const D: usize, const P: usize>(
             let problem = format!("found {:?}, which are not those of {law:?}", material.constants);
             return Err(ModelError::new(field, problem));
         }
-        let constants = tree.slot(format!("{}.constants", material.name), &material.constants);
+        let constants = tree.slot(format!("{}.constants", material.name), None, &material.constants);
         built.push(Material { law, wound: material.wound, constants });
     }
     Ok(built)
@@ -219,17 +219,18 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
             numbers.push(fibre.stretch);
             numbers.extend(fibre.winding);
         }
-        let mut slot = |part: &str, values: &[f64]| -> Result<Range<usize>, ModelError> {
-            finite(field(part), values)?;
-            Ok(tree.slot(format!("{name}.{part}[{index}]"), values))
-        };
+        let mut slot =
+            |part: &str, unit: Option<&'static str>, values: &[f64]| -> Result<Range<usize>, ModelError> {
+                finite(field(part), values)?;
+                Ok(tree.slot(format!("{name}.{part}[{index}]"), unit, values))
+            };
         sections.push(FibreSection {
             materials: fibres.iter().map(|fibre| fibre.material).collect(),
-            fibres: slot("fibres", &numbers)?.start,
-            torsion: slot("torsion", &[section.torsion])?.start,
-            rigidity: slot("rigidity", &section.rigidity)?.start,
-            mass: slot("mass", &section.mass)?.start,
-            clearances: slot("clearances", section.clearances.as_flattened())?,
+            fibres: slot("fibres", None, &numbers)?.start,
+            torsion: slot("torsion", Some("N*m^2"), &[section.torsion])?.start,
+            rigidity: slot("rigidity", None, &section.rigidity)?.start,
+            mass: slot("mass", None, &section.mass)?.start,
+            clearances: slot("clearances", None, section.clearances.as_flattened())?,
         });
     }
     let masses = of_gauss.iter().map(|section| sections[*section].mass).collect();

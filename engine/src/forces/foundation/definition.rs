@@ -109,7 +109,9 @@ impl Foundation {
             let frame = frame(tree, sphere);
             tree.keep_jacobian(frame);
         }
-        let mut slot = |what: &str, values: &[f64]| tree.slot(format!("{}.{what}", d.name), values).start;
+        let mut slot = |what: &str, unit: &'static str, values: &[f64]| {
+            tree.slot(format!("{}.{what}", d.name), unit, values).start
+        };
         Ok(Self {
             first,
             weights: d.weights.clone(),
@@ -121,9 +123,9 @@ impl Foundation {
             cones,
             radii,
             length,
-            half_width: slot("half_width", &d.half_width),
-            half_width_multiple: slot("half_width_multiple", &d.half_width_multiple),
-            stiffness: slot("foundation", &d.stiffness),
+            half_width: slot("half_width", "m", &d.half_width),
+            half_width_multiple: slot("half_width_multiple", "1", &d.half_width_multiple),
+            stiffness: slot("foundation", "Pa/m", &d.stiffness),
         })
     }
 

@@ -58,8 +58,9 @@ impl StrapLoops {
                 return Err(ModelError::new(field("spheres"), problem));
             }
             tree.keep_jacobian(tree.points[tree.spheres[a].point].frame);
-            let stiffness = tree.slot(format!("{}.stiffness", strap.name), &[strap.stiffness]).start;
-            let rest_length = tree.slot(format!("{}.rest_length", strap.name), &[strap.rest_length]).start;
+            let stiffness = tree.slot(format!("{}.stiffness", strap.name), "N/m", &[strap.stiffness]).start;
+            let rest_length =
+                tree.slot(format!("{}.rest_length", strap.name), "m", &[strap.rest_length]).start;
             built.push(StrapLoop { spheres: [p, a, b], stiffness, rest_length });
         }
         Ok(Self(built))

@@ -35,8 +35,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         if G::from_spatial(&placement.translation, &placement.rotation).is_none() {
             return Err(ModelError::new(field("placement"), "leaves the x–z plane of a planar system"));
         }
-        let translation = self.slot(field("translation"), &placement.translation);
-        let rotation = self.slot(field("rotation"), &placement.rotation);
+        let translation = self.slot(field("translation"), "m", &placement.translation);
+        let rotation = self.slot(field("rotation"), "rad", &placement.rotation);
         let index = self.bodies.len();
         let rigid = 2 * index;
         let placed = self.push_frame(parent, index, Motion::Rigid(rigid), format!("{name}.placement"));
@@ -184,7 +184,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             positive(field("limit_stiffness"), joint.limit_stiffness)?;
             positive(field("limit_width"), joint.limit_width)?;
         }
-        let slots = self.slot(format!("{name}.joint_stiffness"), &stiffness);
+        let unit = match joint.kind {
+            JointKind::Free => None,
+            JointKind::Prismatic => Some("N/m"),
+            _ => Some("N*m/rad"),
+        };
+        let slots = self.slot(format!("{name}.joint_stiffness"), unit, &stiffness);
 
         let mut frame = parent;
         let mut k = 0;
@@ -252,13 +257,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         let radius_base = positive(field("radius_base"), link.radius_base)?;
         let radius_tip = positive(field("radius_tip"), link.radius_tip)?;
         let density = not_negative(field("density"), link.density)?;
-        let mut one = |f: &str, value: f64| self.slot(field(f), &[value]).start;
+        let mut one = |f: &str, unit: &'static str, value: f64| self.slot(field(f), unit, &[value]).start;
         Ok(Link {
             tip,
-            length: one("length", length),
-            radius_base: one("radius_base", radius_base),
-            radius_tip: one("radius_tip", radius_tip),
-            density: one("density", density),
+            length: one("length", "m", length),
+            radius_base: one("radius_base", "m", radius_base),
+            radius_tip: one("radius_tip", "m", radius_tip),
+            density: one("density", "kg/m^3", density),
         })
     }
 }

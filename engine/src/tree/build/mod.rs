@@ -60,9 +60,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         Ok(tree)
     }
 
-    /// Appends a parameter slot.
-    pub(crate) fn slot(&mut self, name: String, defaults: &[f64]) -> Range<usize> {
-        self.layout.push(&mut self.parameters, name, defaults)
+    /// Appends a parameter slot with its SI unit, `None` where its numbers have several.
+    pub(crate) fn slot(
+        &mut self,
+        name: String,
+        unit: impl Into<Option<&'static str>>,
+        defaults: &[f64],
+    ) -> Range<usize> {
+        self.layout.push(&mut self.parameters, name, unit.into(), defaults)
     }
 
     /// Keeps the Jacobian of `frame`, on whose coordinates a coupling between bodies will depend.

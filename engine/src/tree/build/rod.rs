@@ -51,13 +51,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             self.dof += basis.len();
         }
 
-        let mut one = |f: &str, value: f64| self.layout.push(&mut self.parameters, field(f), &[value]).start;
-        let length = one("length", rod.length);
-        let young_modulus = one("young_modulus", rod.young_modulus);
-        let shear_modulus = one("shear_modulus", rod.shear_modulus);
-        let density = one("density", rod.density);
-        let radius = self.slot(field("radius"), &rod.radius);
-        let slope = self.slot(field("slope"), &rod.slope);
+        let mut one = |f: &str, unit: &'static str, value: f64| self.slot(field(f), unit, &[value]).start;
+        let length = one("length", "m", rod.length);
+        let young_modulus = one("young_modulus", "Pa", rod.young_modulus);
+        let shear_modulus = one("shear_modulus", "Pa", rod.shear_modulus);
+        let density = one("density", "kg/m^3", rod.density);
+        let radius = self.slot(field("radius"), "m", &rod.radius);
+        let slope = self.slot(field("slope"), "m", &rod.slope);
 
         let rule = gauss_legendre(rod.gauss_points);
         let mut gauss = vec![];
