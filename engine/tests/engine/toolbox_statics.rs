@@ -1,7 +1,6 @@
 //! Equilibria of the default design found with the public MATLAB toolbox SoRoSim: ≤ 1e-7 rad.
 
-mod systems;
-
+use crate::systems;
 use flexor_engine::Batch;
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::SE2;

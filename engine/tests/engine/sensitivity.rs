@@ -1,16 +1,12 @@
 //! Derivatives with respect to every parameter of random systems, against differences.
 
-mod systems;
-#[path = "systems/trees.rs"]
-mod trees;
-
+use crate::systems::{body, empty, joint};
+use crate::trees::{planar_trees, solids, spatial_trees};
 use flexor_engine::Data;
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use proptest::prelude::*;
-use systems::{body, empty, joint};
-use trees::{planar_trees, solids, spatial_trees};
 
 /// λᵀ ∂g/∂p at a held state against sixth-order differences of λᵀg.
 fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(

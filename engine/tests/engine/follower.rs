@@ -1,13 +1,11 @@
 //! Loads without a potential: closed forms of cantilevers under end moments and follower forces.
 
-mod systems;
-
+use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::Batch;
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
-use systems::{body, empty, joint, rod, strain};
 
 const LENGTH: f64 = 0.2;
 const RADIUS: f64 = 0.005;

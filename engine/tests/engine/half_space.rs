@@ -1,14 +1,12 @@
 //! Half-spaces: closed forms of a pressed link, and derivatives against differences.
 
-mod systems;
-
+use crate::systems::differences::derivatives;
+use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
 use flexor_engine::{Batch, Data};
-use systems::differences::derivatives;
-use systems::{body, empty, joint, rod, strain};
 
 const STIFFNESS: f64 = 200.0;
 

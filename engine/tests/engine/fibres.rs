@@ -1,15 +1,13 @@
 //! Sections of fibres and pressures on random states: residual against differences of the energy, tangent
 //! and derivatives with respect to every parameter against differences of the residual.
 
-mod systems;
-
+use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::Data;
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
 use flexor_engine::strain::{BasisKind, Mode, sample_points};
 use proptest::prelude::*;
-use systems::{body, empty, joint, rod, strain};
 
 const STENCIL: [(f64, f64); 6] =
     [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];

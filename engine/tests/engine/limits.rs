@@ -1,14 +1,12 @@
 //! Solves end when they are asked to and when their time is up.
 
-mod systems;
-
+use crate::systems::finger;
 use flexor_engine::equilibrium::{Cancel, ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::Model;
 use flexor_engine::{Batch, BatchResult};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use systems::finger;
 
 fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBool>) -> BatchResult {
     let model = Model::<SE2, 3, 2>::new(&finger()).unwrap();

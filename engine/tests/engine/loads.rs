@@ -1,13 +1,11 @@
 //! Paths do not depend on loads that do nothing.
 
-mod systems;
-
+use crate::systems::{body, finger, joint, rod, strain};
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
 use flexor_engine::{Batch, BatchResult};
-use systems::{body, finger, joint, rod, strain};
 
 /// The finger, with a second, unrelated rod and its chamber.
 fn finger_and_brick() -> Description {

@@ -1,17 +1,13 @@
 //! Residual against differences of Π, tangent against differences of the residual, on random states
 //! of systems that between them hold every potential, basis, section and joint.
 
-mod systems;
-#[path = "systems/trees.rs"]
-mod trees;
-
+use crate::systems::{finger, refined};
+use crate::trees::{basis, planar_trees, solids, spatial_tree, spatial_trees, with_round_cones};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::linalg::Vector;
 use flexor_engine::model::*;
 use flexor_engine::{ContactForce, Data};
 use proptest::prelude::*;
-use systems::{finger, refined};
-use trees::{basis, planar_trees, solids, spatial_tree, spatial_trees, with_round_cones};
 
 /// Step of the differences: small against the distance of overlapping sphere centres.
 const STEP: f64 = 4e-6;

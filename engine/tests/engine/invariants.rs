@@ -1,11 +1,9 @@
 //! What must hold of every system in every state: its mirror image behaves alike, a residual is the
 //! same with its tangent or without, and a descent never climbs.
 
-mod systems;
-#[allow(dead_code)]
-#[path = "systems/trees.rs"]
-mod trees;
-
+use crate::trees::{
+    SECTIONS, basis, planar_tree, planar_trees, spatial_tree, spatial_trees, with_round_cones,
+};
 use flexor_engine::Data;
 use flexor_engine::equilibrium::{
     Continuation, ContinuationOptions, Event, PathSink, Status, StepReport, System,
@@ -13,7 +11,6 @@ use flexor_engine::equilibrium::{
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use proptest::prelude::*;
-use trees::{SECTIONS, basis, planar_tree, planar_trees, spatial_tree, spatial_trees, with_round_cones};
 
 /// A mirror through the origin: −1 for the axis that is turned over.
 #[derive(Clone, Copy, Debug)]

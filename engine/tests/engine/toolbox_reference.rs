@@ -4,15 +4,12 @@
 //! not), which moves its residuals in contact by up to 4e-8 of the largest. The engine is therefore
 //! compared twice: with the cut repeated, to 1e-9, and as it is, to 1e-7.
 
-mod systems;
-#[path = "systems/toolbox.rs"]
-mod toolbox;
-
+use crate::systems;
+use crate::toolbox::Toolbox;
 use flexor_engine::Data;
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::{Description, Model};
 use serde_json::Value;
-use toolbox::Toolbox;
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()

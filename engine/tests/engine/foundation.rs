@@ -1,14 +1,12 @@
 //! Elastic foundations: closed forms by hand, continuity, and derivatives against differences.
 
-mod systems;
-
+use crate::systems::differences::derivatives;
+use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
 use flexor_engine::{Batch, ContactForce, Data};
-use systems::differences::derivatives;
-use systems::{body, empty, joint, rod, strain};
 
 fn link(length: f64, radius_base: f64, radius_tip: f64) -> ShapeDescription {
     ShapeDescription::Link(LinkDescription { length, radius_base, radius_tip, density: 0.0 })

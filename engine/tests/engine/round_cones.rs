@@ -1,16 +1,11 @@
 //! Contact with round cones, against closed forms and against what must not matter.
 
-mod systems;
-#[path = "systems/trees.rs"]
-#[allow(dead_code)]
-mod trees;
-
+use crate::systems::{body, empty, joint};
+use crate::trees::solids;
 use flexor_engine::Data;
 use flexor_engine::lie::{SE2, SE3};
 use flexor_engine::model::*;
 use proptest::prelude::*;
-use systems::{body, empty, joint};
-use trees::solids;
 
 const STIFFNESS: f64 = 500.0;
 

@@ -1,0 +1,21 @@
+//! Tests of the engine as its users see it, in one binary: the engine's generic code is compiled once.
+
+mod derivatives;
+mod fibres;
+mod follower;
+mod foundation;
+mod half_space;
+mod invariants;
+mod limits;
+mod loads;
+mod round_cones;
+mod sensitivity;
+mod toolbox_reference;
+mod toolbox_statics;
+
+#[path = "../systems/mod.rs"]
+mod systems;
+#[path = "../systems/toolbox.rs"]
+mod toolbox;
+#[path = "../systems/trees.rs"]
+mod trees;
