@@ -111,7 +111,7 @@ def test_toolbox_finger(case: Case) -> None:
     `Equilibrium` truncates the exponential after Ω̂³/6 where θ ≤ 0.01 (its forward kinematics does
     not), which changes its residuals in contact by up to 4·10⁻⁸ of the largest; Flexor's
     exponential is exact. With the same truncation they agree to 10⁻⁹
-    (`engine/tests/toolbox_reference.rs`).
+    (`engine/tests/engine/toolbox_reference.rs`).
     """
     case.check(tuple(_states(finger(), "exosuit", "sorosim_finger.json", 1.0, 1e-7)))
 
