@@ -53,7 +53,7 @@ def _loads(path: Path) -> Columns:
         columns[f"{name} / {unit}".removesuffix(" / ")] = [number(x) for x in load / size]
     for name, found in path.found_loads().items():
         size, unit = model.controlled[name].shown
-        what = model.controlled[name].name.split(" ", 1)[1]
+        what = model.controlled[name].noun
         heading = f"{what} of {name}" if several else what
         columns[f"{heading} / {unit}"] = [number(x) for x in found / size]
     return columns

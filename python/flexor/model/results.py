@@ -388,11 +388,10 @@ class Path(Results):
         threads = self.model.threads
         if actuator not in threads:
             raise unknown("chamber or cable", actuator, threads)
-        found = np.full(len(self), np.nan)
-        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)):
-            lengths = self.model.engine.actuator_lengths(self.parameters, self.q[step])
-            found[step] = lengths[threads.index(actuator)]
-        return found
+        return self._lengths()[actuator]
+
+    def _lengths(self) -> dict[str, Array]:
+        return self._each(self.model.threads, self.model.engine.actuator_lengths)
 
     def found_loads(self) -> dict[str, Array]:
         """Return the force or pressure of each controlled input [N or Pa], (s,)."""
@@ -462,7 +461,7 @@ class Path(Results):
         if pressures and self.volume is not None:
             shown["volume"] = {name: _plain(self.volume[:, i]) for i, name in enumerate(pressures)}
         if self.model.threads:
-            shown["length"] = {name: _plain(self.length(name)) for name in self.model.threads}
+            shown["length"] = {name: _plain(found) for name, found in self._lengths().items()}
         for name, found in self.found_loads().items():
             kind = "pressure" if name in pressures else "tension"
             shown.setdefault(kind, {})[name] = _plain(found)

@@ -96,7 +96,7 @@ class Structure:
 
     def load_name(self, index: int = 0) -> str:
         """Return what the loads of an input are, such as ``"force"``."""
-        return [*self.input_dimensions.values(), FORCE][index].name.split(" ", 1)[1]
+        return [*self.input_dimensions.values(), FORCE][index].noun
 
     def show_load(self, load: float, spec: str = "g", index: int = 0) -> str:
         """Format a load of an input with its unit, such as ``"60 kPa"``."""

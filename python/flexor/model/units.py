@@ -78,6 +78,11 @@ class Dimension:
         return Quantity(value, f"{repr(value).removesuffix('.0')} {self.unit}")
 
     @property
+    def noun(self) -> str:
+        """Its name without the article, for headings."""
+        return self.name.split(" ", 1)[1]
+
+    @property
     def in_unit(self) -> str:
         """Its unit, for numbers that are given without one."""
         return f" in {self.unit}" if self.unit else ""
