@@ -7,6 +7,7 @@ import os
 import pickle
 import stat
 import sys
+from contextlib import closing
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -194,6 +195,11 @@ def test_the_umask_decides_who_may_read(analytic: ModuleType, tmp_path: Path) ->
         assert stat.S_IMODE(path.stat().st_mode) == 0o640, path.name
 
 
+def test_a_folder_is_whole_when_its_command_ends(made: tuple[str, Path]) -> None:
+    names = [path.name for path in (made[1] / "s").iterdir()]
+    assert not [name for name in names if name.endswith(("-wal", "-shm", "-journal"))]
+
+
 def test_every_kind_says_what_it_was_made_with(made: tuple[str, Path]) -> None:
     kind, place = made
     values = json.loads((place / "s" / "settings.json").read_text())
@@ -240,11 +246,13 @@ def test_finished_work_of_another_version_is_not_written_into(
         (place / "s" / "lock").write_bytes(before["lock"])
         assert contents(place / "s") == before
         if kind == "landscape":  # but it is read
-            assert Landscape.open("s").value.shape == (3,)
+            with closing(Landscape.open("s")) as found:
+                assert found.value.shape == (3,)
         if kind == "comparison":
             assert open_comparison("s").seeds == (0,)
         if kind == "study":
-            assert Study.open("s").evaluations == 5
+            with closing(Study.open("s")) as found:
+                assert found.evaluations == 5
     finally:
         path.write_text(kept)
 

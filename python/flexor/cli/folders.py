@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import typer
 
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 
 STUDIES = Path("studies")
 INTERRUPTED, LOST = 130, 3  # exit codes
+
+
+@runtime_checkable
+class _Open(Protocol):
+    def close(self) -> None: ...
 
 
 def new_folder(*words: str, parent: Path = STUDIES) -> Path:
@@ -112,7 +117,9 @@ def carry_out(
 
     try:
         with executor as where, bar:
-            work(executor=where, progress=bar, finish=finish)
+            done = work(executor=where, progress=bar, finish=finish)
+            if isinstance(done, _Open):
+                done.close()
     except (KeyboardInterrupt, ClusterError) as error:
         return _interrupted(place, resuming, error)
     return code

@@ -80,6 +80,10 @@ class Landscape:
         Settings.read(Path(folder), LANDSCAPE)
         return cls.of(Study.open(folder))
 
+    def close(self) -> None:
+        """Close the record."""
+        self.study.close()
+
     @property
     def problem(self) -> Problem:
         """Model, parameter set and objective."""
