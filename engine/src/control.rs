@@ -24,11 +24,11 @@ use crate::model::{Description, Model, ModelError};
 use crate::tree::Tree;
 use std::cell::RefCell;
 
-/// ρ, in units of what the body itself resists with. Equilibria do not depend on it.
-const STIFFNESS: f64 = 1e3;
+/// ρ, in units of the stiffness of the body itself. Equilibria do not depend on it.
+const CONTROL_STIFFNESS: f64 = 1e3;
 
 /// What an input works on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Conjugate {
     /// The length of an actuator's path.
     Length(usize),
@@ -37,7 +37,7 @@ enum Conjugate {
 }
 
 /// An input that is controlled by its conjugate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Control {
     pub input: usize,
     conjugate: Conjugate,
@@ -121,7 +121,7 @@ impl Controls {
         for (k, gradient) in self.gradient.chunks(self.dof).enumerate() {
             let held = gradient.iter().zip(&units.stiffness).filter(|(a, _)| **a != 0.0);
             let flexibility: f64 = held.map(|(a, stiffness)| a * a / stiffness).sum();
-            self.stiffness[k] = STIFFNESS / flexibility;
+            self.stiffness[k] = CONTROL_STIFFNESS / flexibility;
             self.unit[k] = (units.energy * flexibility).sqrt();
         }
         self.zero = zero;

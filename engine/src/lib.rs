@@ -21,6 +21,7 @@ pub mod model;
 mod section;
 pub mod sensitivity;
 pub mod strain;
+mod tolerances;
 mod tree;
 mod units;
 

@@ -8,12 +8,8 @@
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::tolerances::{MIN_ELASTIC_STIFFNESS, MIN_ENERGY};
 use crate::tree::Shape;
-
-/// A coordinate this much softer than the stiffest angle beside it is not held by its elasticity.
-const NOT_ELASTIC: f64 = 1e-10;
-/// Forces on what is not elastic make energies at least this share of the others.
-const SMALLEST_ENERGY: f64 = 1e-6;
 
 /// How a coordinate is measured by itself, before stiffnesses are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +89,7 @@ impl Units {
             let angles = (0..of.len()).filter(|i| of[*i] == component && self.kind[*i] == Kind::Angle);
             let stiffest = angles.map(|i| self.stiffness[i]).fold(0.0, f64::max);
             for i in (0..of.len()).filter(|i| of[*i] == component) {
-                let limit = if self.kind[i] == Kind::Angle { NOT_ELASTIC * stiffest } else { 0.0 };
+                let limit = if self.kind[i] == Kind::Angle { MIN_ELASTIC_STIFFNESS * stiffest } else { 0.0 };
                 self.elastic[i] = self.stiffness[i] > limit;
             }
         }
@@ -167,7 +163,7 @@ impl Units {
             *least = least.min(energy);
             largest = largest.max(energy);
         }
-        let smallest = elastic.min(other.max(SMALLEST_ENERGY * largest));
+        let smallest = elastic.min(other.max(MIN_ENERGY * largest));
         smallest.is_finite().then_some(smallest)
     }
 }

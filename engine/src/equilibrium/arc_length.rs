@@ -14,6 +14,7 @@ use super::status::Status;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
+use crate::tolerances::PARALLEL;
 
 /// A point of the branch.
 #[derive(Clone, Debug)]
@@ -128,7 +129,7 @@ fn runs<'a>(loads: &[&'a [f64]]) -> Vec<Run<'a>> {
         }
         if let Some(run) = runs.last_mut() {
             let along = run.rate.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>();
-            if along > 0.0 && along * along > (1.0 - 1e-12) * length(&run.rate) * length(&change) {
+            if along > 0.0 && along * along > (1.0 - PARALLEL) * length(&run.rate) * length(&change) {
                 let whole = difference(&run.start, after);
                 run.listed.push(length(&whole).sqrt());
                 (run.rate, run.target) = (whole, after);

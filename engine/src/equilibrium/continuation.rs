@@ -9,7 +9,7 @@ use super::options::ContinuationOptions;
 use super::path::{PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
@@ -17,6 +17,7 @@ use super::trust_region::{Target, TrustRegion};
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::tolerances::{PARALLEL, ZERO_EIGENVALUE};
 
 /// Finds and follows equilibria; owns all memory it needs.
 #[derive(Clone, Debug)]
@@ -268,7 +269,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             now += *r * *r;
             both += last * *r;
         }
-        let parallel = both * both > (1.0 - 1e-12) * before * now;
+        let parallel = both * both > (1.0 - PARALLEL) * before * now;
         self.predictor.rescale_curvature(if parallel { both / before } else { 0.0 });
     }
 
@@ -279,7 +280,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if !self.corrector.correct(&mut self.system, &self.predictor, h, tolerance) {
             return false;
         }
-        if self.system.is_lost(NULL.max(max_norm(self.system.residual()))) {
+        if self.system.is_lost(ZERO_EIGENVALUE.max(max_norm(self.system.residual()))) {
             return false;
         }
         self.arrive();

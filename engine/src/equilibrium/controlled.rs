@@ -12,13 +12,6 @@ use super::system::System;
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 
-/// Chord steps to a listed load; more say that the tangent is that of another state.
-const MAX_CHORDS: usize = 12;
-/// Times that the branch is followed to where a conjugate has its listed value.
-const MAX_ROUNDS: usize = 20;
-/// Where rounding alone is left, a conjugate is within this part of the model's own of its listed value.
-const SETTLED: f64 = 1e-6;
-
 /// Loads by input.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
@@ -64,7 +57,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         if !self.system.is_controlled() {
             return status;
         }
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..self.options.controlled.max_rounds {
             if !status.is_equilibrium() || self.close(target, step.tangent_reuse == 0.0) {
                 return status;
             }
@@ -98,14 +91,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// nothing has changed, if they do not get there.
     fn close(&mut self, target: &[f64], own_tangent: bool) -> bool {
         let tolerance = self.options.tolerance;
+        let rounding = self.options.controlled.rounding;
         self.start.copy_from_slice(self.system.state());
         self.start_load.copy_from_slice(self.system.load());
         let mut last = f64::INFINITY;
-        for chord in 0..MAX_CHORDS {
+        for chord in 0..self.options.controlled.max_chords {
             let size = self.system.evaluate();
             let gap = self.system.gap(target, &mut self.places.aim);
             let settled = chord > 1 && size.max(gap) > 0.5 * last;
-            if self.system.has_converged(size, tolerance) && (gap <= tolerance || settled && gap <= SETTLED) {
+            if self.system.has_converged(size, tolerance) && (gap <= tolerance || settled && gap <= rounding)
+            {
                 let own = chord > 0 && own_tangent;
                 if own {
                     self.system.evaluate_tangent();

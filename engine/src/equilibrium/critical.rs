@@ -7,10 +7,10 @@
 //! bifurcation, and it vanishes after ∫ μ dμ/(−A − Bμ).
 
 use super::options::CriticalOptions;
-use super::stability::NULL;
 use super::system::System;
 use super::vector::{dot, norm};
 use crate::lie::LieGroup;
+use crate::tolerances::ZERO_EIGENVALUE;
 
 /// The search for critical points, with its memory.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl CriticalSearch {
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
-        let definite = system.factorise(0.0) || system.factorise(NULL);
+        let definite = system.factorise(0.0) || system.factorise(ZERO_EIGENVALUE);
         if !definite || system.is_singular() {
             return None;
         }

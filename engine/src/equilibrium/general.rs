@@ -2,6 +2,7 @@
 
 use super::stability::Stability;
 use crate::linalg::Cholesky;
+use crate::tolerances::{REAL_EIGENVALUE, ROUNDING_FACTOR};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
 
 /// `P (S A S + λ) = L U`.
@@ -27,7 +28,7 @@ impl GeneralFactor {
         self.pseudoinverse = None;
         self.lu = matrix.clone().lu();
         let pivots = self.lu.u().diagonal().abs();
-        let rounding = 8.0 * scale.len() as f64 * f64::EPSILON;
+        let rounding = ROUNDING_FACTOR * scale.len() as f64 * f64::EPSILON;
         if pivots.min() <= rounding * pivots.max() && matrix.iter().all(|x| x.is_finite()) {
             let cutoff = rounding * matrix.norm();
             self.pseudoinverse = matrix.pseudo_inverse(cutoff.max(f64::MIN_POSITIVE)).ok();
@@ -138,15 +139,13 @@ fn equilibrate(matrix: &mut DMatrix<f64>, slack: f64) {
 
 const EQUILIBRATIONS: usize = 10;
 
-/// Imaginary parts below this share of the matrix's size count as zero.
-const REAL: f64 = 1e-6;
 /// Deflation thresholds of the QR iteration, tried in turn: at machine precision it can cycle.
 const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-14, 1e-13];
 /// Its sweeps, per row.
 const SWEEPS: usize = 30;
 
 fn real_to(matrix: &DMatrix<f64>) -> f64 {
-    REAL * matrix.norm() / (matrix.nrows() as f64).sqrt()
+    REAL_EIGENVALUE * matrix.norm() / (matrix.nrows() as f64).sqrt()
 }
 
 /// Eigenvalues of a matrix, by QR iteration; where it cycles, of a similar one.

@@ -1,4 +1,6 @@
-//! What is known of the stability of an equilibrium.
+//! The stability of an equilibrium.
+
+pub(super) use crate::tolerances::ZERO_EIGENVALUE as NULL;
 
 /// Static stability of an equilibrium, from the eigenvalues of its dimensionless tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +39,3 @@ impl Stability {
         }
     }
 }
-
-/// Eigenvalues of the dimensionless tangent within this of zero are zero to the accuracy of a state.
-pub(super) const NULL: f64 = 1e-8;

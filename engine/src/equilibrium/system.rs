@@ -3,7 +3,7 @@
 
 use super::budget::Budget;
 use super::factor::Factor;
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use super::vector::dot;
 use crate::Data;
 use crate::forces::magnitudes::Magnitudes;
@@ -11,6 +11,10 @@ use crate::forces::state::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
+use crate::tolerances::{
+    DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, REGULAR_PIVOTS, ROUNDING_FACTOR,
+    ZERO_EIGENVALUE,
+};
 use crate::tree::Shape;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
@@ -55,15 +59,6 @@ pub struct Accuracy {
     /// What it may be: the tolerance, and the rounding of the terms that balance.
     pub tolerance: f64,
 }
-
-/// Rounding of a residual, in units of what one rounding of its terms makes.
-const ROUNDINGS: f64 = 8.0;
-/// Dimensionless stiffness below which next to nothing holds a motion.
-const DRIFT: f64 = 1e-6;
-/// Where rounding alone is more than this share of the forces, nothing is solved.
-const MEANINGLESS: f64 = 1e-2;
-/// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
-const RUNAWAY: [f64; 2] = [1e3, 3e3];
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
@@ -365,7 +360,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.loose.clear();
         for i in (0..n).filter(|i| !self.data.design.units.elastic[*i]) {
             let size = self.magnitudes.stiffness[i];
-            if tangent[i * n + i].abs() <= ROUNDINGS * n as f64 * f64::EPSILON * size {
+            if tangent[i * n + i].abs() <= ROUNDING_FACTOR * n as f64 * f64::EPSILON * size {
                 self.loose.push(i);
             }
         }
@@ -403,7 +398,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.null_modes().iter().any(|mode| {
             let forces = self.magnitudes.coordinates.iter().zip(units).zip(mode);
             let size: f64 = forces.map(|((force, unit), z)| force * unit / energy * z.abs()).sum();
-            dot(mode, &self.residual).abs() > (tolerance + ROUNDINGS * f64::EPSILON) * size
+            dot(mode, &self.residual).abs() > (tolerance + ROUNDING_FACTOR * f64::EPSILON) * size
         })
     }
 
@@ -417,7 +412,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         let units = &self.data.design.units;
         self.runaway.clear();
         for (i, (q, s)) in self.q.iter().zip(start).enumerate().filter(|(i, _)| !units.elastic[*i]) {
-            if (q - s).abs() > RUNAWAY[usize::from(units.is_length(i))] * units.natural[i] {
+            let limit = if units.is_length(i) { MAX_DISPLACEMENT } else { MAX_ROTATION };
+            if (q - s).abs() > limit * units.natural[i] {
                 self.runaway.push(i);
             }
         }
@@ -453,7 +449,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// Whether next to nothing holds some motion, at the tangent at hand, with its factor, which is kept.
     pub(super) fn may_drift(&mut self) -> bool {
-        let found = self.factor.stability(&self.data, DRIFT);
+        let found = self.factor.stability(&self.data, DRIFT_EIGENVALUE);
         self.factorise(0.0);
         found == Stability::Neutral
     }
@@ -461,13 +457,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Static stability at the state whose tangent is at hand, with its factor, which is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
-        if conservative && !self.is_singular() && self.factor.pivot_ratio() > 1e-7 {
+        if conservative && !self.is_singular() && self.factor.pivot_ratio() > REGULAR_PIVOTS {
             return Stability::Stable;
         }
         if conservative && self.is_singular() {
             return Stability::Neutral;
         }
-        let found = self.factor.stability(&self.data, NULL);
+        let found = self.factor.stability(&self.data, ZERO_EIGENVALUE);
         self.factorise(0.0);
         found
     }
@@ -500,7 +496,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             // A state is known to its last bit only, and so are places and distances.
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
-            let rounding = ROUNDINGS * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
+            let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
             let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;
@@ -508,7 +504,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
                 continue;
             }
             let largest = unit.max(units.stiffness[i] * units.natural[i]);
-            let (excess, share) = (g.abs() / allowed, rounding / (MEANINGLESS * largest));
+            let (excess, share) = (g.abs() / allowed, rounding / (MAX_ROUNDING * largest));
             balanced &= excess <= 1.0;
             meaningless |= share > 1.0;
             let excess = excess.max(share);

@@ -36,7 +36,7 @@ pub struct PressureDescription {
 /// Coefficients of a section.
 const MOMENTS: usize = 11;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Pressure {
     rod: usize,
     input: usize,
@@ -47,7 +47,7 @@ struct Pressure {
 }
 
 /// All pressures.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pressures(Vec<Pressure>);
 
 /// The volumes of a design: each is its first number plus the sum of these multiples of coordinates.

@@ -19,7 +19,7 @@ use crate::strain::Mode;
 ///
 /// The world-frame ("spatial") forms below expand a function of the perturbed pose `exp(ζ) g` to
 /// second order in the spatial twist `ζ`; in that frame the twists of a kinematic chain simply add.
-pub trait LieGroup<const D: usize, const P: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
+pub trait LieGroup<const D: usize, const P: usize>: PartialEq + Copy + Send + Sync + std::fmt::Debug + 'static {
     /// The neutral element.
     const IDENTITY: Self;
     /// The strain mode behind each twist component.

@@ -4,6 +4,7 @@
 //! products of tiles and solutions stream through memory and fill the vector registers.
 
 use super::{LANES, Matrix, Vector, fma};
+use crate::tolerances::ROUNDING_FACTOR;
 
 /// `LANES` numbers of one row.
 type Row = [f64; LANES];
@@ -26,7 +27,7 @@ pub struct Cholesky {
 
 /// Rounding of a pivot of a matrix of order `n`, relative to its diagonal entry.
 pub(super) fn pivot_rounding(n: usize) -> f64 {
-    (8.0 * n as f64 * f64::EPSILON).max(1e-14)
+    (ROUNDING_FACTOR * n as f64 * f64::EPSILON).max(1e-14)
 }
 
 impl Cholesky {

@@ -6,7 +6,7 @@ use crate::tree::Tree;
 /// Coordinates in groups between which nothing acts.
 ///
 /// Trees of bodies, joined where contacts and springs connect them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Components {
     /// The component of each coordinate.
     pub of_coordinate: Vec<usize>,

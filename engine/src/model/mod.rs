@@ -18,7 +18,7 @@ use crate::tree::{Chain, Tree};
 use std::ops::Deref;
 
 /// A hybrid soft-rigid system, ready to be solved; built once and shared.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) tree: Tree<G, D, P>,
     pub(crate) forces: Forces<P>,

@@ -3,16 +3,16 @@
 use super::{Motion, Tree};
 use crate::lie::LieGroup;
 
-/// With a shorter chain a dense factorisation is as fast,
-const LONG: usize = 96;
-/// and with a border larger than this fraction of it.
-const NARROW: f64 = 0.25;
+/// Coordinates of a chain below which a dense factorisation is as fast.
+const MIN_CHAIN: usize = 96;
+/// Largest border, as a fraction of the chain, with which the recursion is faster.
+const MAX_BORDER: f64 = 0.25;
 
 /// The order in which a rod's coordinates can be eliminated one node after another.
 ///
 /// A coordinate deforms a few neighbouring runs of frames and moves everything beyond them as a rigid
 /// body. Two coordinates without a common run are therefore coupled through a single twist.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chain {
     /// The coordinates node by node from the base, then all that are not the rod's: the border.
     pub order: Vec<usize>,
@@ -83,7 +83,7 @@ impl Chain {
     /// Whether the recursion over the nodes is faster.
     pub fn pays(&self) -> bool {
         let chain = self.starts[self.starts.len() - 1];
-        chain >= LONG && (self.order.len() - chain) as f64 <= NARROW * chain as f64
+        chain >= MIN_CHAIN && (self.order.len() - chain) as f64 <= MAX_BORDER * chain as f64
     }
 
     /// The coordinates to which coordinate `i` is coupled other than through one twist, including `i`.

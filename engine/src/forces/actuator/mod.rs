@@ -50,7 +50,7 @@ pub struct ActuatorDescription {
 }
 
 /// All chambers and cables; the load inputs come first and in their order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Actuators(Vec<Actuator>);
 
 impl Actuators {

@@ -5,7 +5,7 @@ use crate::strain::Mode;
 use crate::tree::{GaussPoint, Rod};
 
 /// A chamber or cable: one load input acting along a path on one rod.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Actuator {
     pub rod: usize,
     /// +1 when a positive input lengthens the path, −1 when it shortens it.
@@ -17,7 +17,7 @@ pub(super) struct Actuator {
 }
 
 /// The design-independent part of the path at a Gauss point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct RoutingPoint {
     pub offset: [f64; 2],
     pub slope: [f64; 2],

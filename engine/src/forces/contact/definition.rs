@@ -47,11 +47,11 @@ pub struct RoundConeDescription {
     pub joined: bool,
 }
 
-/// The share of a radius by which a pair whose force is kept may part.
-const REACH: f64 = 0.5;
+/// Largest gap of a pair whose force is kept, as a fraction of the radius.
+const KEPT_GAP: f64 = 0.5;
 
 /// Contact between two groups of spheres.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Contact {
     /// Spheres of the first group.
     pub first: Range<usize>,
@@ -74,7 +74,7 @@ pub(crate) struct Contact {
 }
 
 /// The convex hull of two spheres.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RoundCone {
     pub ends: [usize; 2],
     /// Whether its first end is that where the one before it ends.
@@ -156,7 +156,7 @@ impl Contact {
 
     /// How far a pair whose force is kept may part.
     pub fn reach(&self, radii: &[f64]) -> f64 {
-        REACH * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
+        KEPT_GAP * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
     }
 
     /// Whether a sphere of the first group belongs to its tip.

@@ -22,11 +22,12 @@ use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::SAME_FORCE;
 use crate::tree::{ModelError, Tree};
 use enclosure::Ball;
 
 /// All contacts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Contacts(Vec<Contact>);
 
 /// The contacts of a state.
@@ -312,7 +313,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for (contact, k, pair) in self.pairs(at.parameters(), state) {
             let force = pair.normal * (k * pair.overlap);
             let same = |f: &ContactForce<P>| {
-                f.first == pair.first && (f.force + force).norm() <= 1e-9 * force.norm()
+                f.first == pair.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
             let shared = out.iter().rposition(same).filter(|_| pair.weight < 0.0);
             if let Some(i) = shared {

@@ -7,6 +7,7 @@
 use super::super::state::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::COINCIDENT;
 use crate::tree::Tree;
 
 /// A sphere of the first group that overlaps a sphere or round cone of the second.
@@ -42,9 +43,6 @@ impl KeptForce {
         Self { first: pair.first, second: pair.second, force }
     }
 }
-
-/// The share of their reach to which the distance of two centres counts as zero.
-const CONCENTRIC: f64 = 1e-6;
 
 /// Changes of the three points of a pair: p, a, b.
 pub(crate) type Motion<const P: usize> = [Vector<P>; 3];
@@ -127,7 +125,7 @@ impl<const P: usize> ContactPair<P> {
     /// negative as close by, so that they part in any direction in which they can.
     #[inline]
     pub fn curvature_radius(&self) -> f64 {
-        self.distance.max(CONCENTRIC * (self.distance + self.overlap))
+        self.distance.max(COINCIDENT * (self.distance + self.overlap))
     }
 
     /// The change of d.

@@ -27,7 +27,7 @@ pub use law::Law;
 pub(crate) use sensitivity::FibreSensitivity;
 
 /// All rods with sections of fibres.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FibreSections {
     materials: Vec<Material>,
     rods: Vec<FibreRod>,

@@ -38,7 +38,7 @@ pub struct FoundationDescription {
 }
 
 /// An elastic foundation: the places of its parameters, and its constants.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Foundation {
     pub first: Range<usize>,
     pub weights: Vec<f64>,

@@ -21,17 +21,15 @@ use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
 use attached::{moved, points, relative};
 use definition::Foundation;
 use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
 /// All elastic foundations.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Foundations(Vec<Foundation>);
-
-/// Position on a cone's axis, as a share of it, to which a point counts as being at its end.
-const THRESHOLD: f64 = 1e-7;
 
 /// Depth, as a share of S, at which the stiffness of a contact that closes is predicted.
 const USUAL_DEPTH: f64 = 0.05;
@@ -296,7 +294,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         let mut found = false;
         self.for_each_near(at, 0.0, |near| {
-            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
             if near.found.unbounded.is_some_and(passing) {
                 let [a, b] = self.0[near.foundation].cones[near.cone].ends;
                 let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
@@ -311,7 +309,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for touch in state {
             let force = -touch.gradient();
             let same = |f: &ContactForce<P>| {
-                f.first == touch.first && (f.force + force).norm() <= 1e-9 * force.norm()
+                f.first == touch.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
             if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
                 out.remove(i);
