@@ -1,4 +1,4 @@
-//! Many designs at once: one path per design, in parallel, results independent of the thread count.
+//! Many designs at once: one path per design, in parallel, with results independent of the thread count.
 
 use crate::equilibrium::{
     Cancel, Continuation, ContinuationOptions, Event, EventKind, PathSink, Stability, Status, StepReport,
@@ -28,7 +28,7 @@ pub struct Batch<'a> {
     pub start: Option<&'a [f64]>,
     /// Parameters with respect to which the last step is differentiated; none: no derivatives.
     pub gradient: &'a [usize],
-    /// Set while the batch is solved, ends it soon; what was not done has [`Status::Cancelled`].
+    /// If requested during the solve, ends it soon; steps that were not solved have [`Status::Cancelled`].
     pub cancel: Option<&'a dyn Cancel>,
 }
 
@@ -52,9 +52,9 @@ pub struct BatchResult {
     pub status: Vec<u8>,
     /// Iterations used.
     pub iterations: Vec<u32>,
-    /// Largest residuals, as shares of the forces that are their units.
+    /// Largest residuals, as fractions of the forces that are their units.
     pub residual: Vec<f64>,
-    /// What these may be: the tolerance, and the rounding of the terms that balance.
+    /// Their bounds: the tolerance plus the rounding of the terms that balance.
     pub tolerance: Vec<f64>,
     /// [`Stability`] codes.
     pub stability: Vec<u8>,
@@ -66,7 +66,7 @@ pub struct BatchResult {
     pub touching: Vec<u32>,
     /// Resultant contact force on the tip [N].
     pub tip_force: Vec<f64>,
-    /// Load of each input; of one that is controlled by its conjugate, what was found.
+    /// Load of each input, as found for one that is controlled by its conjugate.
     pub applied: Vec<f64>,
     /// Largest overlap of a contact [m].
     pub overlap: Vec<f64>,
@@ -79,11 +79,11 @@ pub struct BatchResult {
     /// Derivatives at the last step: per design, a row for every joint coordinate and one for the
     /// tip force, over the parameters asked for; NaN where there is no equilibrium.
     pub gradient: Vec<f64>,
-    /// Whether they mean something: [`Regularity`] codes.
+    /// Their validity: [`Regularity`] codes.
     pub regularity: Vec<u8>,
     /// Events of all designs, in order.
     pub events: Vec<BatchEvent>,
-    /// (design, step, coordinate) of motions that nothing holds, in order.
+    /// (design, step, coordinate) of free motions, in order.
     pub free: Vec<[usize; 3]>,
 }
 
@@ -129,7 +129,7 @@ struct Row<'a> {
     free: Vec<[usize; 3]>,
 }
 
-/// Row plus what the summary of contacts needs.
+/// Row, with the workspace of the contact summary.
 struct RowSink<'a, 'b, G, const D: usize, const P: usize> {
     row: &'b mut Row<'a>,
     model: &'b Model<G, D, P>,
@@ -183,10 +183,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Ro
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Solves all designs of a batch on `threads` threads (0: all there are).
     ///
-    /// What does not exist is NaN (states, energies) or zero (contacts); its status says why.
+    /// Missing states and energies are NaN, missing contacts zero; the status gives the reason.
     ///
     /// # Panics
-    /// If the lengths of the batch's arrays do not fit together.
+    /// If the lengths of the batch's arrays are inconsistent.
     pub fn solve_batch(&self, batch: Batch, options: ContinuationOptions, threads: usize) -> BatchResult {
         let (dof, steps, inputs) = (self.dof, batch.steps, self.inputs.len());
         assert_eq!(batch.base.len(), self.parameters.len(), "base parameters");

@@ -1,4 +1,4 @@
-//! One branch followed by arc length: as many points as it takes.
+//! One branch followed by arc length, with a variable number of points.
 
 use crate::equilibrium::{Cancel, Continuation, ContinuationOptions, Event, PathSink, StepReport, System};
 use crate::lie::LieGroup;
@@ -15,13 +15,13 @@ pub struct Branch {
     pub status: Vec<u8>,
     /// Stability codes.
     pub stability: Vec<u8>,
-    /// Point and coordinate of each motion that nothing holds.
+    /// Point and coordinate of each free motion.
     pub free: Vec<[usize; 2]>,
     /// Iterations used.
     pub iterations: Vec<u32>,
     /// Largest residuals.
     pub residual: Vec<f64>,
-    /// What they may be.
+    /// Bounds of the residuals.
     pub tolerance: Vec<f64>,
     /// Π [J].
     pub energy: Vec<f64>,
@@ -78,7 +78,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// parameters are not admissible. Ends soon after `cancel` is requested.
     ///
     /// # Panics
-    /// If a length does not fit.
+    /// If an array has the wrong length.
     pub fn follow_branch(
         &self,
         parameters: &[f64],

@@ -35,7 +35,8 @@ pub(crate) const MAX_DISPLACEMENT: f64 = 3e3;
 pub(crate) const SWITCHING_DISTANCE: f64 = 1e-7;
 /// Distance below which two points count as coincident, relative to a rest length or to a sum of radii.
 pub(crate) const COINCIDENT: f64 = 1e-6;
-/// Relative difference below which two contact forces of joined round cones are that of their common sphere.
+/// Relative difference below which two contact forces of joined round cones are that of their common
+/// sphere.
 pub(crate) const SAME_FORCE: f64 = 1e-9;
 
 /// Largest difference of the norm of a unit vector from one.

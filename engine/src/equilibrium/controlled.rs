@@ -1,9 +1,9 @@
-//! Inputs that are controlled by their conjugates: the listed loads are changes v of these, and the loads
-//! that they take are found.
+//! Inputs that are controlled by their conjugates: the listed loads are changes v of the conjugates, and
+//! the loads required are found.
 //!
 //! Such an input acts on the conjugate c from a place w through a stiffness; see `control.rs`. Between
-//! listed loads the branch is followed in w, which differs from c by a tiny part of its change. At a listed
-//! load, chord steps on state and w together make c = v.
+//! listed loads the branch is followed in w, which differs from c by a small fraction of its change. At a
+//! listed load, chord steps on state and w together solve c = v.
 
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, PathSink, StepReport};
@@ -15,9 +15,9 @@ use crate::lie::LieGroup;
 /// Loads by input.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
-    /// Where the inputs go next.
+    /// Next values of the inputs.
     aim: Vec<f64>,
-    /// By how much each conjugate lags behind, where a segment begins.
+    /// Lag w − c of each conjugate at the beginning of a segment.
     lag: Vec<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Places {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
-    /// From the equilibrium at hand to that at a listed load.
+    /// Follows the branch from the current equilibrium to a listed load.
     pub(super) fn follow_to(
         &mut self,
         target: &[f64],
@@ -46,7 +46,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.hold(status, target, step, sink)
     }
 
-    /// Where an equilibrium was found, goes on to the one with the listed conjugates.
+    /// Continues from an equilibrium that was found to the one with the listed conjugates.
     pub(super) fn hold(
         &mut self,
         mut status: Status,
@@ -71,7 +71,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         Status::Stalled
     }
 
-    /// Follows the branch to where the conjugates are as listed, if they lag behind as they do now.
+    /// Follows the branch to the listed conjugates, on the assumption that their lag does not change.
     fn follow_lagging(
         &mut self,
         target: &[f64],
@@ -87,8 +87,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         status
     }
 
-    /// Chord steps from an equilibrium to the one close by that has the listed conjugates; `false`, and
-    /// nothing has changed, if they do not get there.
+    /// Chord steps from an equilibrium to a nearby one with the listed conjugates; `false`, with the state
+    /// restored, if they do not converge.
     fn close(&mut self, target: &[f64], own_tangent: bool) -> bool {
         let tolerance = self.options.tolerance;
         let rounding = self.options.controlled.rounding;
@@ -134,7 +134,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 }
 
-/// Hands events on with the conjugates of controlled inputs in place of where these act from.
+/// Forwards events, with the conjugates of controlled inputs in place of the places w.
 struct Lagging<'s, S> {
     sink: &'s mut S,
     lag: &'s [f64],

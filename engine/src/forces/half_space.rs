@@ -57,7 +57,7 @@ pub(crate) struct Pressed {
 #[derive(Clone, Debug)]
 pub(crate) struct HalfSpaceState {
     pressed: Vec<Pressed>,
-    /// The forces kept of half-space and sphere.
+    /// The kept forces, with the indices of half-space and sphere.
     kept: Vec<(usize, usize, f64)>,
 }
 
@@ -103,7 +103,7 @@ impl<const P: usize> HalfSpaces<P> {
         forces
     }
 
-    /// Visits the spheres that lack less than `margin` of a half-space.
+    /// Visits the spheres whose gap to a half-space is below `margin`.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize>(
         &self,
@@ -136,7 +136,7 @@ impl<const P: usize> HalfSpaces<P> {
 }
 
 impl Pressed {
-    /// Whether a force kept is its own.
+    /// Whether a kept force is that of this sphere.
     fn has(&self, (half_space, sphere, _): &(usize, usize, f64)) -> bool {
         self.half_space == *half_space && self.sphere == *sphere
     }

@@ -50,7 +50,7 @@ struct Taut<const P: usize> {
     energy: f64,
     /// Its gradient, the force on the second end.
     force: Vector<P>,
-    /// Unit vector along r; any one where the ends coincide.
+    /// Unit vector along r; arbitrary if the ends coincide.
     direction: Vector<P>,
     /// Second derivatives along and across it.
     hessian: [f64; 2],
@@ -133,7 +133,7 @@ impl Spring {
 
 impl<const P: usize> ForceMemory<P> for Springs {
     type Design = ();
-    /// The force kept of each.
+    /// The kept force of each.
     type State = Vec<Option<Vector<P>>>;
     type Sensitivity = ();
 }

@@ -196,7 +196,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    /// Nothing: no parameter scales a point load.
+    /// No parameter scales a point load.
     fn add_parameter_work(
         &self,
         _: &State<G, D, P>,

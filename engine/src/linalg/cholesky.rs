@@ -21,7 +21,7 @@ pub struct Cholesky {
     inverses: Vec<[Tile; 2]>,
     /// Pivots below this share of what was eliminated from them are lost in rounding.
     rounding: f64,
-    /// Where the last factorisation ended because a pivot was neither positive nor negative.
+    /// Row at which the last factorisation ended because its pivot was zero to rounding.
     null_pivot: Option<usize>,
 }
 
@@ -67,7 +67,7 @@ impl Cholesky {
                 for other in above {
                     subtract_row(row, other[r], other);
                 }
-                // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
+                // A pivot lost to cancellation counts as not positive; NaN fails the comparison too.
                 if !(row[r] > self.rounding * largest[r]) {
                     let null = row[r].abs() <= self.rounding * largest[r];
                     self.null_pivot = null.then_some(i * LANES + r);

@@ -1,5 +1,4 @@
-//! The constant model: a tree of bodies and the forces that act on it, everything that no design
-//! changes.
+//! The model: a tree of bodies and the forces that act on it, without what changes from design to design.
 
 mod components;
 pub(crate) mod description;

@@ -41,7 +41,7 @@ pub(crate) struct Frame {
     pub blocks: Range<usize>,
     /// Their values' places in the blocks of coordinates.
     pub coordinates: Range<usize>,
-    /// One past the last of the following frames that move with the very same coordinates.
+    /// One past the last of the following frames that move with the same coordinates.
     pub run_end: usize,
 }
 

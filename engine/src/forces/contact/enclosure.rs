@@ -22,7 +22,7 @@ impl<const P: usize> Ball<P> {
     pub const POINT: Self = Self { centre: Vector::ZERO, radius: 0.0 };
 }
 
-/// How many balls a contact needs.
+/// Number of balls of a contact.
 pub(crate) fn count(contact: &Contact) -> usize {
     let few = contact.first.len() * contact.second.len() < MIN_PAIRS;
     if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK_SIZE) }
@@ -34,7 +34,7 @@ pub(crate) fn block(spheres: usize, k: usize) -> Range<usize> {
     k * BLOCK_SIZE..((k + 1) * BLOCK_SIZE).min(spheres)
 }
 
-/// Encloses the blocks of all contacts that need it.
+/// Updates the balls of all contacts.
 pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
     contacts: &[Contact],

@@ -33,11 +33,11 @@ pub(crate) struct Contacts(Vec<Contact>);
 /// The contacts of a state.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactState<const P: usize> {
-    /// Around spheres of contacts with many.
+    /// Bounding balls of contacts with many spheres.
     balls: Vec<Ball<P>>,
     /// The pairs that touch, with the index of their contact.
     pairs: Vec<(usize, ContactPair<P>)>,
-    /// Their forces as kept, with the index of the contact.
+    /// The kept forces, with the index of their contact.
     kept: Vec<(usize, KeptForce)>,
 }
 
@@ -114,8 +114,8 @@ impl Contacts {
         }
     }
 
-    /// Visits the pairs of a contact that touch, or lack less than `margin` of it and have negative
-    /// overlap, in the order of the first group.
+    /// Visits the pairs of a contact that touch, or whose gap, a negative overlap, is below
+    /// `margin`, in the order of the first group.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         at: &State<G, D, P>,
@@ -132,7 +132,7 @@ impl Contacts {
     }
 }
 
-/// The forces kept of one contact.
+/// The kept forces of one contact.
 fn of_contact(kept: &[(usize, KeptForce)], contact: usize) -> impl Iterator<Item = &KeptForce> {
     kept.iter().filter(move |(index, _)| *index == contact).map(|(_, force)| force)
 }

@@ -1,7 +1,7 @@
 //! A pair in contact and its derivatives.
 //!
 //! Its energy is ½ k w d₊² with d = R + r(t) − ‖p − c(t)‖: a sphere at p of radius R overlaps the solid
-//! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, t being where d is largest.
+//! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, where t maximises d.
 //! For two spheres a = b. First derivatives hold t (it is a maximum); second derivatives follow it.
 
 use super::super::state::Law;
@@ -30,7 +30,7 @@ pub(crate) struct ContactPair<const P: usize> {
     pub weight: f64,
 }
 
-/// The force of a pair, kept apart from its distance.
+/// The force of a pair as an unknown of its own, see [`Law`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptForce {
     first: usize,
@@ -70,13 +70,12 @@ impl<const P: usize> ContactPair<P> {
         }
     }
 
-    /// Whether a force is kept of this pair; on its way along a solid it may have passed to its end.
+    /// Whether a force of this pair is kept, possibly at another point of the same solid.
     pub fn is_among<'a>(&self, mut kept: impl Iterator<Item = &'a KeptForce>) -> bool {
         kept.any(|force| self.has(force))
     }
 
-    /// Takes over the force kept of it, if the law says so; `k` is its stiffness. `false` where it does not
-    /// act.
+    /// Applies the kept force, if the law says so; `k` is the stiffness. `false` if the pair does not act.
     pub fn take_force<'a>(
         &mut self,
         law: Law,
@@ -121,8 +120,8 @@ impl<const P: usize> ContactPair<P> {
         *p - *a * (1.0 - self.t) - *b * self.t
     }
 
-    /// The distance that the curvature across the normal depends on: where spheres are concentric it is as
-    /// negative as close by, so that they part in any direction in which they can.
+    /// The distance that determines the curvature across the normal. For concentric spheres it is bounded,
+    /// so that the curvature is as negative as nearby and they separate in any possible direction.
     #[inline]
     pub fn curvature_radius(&self) -> f64 {
         self.distance.max(COINCIDENT * (self.distance + self.overlap))

@@ -31,7 +31,7 @@ pub(crate) fn of_spheres<G: LieGroup<D, P>, const D: usize, const P: usize>(
     false
 }
 
-/// The same for spheres against round cones, and whether a sphere in contact is just about to pass
+/// As [`of_spheres`] for spheres against round cones, and whether a sphere in contact is about to pass
 /// from a cone's side to its end.
 pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,

@@ -31,8 +31,8 @@ use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Foundations(Vec<Foundation>);
 
-/// Depth, as a share of S, at which the stiffness of a contact that closes is predicted.
-const USUAL_DEPTH: f64 = 0.05;
+/// Depth, as a fraction of S, at which the stiffness of a closing contact is predicted.
+const TYPICAL_DEPTH: f64 = 0.05;
 
 impl Foundations {
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -42,8 +42,8 @@ impl Foundations {
         foundations.iter().map(|d| Foundation::build(tree, d)).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Visits the round cones that points of the rods touch, or lack less than `margin` of touching, and,
-    /// with negative weight, the spheres that two of them share.
+    /// Visits the round cones whose gap to a point of the rods is below `margin` and, with negative
+    /// weight, the spheres that two of these share.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
@@ -96,7 +96,7 @@ impl Foundations {
 
     /// Adds to the summary, and to the force on the tip, without allocating.
     ///
-    /// Points without weight only tell overlap and pressure.
+    /// Points without weight only count for overlap and pressure.
     pub fn summarise<const P: usize>(
         &self,
         state: &[Touch<P>],
@@ -222,8 +222,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
-    /// For the predictor, contacts that open and close with the stiffness that they have or, before they
-    /// touch, at a depth that is usual.
+    /// For the predictor, contacts that open and close with their current stiffness or, before they touch,
+    /// with that at a typical depth.
     fn for_each_switch(
         &self,
         at: &State<G, D, P>,
@@ -237,7 +237,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             }
             let foundation = &self.0[near.foundation];
             let Near { first, depth, found, .. } = &near;
-            let usual = USUAL_DEPTH * near.surface;
+            let usual = TYPICAL_DEPTH * near.surface;
             let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
             let touch = Touch::new(foundation, at.parameters(), &expected);
             let [a, b] = touch.ends;
