@@ -34,7 +34,7 @@ def report(path: Path) -> None:
         say(why_stalled(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
-        say(f"held by nothing: {', '.join(free)}")
+        say(f"without stiffness: {', '.join(free)}")
     if path.converged[-1]:
         _print_extremes(path)
     for warning in path.warnings:

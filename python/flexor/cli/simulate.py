@@ -51,18 +51,8 @@ def simulate(
 
     Prints the joint angles, the number of spheres in contact, the tip force and the static
     stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load
-    step does not converge; its state is then one of the following, and a remedy is printed below
-    the table (see also `docs/method.md`):
-
-    * `iteration-limit`: too many iterations, usually because of many successive snaps
-    * `unstable`: an unstable equilibrium under loads without a potential
-    * `time-limit`: more time than `max_seconds` allows
-    * `cancelled`: the solve was interrupted
-    * `unrestrained`: a force acts on a motion that nothing holds
-    * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
-    * `diverged`: the energy is not finite, or no acceptable step was found
-    * `invalid-design`: a length, radius, modulus or stiffness is invalid
-    * `not-reached`: an earlier load step failed
+    step does not converge; the meaning of its status and a remedy are printed below the table
+    (`docs/method.md` lists all statuses).
 
     Examples
     --------

@@ -67,11 +67,11 @@ class Results:
         Whether an equilibrium was found, and whether its stability is ``"stable"``.
     stability : (n, s) array of str
         Static stability, one of `flexor._engine.STABILITY`: ``"stable"``; ``"neutral"``, where some
-        motion is held by nothing; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
+        motion has no stiffness; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
         eigenvalues has a negative real part, so that masses decide; ``"unknown"``, where there is
         no equilibrium or the check failed.
     free : (n, s) array of tuples of str
-        Coordinates of the motions that nothing holds.
+        Coordinates of free motions: those that take part in motions without stiffness.
     iterations : (n, s) array
         Newton iterations.
     residual : (n, s) array
