@@ -4,6 +4,7 @@ Shapes: n designs, s load steps, D degrees of freedom, U load inputs, P paramete
 in rad. What each array means is written with the engine.
 """
 
+from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
 import numpy as np
@@ -80,6 +81,9 @@ class Contacts(TypedDict):
 
 def cancel() -> None: ...  # ends all solves that are running, with KeyboardInterrupt
 def cpu_runs() -> list[str]: ...
+def fibre_energy(
+    law: str, constants: Sequence[float], wound: bool, stretch: ArrayLike
+) -> list[NDArray[np.float64]]: ...
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
 
 class Model:

@@ -10,6 +10,7 @@ mod evaluation;
 mod jet;
 mod law;
 mod sensitivity;
+mod single;
 
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;

@@ -10,18 +10,11 @@ from pydantic import Field, model_validator
 
 from flexor import materials
 from flexor.errors import InputError
+from flexor.materials.laws import engine_name
 from flexor.model import units
 from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table
 from flexor.model.units import Density, Modulus, PositiveModulus
 from flexor.model.validation import describe, field_error
-
-_LAWS = {
-    "linear": "linear",
-    "neo-hookean": "neo_hookean",
-    "mooney-rivlin": "mooney_rivlin",
-    "yeoh": "yeoh",
-    "ogden": "ogden",
-}
 
 
 class Material(Table):
@@ -110,16 +103,10 @@ class Material(Table):
             Its name.
         """
         material = self.material(name)
-        constants: list[float] = []
-        if self.kind == "ogden":
-            for mu, alpha in zip(self.mu or (), self.alpha or (), strict=True):
-                constants += [float(mu), float(alpha)]
-        else:
-            constants = [float(material[key]) for key in materials.KINDS[self.kind]]  # type: ignore[arg-type]
         return {
             "name": name,
-            "law": _LAWS[self.kind],
-            "constants": constants,
+            "law": engine_name(self.kind),
+            "constants": material.numbers,
             "wound": self.winding == "hoop",
         }
 
