@@ -32,6 +32,9 @@ class Problem:
     targets: tuple[BoundTarget, ...]  # in the order of the file
     places: tuple[tuple[int, slice], ...]  # of each target: its run, and where in its values
 
+    def __str__(self) -> str:
+        return f'the calibration of "{next(iter(self.systems))}"'
+
     @cached_property
     def fitted_runs(self) -> tuple[int, ...]:
         """Runs that the fit needs, cheap ones first."""

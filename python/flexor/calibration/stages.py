@@ -23,6 +23,7 @@ from flexor.calibration.record import Record
 from flexor.calibration.result import Fit
 from flexor.calibration.screening import screen
 from flexor.model.interruption import end_all
+from flexor.study.executors import DesignEvaluator, Threads
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -51,10 +52,14 @@ class Stages:
     """The stages of a calibration, and what they share."""
 
     def __init__(
-        self, problem: Problem, record: Record, threads: int, progress: ProgressCallback | None
+        self,
+        problem: Problem,
+        record: Record,
+        executor: DesignEvaluator,
+        progress: ProgressCallback | None,
     ) -> None:
         self._problem, self._record, self._progress = problem, record, progress
-        self._evaluator = Evaluator(problem, record, threads)
+        self._evaluator = Evaluator(problem, record, executor)
         self._lowest = np.inf
 
     def minima(self, samples: int, starts: int, seed: int) -> list[Minimum]:
@@ -116,10 +121,12 @@ class Stages:
     def _map(
         self, function: Callable[[Item], Result], items: list[Item], stage: str
     ) -> list[Result]:
-        """Apply a function to items on all cores; results in their order."""
+        """Apply a function to items, as many at a time as designs; results in their order."""
         self._report(stage, 0, len(items))
         results: list[Result] = []
-        with ThreadPoolExecutor(self._evaluator.threads or os.cpu_count()) as pool:
+        executor = self._evaluator.executor
+        threads = executor.threads if isinstance(executor, Threads) else executor.slots
+        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
             futures = [pool.submit(function, item) for item in items]
             try:
                 for future in futures:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import shlex
-from contextlib import nullcontext
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +12,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json, say
-from flexor.cli.folders import carry_out, new_folder, save_figure
+from flexor.cli.folders import carry_out, executor_for, new_folder, save_figure
 from flexor.cli.materials import Law, Strains, calibrate_material
 from flexor.cli.progress import CalibrationBar, duration
 from flexor.cli.table import number, show
@@ -61,6 +60,7 @@ def calibrate(
         str, typer.Option(help="What to call the set of constants, or the material.")
     ] = "calibrated",
     threads: options.Threads = 0,
+    cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
     law: Law = None,
@@ -114,7 +114,7 @@ def calibrate(
             _show(found, seconds, files)
         return 0 if found.best.met else 1
 
-    def work(executor: None, **shared: Any) -> None:
+    def work(**shared: Any) -> None:
         calibration.calibrate(
             loaded,
             targets,
@@ -123,14 +123,14 @@ def calibrate(
             starts=starts,
             folder=place,
             resume=resume,
-            threads=threads,
             **shared,
         )
 
     again = shlex.join(
         ["flexor", "calibrate", model, targets, *_given(context), "--resume", "--out"]
     )
-    return carry_out(again, place, nullcontext(), CalibrationBar(), work, report)
+    where = executor_for(threads, cluster)
+    return carry_out(again, place, where, CalibrationBar(), work, report)
 
 
 def _given(context: typer.Context) -> list[str]:
