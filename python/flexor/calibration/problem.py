@@ -24,7 +24,7 @@ Run = PathRun | OptimumRun
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Models, and what is observed of them."""
+    """Models and their observables."""
 
     constants: tuple[Constant, ...]
     systems: Mapping[str, System]  # by name; the model that is calibrated first
@@ -43,7 +43,7 @@ class Problem:
 
     @cached_property
     def path_runs(self) -> tuple[int, ...]:
-        """Those of the fitted runs that are paths."""
+        """Fitted runs that are paths."""
         return tuple(run for run in self.fitted_runs if isinstance(self.runs[run], PathRun))
 
     @property

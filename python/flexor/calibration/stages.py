@@ -49,7 +49,7 @@ ProgressCallback = Callable[[Progress], None]
 
 
 class Stages:
-    """The stages of a calibration, and what they share."""
+    """The stages of a calibration, with their common state."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class Stages:
         )
 
     def analyse(self, minima: list[Minimum]) -> tuple[list[Fit], Identifiability]:
-        """Rank the minima, analyse the best, and predict what was held out."""
+        """Rank the minima, analyse the best, and predict the held-out targets."""
         fits = [Fit(self._problem, minimum, self._values(minimum)) for minimum in minima]
         fits.sort(key=lambda fit: (not fit.met, fit.misfit))
         minimum, identifiability = self._identifiability(fits[0].minimum)
@@ -92,7 +92,7 @@ class Stages:
         return fits, identifiability
 
     def _identifiability(self, minimum: Minimum) -> tuple[Minimum, Identifiability]:
-        """Analyse a minimum; where a profile leads to a better one, analyse that.
+        """Analyse a minimum, or a better one that a profile leads to.
 
         Profiles are left out if fits need searches for optima.
         """

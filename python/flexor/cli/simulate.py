@@ -1,4 +1,4 @@
-"""`flexor simulate`: follow a model's equilibrium as its actuation rises and falls."""
+"""`flexor simulate`: follow the equilibrium of a model along a load path."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ def simulate(
             metavar="LOADS",
             help="Forces in N, pressures, or volumes and lengths of controlled inputs: "
             "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; "
-            "of a model with several inputs `NAME=LOADS`, repeated.",
+            "for a model with several inputs `NAME=LOADS`; may be repeated.",
         ),
     ] = None,
     start: Annotated[
         list[str] | None,
         typer.Option(
             metavar="START",
-            help="Where to begin: a file of `simulate --json` (its last equilibrium, under its "
-            "load), or coordinates without load such as `ph_1=20 deg`, repeated.",
+            help="Initial state: an output file of `simulate --json` (its last equilibrium, under "
+            "its load), or coordinates without load such as `ph_1=20 deg`; may be repeated.",
         ),
     ] = None,
     follow: Annotated[
         str,
         typer.Option(
             metavar="HOW",
-            help="`load`, stable equilibria only, or `arc-length`, one branch through its limit "
-            "points.",
+            help="`load` (stable equilibria only) or `arc-length` (one branch through its limit "
+            "points).",
         ),
     ] = "load",
     constants: options.Constants = None,

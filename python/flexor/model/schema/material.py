@@ -20,7 +20,7 @@ from flexor.model.validation import describe, field_error
 class Material(Table):
     """A constitutive law with its constants; see `flexor.materials.laws`.
 
-    With ``library`` it is that material of the library, but for the keys that are given.
+    With ``library``, keys that are not given are those of that material of the library.
     """
 
     library: Name | None = None
@@ -46,7 +46,7 @@ class Material(Table):
     @model_validator(mode="before")
     @classmethod
     def _complete(cls, data: object) -> object:
-        """Take what is not given from the library."""
+        """Take keys that are not given from the library."""
         if not isinstance(data, Mapping) or not isinstance(data.get("library"), str):
             return data
         try:
