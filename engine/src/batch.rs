@@ -91,8 +91,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             let mut path = Continuation::new(self, options, batch.cancel);
             let mut parameters = batch.base.to_vec();
             let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
-            let mut results = PathResults::default();
-            for design in first..(first + CHUNK).min(batch.designs) {
+            let last = (first + CHUNK).min(batch.designs);
+            let mut results = PathResults::with_capacity(self, (last - first) * steps);
+            for design in first..last {
                 results.gradient.resize(results.gradient.len() + width, f64::NAN);
                 results.regularity.push(Regularity::NoEquilibrium as u8);
                 let values = &batch.values[design * batch.varied.len()..][..batch.varied.len()];
@@ -102,7 +103,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 let cancelled = batch.cancel.is_some_and(Cancel::is_requested);
                 if cancelled || !path.set_parameters(&parameters) {
                     let status = if cancelled { Status::Cancelled } else { Status::InvalidDesign };
-                    (0..steps).for_each(|_| results.push_missing(self, status));
+                    results.push_missing(self, status, steps);
                     continue;
                 }
                 let (results, adjoint) = (&mut results, adjoint.as_mut());
@@ -117,7 +118,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             Some(pool) => pool.install(|| (0..chunks).into_par_iter().map(first).map(solve).collect()),
             None => (0..chunks).map(first).map(solve).collect(),
         };
-        let mut results = PathResults::default();
+        let mut results = PathResults::with_capacity(self, batch.designs * steps);
         found.into_iter().for_each(|each| results.extend(each));
         results
     }

@@ -77,7 +77,7 @@ impl PathResults {
     ) {
         let (model, data) = (system.model(), system.data());
         let row = self.status.len();
-        self.push_missing(model, report.status);
+        self.push_missing(model, report.status, 1);
         self.stability[row] = report.stability as u8;
         self.iterations[row] = report.iterations as u32;
         self.free.extend(report.free.iter().map(|coordinate| [design, step, *coordinate]));
@@ -103,21 +103,52 @@ impl PathResults {
         data.stretches(model, report.q, last(&mut self.stretch, 2 * model.material_count()));
     }
 
-    /// Appends a step without equilibrium.
+    /// Appends steps without equilibrium.
     pub(crate) fn push_missing<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
         status: Status,
+        steps: usize,
     ) {
-        self.status.push(status as u8);
-        self.stability.push(Stability::Unknown as u8);
+        self.status.resize(self.status.len() + steps, status as u8);
+        self.stability.resize(self.stability.len() + steps, Stability::Unknown as u8);
         for counts in [&mut self.iterations, &mut self.pairs, &mut self.touching] {
-            counts.push(0);
+            counts.resize(counts.len() + steps, 0);
         }
         for zero in [&mut self.tip_force, &mut self.overlap, &mut self.pressure] {
-            zero.push(0.0);
+            zero.resize(zero.len() + steps, 0.0);
         }
-        for (values, width) in [
+        for (values, width) in self.missing_as_nan(model) {
+            values.resize(values.len() + steps * width, f64::NAN);
+        }
+    }
+
+    /// Results with memory for so many steps.
+    pub(crate) fn with_capacity<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        model: &Model<G, D, P>,
+        steps: usize,
+    ) -> Self {
+        let mut results = Self::default();
+        results.status.reserve_exact(steps);
+        results.stability.reserve_exact(steps);
+        for counts in [&mut results.iterations, &mut results.pairs, &mut results.touching] {
+            counts.reserve_exact(steps);
+        }
+        for zero in [&mut results.tip_force, &mut results.overlap, &mut results.pressure] {
+            zero.reserve_exact(steps);
+        }
+        for (values, width) in results.missing_as_nan(model) {
+            values.reserve_exact(steps * width);
+        }
+        results
+    }
+
+    /// The arrays whose missing numbers are NaN, with the count of numbers per step.
+    fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+    ) -> [(&mut Vec<f64>, usize); 7] {
+        [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
             (&mut self.tolerance, 1),
@@ -125,9 +156,7 @@ impl PathResults {
             (&mut self.applied, model.inputs().len()),
             (&mut self.volume, model.pressure_count()),
             (&mut self.stretch, 2 * model.material_count()),
-        ] {
-            values.resize(values.len() + width, f64::NAN);
-        }
+        ]
     }
 
     /// Appends an event of a design.
