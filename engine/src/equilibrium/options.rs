@@ -157,10 +157,10 @@ options! {
     pub struct LocateOptions {
         /// Accuracy of the load of a limit point, as a fraction of the range of each input over the path,
         located: f64 = 1e-8, Interval::above(0.0).to(1.0);
-        /// the distance from which the end in a corner is as accurate as that, as such a fraction,
-        end_distance: f64 = 3e-5, Interval::above(0.0).to(1.0);
+        /// the distance from which the end in a corner is where it is predicted, as such a fraction,
+        end_distance: f64 = 3e-4, Interval::above(0.0).to(1.0);
         /// and how far behind the limit point the next equilibrium is sought.
-        beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
+        beyond: f64 = 1e-5, Interval::above(0.0).to(1.0);
         /// States found on the way to a limit point.
         max_points: usize = 30, Interval::from(1.0).to(1e3);
         /// Largest dimensionless residual of each,
@@ -214,7 +214,7 @@ options! {
         /// and which together go no further than this share of the displacement predicted.
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
-        rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
+        rejection_ratio: f64 = 0.7, Interval::from(0.0).to(100.0);
         /// With a residual below this, a stiffness that is negative by no more than it counts as zero.
         soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Newton steps: more are rarely needed unless another branch attracts.
@@ -285,7 +285,7 @@ options! {
         /// Radius of the first step.
         initial_radius: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Largest radius.
-        max_radius: f64 = 4.0, Interval::above(0.0).to(1e3);
+        max_radius: f64 = 8.0, Interval::above(0.0).to(1e3);
         /// Radius below which the iteration has stalled.
         min_radius: f64 = 1e-13, Interval::from(0.0).to(1.0);
         /// A step is accepted if it reaches this share of the decrease predicted.
