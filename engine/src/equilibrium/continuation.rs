@@ -178,8 +178,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let to_end = self.predictor.branch_end();
             if control.is_at_end(to_end) && !control.is_rough() {
                 let next = (lambda + smallest).min(1.0);
-                let end = lambda + to_end;
-                lambda = match self.snap(lambda, end, next, step, sink, &mut control) {
+                self.go_to_predicted_end(to_end);
+                lambda = match self.snap(lambda, lambda + to_end, next, step, sink, &mut control) {
                     Ok(lambda) => lambda,
                     Err(status) => return status,
                 };
@@ -217,6 +217,14 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             }
         }
         if self.unstable { Status::Unstable } else { Status::Converged }
+    }
+
+    /// Moves `start` to the end of the branch, which is so near that the prediction is exact: energy released
+    /// from there is that of a jump alone.
+    fn go_to_predicted_end(&mut self, to_end: f64) {
+        self.predictor.displacement(to_end, &mut self.work);
+        self.system.advance_from(&self.start, &self.work, 1.0);
+        self.start.copy_from_slice(self.system.state());
     }
 
     /// Restarts the prediction at the current equilibrium, which was not predicted.
