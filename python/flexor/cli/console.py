@@ -17,7 +17,16 @@ from rich.text import Text
 
 from flexor.errors import ModelWarning, one_line
 
-_REPLACEMENTS = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
+_REPLACEMENTS = {
+    "°": "deg",
+    "−": "-",
+    "×": "x",
+    "·": "-",
+    "…": "...",
+    "“": '"',
+    "”": '"',
+    "→": "->",
+}
 
 
 class _PlainConsole(Console):
