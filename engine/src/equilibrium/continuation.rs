@@ -1,7 +1,7 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
 use super::budget::{Budget, Cancel};
-use super::controlled::Places;
+use super::controlled::SetPoints;
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
@@ -46,7 +46,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
-    pub(super) places: Places,
+    pub(super) set_points: SetPoints,
 }
 
 /// The listed load that is being approached.
@@ -86,7 +86,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             energy: 0.0,
             unstable: false,
             work: zeros(),
-            places: Places::new(inputs),
+            set_points: SetPoints::new(inputs),
         }
     }
 
