@@ -16,7 +16,7 @@ pub(super) fn axial(mode: usize) -> Option<usize> {
 }
 
 /// How strains follow from coordinates; Gauss points are counted over all these rods.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct AxialStrains {
     pub points: usize,
     shares: Vec<Share>,
@@ -24,7 +24,7 @@ pub(super) struct AxialStrains {
 }
 
 /// A coordinate adds φ q to a strain of a Gauss point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Share {
     point: usize,
     coordinate: usize,
@@ -33,7 +33,7 @@ struct Share {
 }
 
 /// Two coordinates, the first not after the second, of one Gauss point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Pair {
     point: usize,
     coordinates: [usize; 2],
