@@ -1,5 +1,6 @@
 //! FibreSections of material fibres: their description, and its numbers among the parameters.
 
+use super::super::moments::MOMENTS;
 use super::axial::axial;
 use super::law::Law;
 use crate::lie::LieGroup;
@@ -53,8 +54,9 @@ pub struct FibreSectionDescription {
     /// Further stiffness, the upper triangle of a symmetric matrix in the order of the strain modes,
     /// row by row [N·m² for two curvatures, N·m for one, N for none].
     pub rigidity: [f64; 21],
-    /// Mass per length: constant [kg/m], multiples of S and of S².
-    pub mass: [f64; 3],
+    /// Mass per length, with first moments: coefficients of 1, S, S² of ∫ ρ dA, then of 1, S, S², S³ of
+    /// ∫ ρ y dA and ∫ ρ z dA.
+    pub mass: [f64; MOMENTS],
     /// Widths that must not be negative: constant [m] and multiple of S.
     pub clearances: Vec<[f64; 2]>,
 }
