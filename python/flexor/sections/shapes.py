@@ -16,8 +16,8 @@ from flexor.arrays import Array
 from flexor.sections.linear import ZERO, Linear
 
 # Quadrature points: across a wall, along the radius of a disc, over the height of a full arc and of
-# half of one, and along a side. Polynomials of y and z are exact up to the fifth degree on a full arc,
-# up to the third on half of one.
+# half of one, and along a side. Polynomials of y and z are exact up to the fifth degree on a full
+# arc, up to the third on half of one.
 _ACROSS, _RADII, _ARC, _HALF_ARC, _SIDE = 2, 4, 3, 2, 4
 # For moments, which are exact then.
 _EXACT = 6
@@ -80,7 +80,8 @@ class Sector:
         radial = _gauss(_EXACT if exact else _RADII if solid else _ACROSS)
         thickness = self.outer - self.inner
         found = []
-        for cosine, sine, share in self._directions(folded, _EXACT if exact else _HALF_ARC if self.half else _ARC):
+        usual = _HALF_ARC if self.half else _ARC
+        for cosine, sine, share in self._directions(folded, _EXACT if exact else usual):
             for place, weight in radial:
                 r = self.inner + thickness * place
                 area = r.times(thickness) * (share * weight * self.ratio)

@@ -199,7 +199,10 @@ ACTUATORS = {
         FRAMED, about="High box in frames", sizes=(8.0, 12.0, 1.5, 2.5), pressures=FEWER
     ),
     "box-framed-thick": replace(
-        FRAMED, about="Box with thick walls, in frames", sizes=(10.0, 6.0, 3.0, 3.0), pressures=FEWER
+        FRAMED,
+        about="Box with thick walls, in frames",
+        sizes=(10.0, 6.0, 3.0, 3.0),
+        pressures=FEWER,
     ),
     "box-framed-blocked": replace(FRAMED, about=BLOCKED, pressures=LISTED, plane=10.0),
     "tube-tapered": TAPERED,

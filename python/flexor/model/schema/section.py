@@ -90,8 +90,8 @@ class Hollow(Piece):
 class Floored(Hollow):
     """What sections with a floor have in common.
 
-    The floor is held flat across. One that is free to bulge changes the outline of the section, which
-    no section of fixed outline describes: finite elements of the half-round bend 12 to 46 % less.
+    The floor is held flat across. One that is free to bulge changes the outline of the section,
+    which is fixed here: finite elements of such a half-round bend 12 to 46 % less.
     """
 
     flat_floor: bool = True
