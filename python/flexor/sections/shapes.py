@@ -7,7 +7,7 @@ quadratic in S: a shape is cut up once for every S.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import pi, sin, sqrt
 
 import numpy as np
@@ -186,6 +186,7 @@ def _arc(points: int) -> list[tuple[float, float]]:
     return list(zip(nodes.tolist(), weights.tolist(), strict=True))
 
 
+@lru_cache(maxsize=1024)
 def moments(shapes: tuple[Shape, ...]) -> Array:
     """Return area and first moments as polynomials of S.
 
@@ -205,4 +206,5 @@ def moments(shapes: tuple[Shape, ...]) -> Array:
             total[:3] += cell.area
             total[3:7] += np.convolve(cell.area, cell.y.coefficients)
             total[7:] += np.convolve(cell.area, cell.z.coefficients)
+    total.setflags(write=False)
     return total
