@@ -13,7 +13,7 @@ from flexor.calibration.identifiability import (
     profile_likelihood,
 )
 from flexor.calibration.local_fit import Minimum, distinct, fit_locally
-from flexor.calibration.quantity import Unit
+from flexor.model.quantity import Unit
 from flexor.calibration.screening import screen
 from flexor.errors import InputError
 

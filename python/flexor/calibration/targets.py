@@ -13,7 +13,7 @@ from flexor.arrays import Array
 from flexor.calibration.observable import observable
 from flexor.calibration.optimum_run import BENDING, OptimumRun
 from flexor.calibration.path_run import PathRun, check_design
-from flexor.calibration.quantity import Unit, parse_quantity
+from flexor.model.quantity import Unit, parse_quantity
 from flexor.calibration.schema import Target
 from flexor.calibration.system import System
 from flexor.design import ParameterSet, parameter_set

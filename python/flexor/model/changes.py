@@ -30,7 +30,7 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     keys = path.split(".")
     if len(keys) > MAX_DEPTH:
         raise InputError(f"{source}: {describe(path)} has more than {MAX_DEPTH} parts.")
-    keys = _resolve(document, keys, source)
+    keys = resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
     result = _with(document, keys, value)
     for table in constants.TABLES:
@@ -44,7 +44,8 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     return result
 
 
-def _resolve(document: Document, keys: list[str], source: str) -> list[str]:
+def resolve(document: Document, keys: list[str], source: str) -> list[str]:
+    """Return the keys of a field with its table in front; InputError if there is no such entry."""
     tables: dict[str, str] = {}
     for table in _NAMED:
         for name in document.get(table, {}):

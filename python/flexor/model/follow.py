@@ -16,7 +16,7 @@ from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
 from flexor.model.events import event_table, no_events
-from flexor.model.geometry import Geometry
+from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
@@ -47,7 +47,7 @@ _CONVERGED, _UNSTABLE = STATUS.index("converged"), STATUS.index("unstable")
 
 def follow(
     model: Structure,
-    geometry: Geometry | None,
+    geometry: Geometry | SlotValues | None,
     loads: Array,
     threads: int,
     options: Mapping[str, float],
@@ -69,7 +69,7 @@ def follow(
     _ask_for_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
-            indices, values = model.geometry_slots(geometry[chunk])
+            indices, values = _slots(model, geometry[chunk])
         if gradient:
             settings["gradient"] = indices.astype(np.int64)
         with _input_errors():
@@ -89,7 +89,7 @@ def follow(
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
     angles = whole["q"][:, :, model.joint_columns]
-    return Paths(model=model, loads=loads, joint_angles=angles, **whole, **_arrays(geometry))
+    return Paths(model=model, loads=loads, joint_angles=angles, **whole, **_arrays(model, geometry))
 
 
 def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
@@ -116,7 +116,7 @@ def _free(
 
 def follow_branch(
     model: Structure,
-    geometry: Geometry | None,
+    geometry: Geometry | SlotValues | None,
     loads: Array,
     options: Mapping[str, float],
     start: Start | None = None,
@@ -152,15 +152,22 @@ def follow_branch(
         event_count=np.zeros(1, dtype=np.int64),
         total_iterations=arrays["iterations"].sum(axis=1, dtype=np.int64),
         **arrays,
-        **_arrays(geometry),
+        **_arrays(model, geometry),
     )
 
 
-def _parameters(model: Structure, geometry: Geometry | None) -> Array:
+def _slots(model: Structure, design: Geometry | SlotValues) -> tuple[NDArray[np.intp], Array]:
+    """Return which of the engine's parameters designs change, and to what."""
+    if isinstance(design, SlotValues):
+        return design.indices, design.values
+    return model.geometry_slots(design)
+
+
+def _parameters(model: Structure, geometry: Geometry | SlotValues | None) -> Array:
     """Return the engine's parameters of one design, (P,)."""
     parameters = model.parameters.copy()
     if geometry is not None:
-        indices, values = model.geometry_slots(geometry)
+        indices, values = _slots(model, geometry)
         parameters[indices] = values[0]
     return parameters
 
@@ -178,9 +185,13 @@ def _from_start(
     return settings, loads
 
 
-def _arrays(geometry: Geometry | None) -> dict[str, Any]:
+def _arrays(model: Structure, geometry: Geometry | SlotValues | None) -> dict[str, Any]:
     if geometry is None:
         return {}
+    if isinstance(geometry, SlotValues):
+        slots = np.repeat(model.parameters[None, :], len(geometry), axis=0)
+        slots[:, geometry.indices] = geometry.values
+        return {"slots": slots}
     return {"rod_length": geometry.length, "radius": geometry.radius, "slope": geometry.slope}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
 from flexor.errors import InputError
@@ -27,6 +28,20 @@ class Geometry:
 
     def __getitem__(self, which: slice) -> Geometry:
         return Geometry(self.length[which], self.radius[which], self.slope[which])
+
+
+@dataclass(frozen=True)
+class SlotValues:
+    """Values of some of the engine's parameters for n designs; the others are the model's own."""
+
+    indices: NDArray[np.intp]  # (m,), which parameters
+    values: Array  # (n, m), SI
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, which: slice) -> SlotValues:
+        return SlotValues(self.indices, self.values[which])
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,8 @@ class Results:
         The model.
     rod_length, radius, slope : (n,), (n, m) and (n, m) arrays
         Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
+    slots : (n, P) array
+        All of the engine's parameters, of designs that were not given by a geometry.
     loads : (s, inputs) array
         Loads of every input [N or Pa; m or m³ of one that is controlled by its length or volume].
     applied : (n, s, inputs) array
@@ -142,6 +144,7 @@ class Results:
     max_contact_pressure: Array = field(default=_NONE, metadata=_PATH)
     volume: Array = field(default=_NONE, metadata=_PATH)
     stretch: Array = field(default=_NONE, metadata=_PATH)
+    slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     total_iterations: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -173,6 +176,8 @@ class Results:
     @property
     def parameters(self) -> Array:
         """The engine's parameters, (n, P)."""
+        if self.slots is not None:
+            return self.slots
         every = np.broadcast_to(self.model.parameters, (*self._count, self.model.parameters.size))
         every = every.copy()
         if self.radius is not None:

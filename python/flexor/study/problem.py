@@ -137,18 +137,16 @@ class Problem:
 
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
-        geometry, options = self.geometry(design[None, :]), dict[str, Any](self.options)
-        return self.model.equilibrium(self.loads, design=geometry, **options)
+        designs, _ = self.parameters.designs(design[None, :], self.model)
+        options = dict[str, Any](self.options)
+        return self.model.equilibrium(self.loads, design=designs, **options)
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""
         return replace(paths, model=self.model, loads=self.loads)
 
     def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
-        geometry = self.geometry(designs)
-        valid = np.isfinite(geometry.length) & (geometry.length > 0.0)
-        valid &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
-        valid &= np.all(np.isfinite(geometry.slope), axis=1)
+        chosen, valid = self.parameters.designs(designs, self.model)
         every = Paths.failed(
             len(designs),
             len(self.loads),
@@ -158,10 +156,9 @@ class Problem:
         )
         if not valid.any():
             return every
-        chosen = Geometry(geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
         paths = self.model.evaluate(chosen, self.loads, threads, gradient=gradient, **self.options)
         evaluate_objective(self.objective, paths).scatter(every, np.flatnonzero(valid))
         if gradient:
-            jacobian = self.parameters.jacobian(designs[valid], self.model.design.points)
-            every.derivatives[valid] = paths.chained(jacobian)
+            jacobian = self.parameters.slot_jacobian(designs[valid], self.model)
+            every.derivatives[valid] = paths.gradient @ jacobian
         return every
