@@ -11,14 +11,33 @@ mod options;
 mod structure;
 
 use flexor_engine::equilibrium::{EventKind, Stability, Status};
+use flexor_engine::model::Law;
 use flexor_engine::sensitivity::Regularity;
-use numpy::{PyArray1, ToPyArray};
+use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike1, ToPyArray};
 use pyo3::prelude::*;
 
 /// X in [0, 1] of a rod's sample points: element ends and Gauss points, increasing.
 #[pyfunction]
 fn sample_points(py: Python<'_>, elements: usize, gauss_points: usize) -> Bound<'_, PyArray1<f64>> {
     flexor_engine::strain::sample_points(elements, gauss_points).to_pyarray(py)
+}
+
+/// Energy of a fibre of a material and its derivatives with respect to the stretch.
+#[pyfunction]
+fn fibre_energy<'py>(
+    py: Python<'py>,
+    law: &str,
+    constants: Vec<f64>,
+    wound: bool,
+    stretch: PyArrayLike1<'py, f64, AllowTypeChange>,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
+    let law: Law = match serde_json::from_value(law.into()) {
+        Ok(law) => law,
+        Err(error) => return error::value_error(error),
+    };
+    let found = law.fibre_energy(&constants, wound, &stretch.as_array().to_vec());
+    let Some(found) = found else { return error::value_error("constants: found the wrong number") };
+    Ok(found.map(|values| values.into_pyarray(py)))
 }
 
 /// The builds for x86-64-v4 and -v3 that this processor can run.
@@ -61,6 +80,7 @@ engine!(_engine_native);
 
 fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_points, module)?)?;
+    module.add_function(wrap_pyfunction!(fibre_energy, module)?)?;
     module.add_function(wrap_pyfunction!(cpu_runs, module)?)?;
     module.add_function(wrap_pyfunction!(interrupt::cancel, module)?)?;
     module.add_class::<model::Model>()?;

@@ -4,9 +4,8 @@ use crate::dispatch::{AnyModel, ContactForce, State, on_model};
 use crate::error::value_error;
 use crate::interrupt::interruptible;
 use crate::{options, structure};
-use flexor_engine::equilibrium::{Stability, Status};
 use flexor_engine::model::{Description, Structure};
-use flexor_engine::{Batch, BatchEvent};
+use flexor_engine::{Batch, PathEvent, PathResults};
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
 };
@@ -292,39 +291,7 @@ impl Model {
             on_model!(&self.inner, m => m.solve_batch(batch, options, threads))
         })?;
 
-        let out = PyDict::new(py);
-        let shape = [designs, steps];
-        let stable = |(status, stability): (&u8, &u8)| {
-            *status == Status::Converged as u8 && *stability == Stability::Stable as u8
-        };
-        let stable: Vec<bool> = result.status.iter().zip(&result.stability).map(stable).collect();
-        out.set_item("q", result.q.into_pyarray(py).reshape([designs, steps, self.dof()])?)?;
-        out.set_item("status", result.status.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("stable", stable.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("iterations", result.iterations.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("residual", result.residual.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("tolerance", result.tolerance.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("stability", result.stability.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("free", result.free.as_flattened().to_pyarray(py).reshape([result.free.len(), 3])?)?;
-        out.set_item("energy", result.energy.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("pairs", result.pairs.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("touching", result.touching.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("tip_force", result.tip_force.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("max_overlap", result.overlap.into_pyarray(py).reshape(shape)?)?;
-        out.set_item("max_contact_pressure", result.pressure.into_pyarray(py).reshape(shape)?)?;
-        let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
-        out.set_item("applied", result.applied.into_pyarray(py).reshape([designs, steps, inputs])?)?;
-        out.set_item("volume", result.volume.into_pyarray(py).reshape([designs, steps, volumes])?)?;
-        let shape = [designs, steps, materials, 2];
-        out.set_item("stretch", result.stretch.into_pyarray(py).reshape(shape)?)?;
-        if !gradient.is_empty() {
-            let outputs = result.gradient.len() / (designs * gradient.len()).max(1);
-            let shape = [designs, outputs, gradient.len()];
-            out.set_item("gradient", result.gradient.into_pyarray(py).reshape(shape)?)?;
-            out.set_item("regularity", result.regularity.into_pyarray(py))?;
-        }
-        out.set_item("events", events(py, &result.events, inputs, self.dof())?)?;
-        Ok(out)
+        self.results(py, result, [designs, steps], gradient.len())
     }
 
     /// Follows the branch of one design by arc length from the first load to the last.
@@ -364,30 +331,62 @@ impl Model {
         )?;
         let Some(found) = found else { return value_error("the design is not admissible") };
 
-        let out = PyDict::new(py);
-        let points = found.status.len();
+        let points = found.results.status.len();
+        let out = self.results(py, found.results, [1, points], 0)?;
         out.set_item("loads", found.loads.into_pyarray(py).reshape([points, inputs])?)?;
-        out.set_item("q", found.q.into_pyarray(py).reshape([points, dof])?)?;
-        out.set_item("status", found.status.into_pyarray(py))?;
-        out.set_item("stability", found.stability.into_pyarray(py))?;
-        out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 2])?)?;
-        out.set_item("iterations", found.iterations.into_pyarray(py))?;
-        out.set_item("residual", found.residual.into_pyarray(py))?;
-        out.set_item("tolerance", found.tolerance.into_pyarray(py))?;
-        out.set_item("energy", found.energy.into_pyarray(py))?;
-        out.set_item("pairs", found.pairs.into_pyarray(py))?;
-        out.set_item("touching", found.touching.into_pyarray(py))?;
-        out.set_item("tip_force", found.tip_force.into_pyarray(py))?;
-        out.set_item("max_overlap", found.overlap.into_pyarray(py))?;
-        out.set_item("max_contact_pressure", found.pressure.into_pyarray(py))?;
-        let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
-        out.set_item("volume", found.volume.into_pyarray(py).reshape([points, volumes])?)?;
-        out.set_item("stretch", found.stretch.into_pyarray(py).reshape([points, materials, 2])?)?;
         Ok(out)
     }
 }
 
 impl Model {
+    /// Arrays over (design, step) by name, and derivatives with respect to `parameters` parameters.
+    fn results<'py>(
+        &self,
+        py: Python<'py>,
+        found: PathResults,
+        shape: [usize; 2],
+        parameters: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (inputs, dof) = on_model!(&self.inner, m => (m.inputs().len(), m.dof()));
+        let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        let [designs, steps] = shape;
+        let out = PyDict::new(py);
+        for (name, codes) in [("status", found.status), ("stability", found.stability)] {
+            out.set_item(name, codes.into_pyarray(py).reshape(shape)?)?;
+        }
+        for (name, counts) in
+            [("iterations", found.iterations), ("pairs", found.pairs), ("touching", found.touching)]
+        {
+            out.set_item(name, counts.into_pyarray(py).reshape(shape)?)?;
+        }
+        for (name, values) in [
+            ("residual", found.residual),
+            ("tolerance", found.tolerance),
+            ("energy", found.energy),
+            ("tip_force", found.tip_force),
+            ("max_overlap", found.overlap),
+            ("max_contact_pressure", found.pressure),
+        ] {
+            out.set_item(name, values.into_pyarray(py).reshape(shape)?)?;
+        }
+        for (name, values, width) in
+            [("q", found.q, dof), ("applied", found.applied, inputs), ("volume", found.volume, volumes)]
+        {
+            out.set_item(name, values.into_pyarray(py).reshape([designs, steps, width])?)?;
+        }
+        let stretch = found.stretch.into_pyarray(py);
+        out.set_item("stretch", stretch.reshape([designs, steps, materials, 2])?)?;
+        out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 3])?)?;
+        out.set_item("events", events(py, &found.events, inputs, dof)?)?;
+        if parameters > 0 {
+            let outputs = found.gradient.len() / (designs * parameters).max(1);
+            let gradient = found.gradient.into_pyarray(py);
+            out.set_item("gradient", gradient.reshape([designs, outputs, parameters])?)?;
+            out.set_item("regularity", found.regularity.into_pyarray(py))?;
+        }
+        Ok(out)
+    }
+
     /// Checks a state to start from.
     fn start(&self, start: Option<Numbers<'_>>) -> PyResult<Option<Vec<f64>>> {
         let Some(start) = start.map(|q| q.as_array().to_vec()) else { return Ok(None) };
@@ -422,14 +421,14 @@ impl Model {
 
 fn events<'py>(
     py: Python<'py>,
-    events: &[BatchEvent],
+    events: &[PathEvent],
     inputs: usize,
     dof: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     let count = events.len();
     let rows =
-        |pick: fn(&BatchEvent) -> &[f64]| events.iter().flat_map(|e| pick(e).to_vec()).collect::<Vec<f64>>();
+        |pick: fn(&PathEvent) -> &[f64]| events.iter().flat_map(|e| pick(e).to_vec()).collect::<Vec<f64>>();
     out.set_item("design", events.iter().map(|e| e.design).collect::<Vec<_>>().into_pyarray(py))?;
     out.set_item("step", events.iter().map(|e| e.step).collect::<Vec<_>>().into_pyarray(py))?;
     out.set_item("kind", events.iter().map(|e| e.kind as u8).collect::<Vec<_>>().into_pyarray(py))?;

@@ -2,8 +2,7 @@
 //! cable by its length.
 //!
 //! The listed load of such an input is a change v of its conjugate c(q) from the reference state; the
-//! load u that it takes is found. Towards it the input acts through a stiffness ρ, as a syringe with a
-//! little air in it does:
+//! load u required is found. The input acts through a stiffness ρ, like a syringe with a little air:
 //!
 //! ```text
 //! ½ ρ (w − c)²,   u = ρ (w − c).
@@ -11,7 +10,7 @@
 //!
 //! A minimum of this energy is an equilibrium under u, and w is chosen so that c = v; see
 //! `equilibrium/controlled.rs`. The tangent H + ρ ∇c ∇cᵀ is that of the augmented Lagrangian: for a large ρ
-//! it is positive definite where H is so on the motions that leave c as it is.
+//! it is positive definite where H is so on the motions that do not change c.
 
 use crate::design::Design;
 use crate::forces::element::ForceElement;
@@ -24,11 +23,11 @@ use crate::model::{Description, Model, ModelError};
 use crate::tree::Tree;
 use std::cell::RefCell;
 
-/// ρ, in units of what the body itself resists with. Equilibria do not depend on it.
-const STIFFNESS: f64 = 1e3;
+/// ρ, in units of the stiffness of the body itself. Equilibria do not depend on it.
+const CONTROL_STIFFNESS: f64 = 1e3;
 
-/// What an input works on.
-#[derive(Clone, Copy, Debug)]
+/// The conjugate of an input.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Conjugate {
     /// The length of an actuator's path.
     Length(usize),
@@ -37,7 +36,7 @@ enum Conjugate {
 }
 
 /// An input that is controlled by its conjugate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Control {
     pub input: usize,
     conjugate: Conjugate,
@@ -69,9 +68,9 @@ pub(crate) struct Controls {
     stiffness: Vec<f64>,
     /// The change of each conjugate that stores one unit of energy.
     unit: Vec<f64>,
-    /// Each conjugate in the reference state,
+    /// Each conjugate in the reference state.
     reference: Vec<f64>,
-    /// and its change at the state evaluated last.
+    /// Change of each conjugate at the state evaluated last.
     change: Vec<f64>,
     /// ∇c of each, row by row.
     gradient: Vec<f64>,
@@ -121,7 +120,7 @@ impl Controls {
         for (k, gradient) in self.gradient.chunks(self.dof).enumerate() {
             let held = gradient.iter().zip(&units.stiffness).filter(|(a, _)| **a != 0.0);
             let flexibility: f64 = held.map(|(a, stiffness)| a * a / stiffness).sum();
-            self.stiffness[k] = STIFFNESS / flexibility;
+            self.stiffness[k] = CONTROL_STIFFNESS / flexibility;
             self.unit[k] = (units.energy * flexibility).sqrt();
         }
         self.zero = zero;
@@ -133,7 +132,7 @@ impl Controls {
         self.stiffness.iter().all(|stiffness| stiffness.is_finite())
     }
 
-    /// The loads at a state, those of controlled inputs from the places w that `load` has for them.
+    /// The loads at a state; for controlled inputs `load` holds the places w.
     pub fn apply<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -159,7 +158,7 @@ impl Controls {
         for (k, control) in model.controls.iter().enumerate() {
             self.change[k] = match control.conjugate {
                 Conjugate::Length(actuator) => self.lengths[actuator] - self.reference[k],
-                // Without the constant, for the sake of rounding.
+                // The constant is left out to reduce rounding.
                 Conjugate::Volume(pressure) => {
                     model.forces.pressures.change_of_volume(pressure, q, &design.forces.pressures)
                 }
@@ -203,7 +202,7 @@ impl Controls {
         }
     }
 
-    /// What the energy of the forces under the applied loads lacks: they count −u c for each.
+    /// Correction of the energy of the forces under the applied loads, which contains −u c for each.
     pub fn energy(&self, controls: &[Control]) -> f64 {
         self.stored(controls) + self.work(controls)
     }
@@ -220,7 +219,7 @@ impl Controls {
         each.map(|(control, (reference, change))| self.applied[control.input] * (reference + change)).sum()
     }
 
-    /// Hands over the change of the loads at a fixed state that a change of the places w makes.
+    /// Passes on the change of the loads at a fixed state due to a change of the places w.
     pub fn with_applied_rate(&self, controls: &[Control], rate: &[f64], visit: impl FnOnce(&[f64])) {
         let mut applied = self.rate.borrow_mut();
         applied.copy_from_slice(rate);
@@ -246,7 +245,7 @@ impl Controls {
         &self.change
     }
 
-    /// A change of each that is of the size of the model's own.
+    /// The unit of change of each conjugate.
     pub fn units(&self) -> &[f64] {
         &self.unit
     }
@@ -258,8 +257,8 @@ impl Controls {
 }
 
 impl Control {
-    /// Adds the derivative of the conjugate's change from the reference state with respect to the parameters,
-    /// times `factor`, at fixed coordinates.
+    /// Adds the derivative of the conjugate's change from the reference state with respect to the
+    /// parameters, times `factor`, at fixed coordinates.
     pub fn add_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         model: &Model<G, D, P>,

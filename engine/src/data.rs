@@ -19,9 +19,10 @@ pub struct Data<G, const D: usize, const P: usize> {
     pub(crate) design: Design<G, D, P>,
     pub(crate) kinematics: Kinematics<G, D, P>,
     pub(crate) assembly: Assembly<D, P>,
-    /// Present where loads of controlled inputs are changes of their conjugates; else they are forces.
+    /// Present if the loads of controlled inputs are changes of their conjugates; otherwise they are
+    /// forces.
     pub(crate) controls: Option<Controls>,
-    /// How stiff terms make forces of distances.
+    /// Force law of stiff terms.
     pub(crate) law: Law,
 }
 
@@ -37,7 +38,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         }
     }
 
-    /// Lets the loads of controlled inputs act by their conjugates from now on.
+    /// Interprets the loads of controlled inputs as changes of their conjugates from now on.
     pub(crate) fn control(&mut self, model: &Model<G, D, P>) {
         self.controls = (!model.controls.is_empty()).then(|| Controls::new(model));
         self.update_controls(model);
@@ -64,7 +65,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         self.evaluate_tangent(model, q, load);
     }
 
-    /// Computes energy and residual at the state `q` under `load`; the tangent remains what it was.
+    /// Computes energy and residual at the state `q` under `load`; the tangent is not updated.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
         let Self { design, kinematics, assembly, law, controls } = self;
         let law = *law;
@@ -77,13 +78,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         }
     }
 
-    /// Computes the tangent that goes with the last residual, given its state and load once more.
+    /// Computes the tangent at the state of the last residual, given its coordinates and load again.
     pub fn evaluate_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
         self.evaluate_near_tangent(model, q, load);
         self.complete_tangent(model);
     }
 
-    /// The same, but of a tangent with the form of a chain only what its factorisation needs.
+    /// As above, but of a tangent in chain form only the part that its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
         let Self { design, kinematics, assembly, law, controls } = self;
         let law = *law;
@@ -96,7 +97,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         }
     }
 
-    /// Completes it.
+    /// Completes such a tangent.
     pub(crate) fn complete_tangent(&mut self, model: &Model<G, D, P>) {
         self.assembly.complete_tangent(model);
     }
@@ -140,7 +141,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             .map(|(s, r)| (self.kinematics.points[s.point], *r))
     }
 
-    /// The last state evaluated, given its coordinates and load once more.
+    /// The last state evaluated, given its coordinates and load again.
     pub(crate) fn state<'a>(
         &'a self,
         model: &'a Model<G, D, P>,
@@ -152,8 +153,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
-    /// How large the forces on each coordinate are at the state whose tangent was evaluated last, given its
-    /// coordinates and load once more.
+    /// Magnitudes of the forces on each coordinate at the state whose tangent was evaluated last, given its
+    /// coordinates and load again.
     pub(crate) fn magnitudes(
         &mut self,
         model: &Model<G, D, P>,
@@ -235,7 +236,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         });
     }
 
-    /// Frames where these are.
+    /// Frames of these fibres.
     pub fn stretch_frames(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<[Option<usize>; 2]> {
         let mut ends = vec![0.0; 2 * model.material_count()];
         self.stretches(model, q, &mut ends);
@@ -252,8 +253,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         frames
     }
 
-    /// Visits the terms that are switched on at the last state evaluated, or lack less than `margin` of
-    /// it, given the state's coordinates and load once more.
+    /// Visits the terms that are switched on at the last state evaluated, or are within `margin` of
+    /// switching on, given the state's coordinates and load again.
     pub(crate) fn for_each_switch(
         &self,
         model: &Model<G, D, P>,
@@ -266,8 +267,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
     }
 
-    /// Keeps the forces that springs and contacts would have after a motion of the points, distances to first
-    /// order, at the state evaluated last.
+    /// Stores the forces that springs and contacts have after a motion of the points from the state
+    /// evaluated last, with distances to first order.
     pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &[Vector<P>]) {
         let Self { design, kinematics, assembly, law, .. } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
@@ -275,7 +276,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.keep(&at, motion, &mut assembly.forces);
     }
 
-    /// Makes the columns of all frames available; those that the last tangent needed are of its state.
+    /// Computes the columns of all frames that the last tangent did not need.
     pub(crate) fn complete_columns(&mut self, model: &Model<G, D, P>) {
         let Self { design, kinematics, assembly, law, .. } = self;
         let law = *law;
@@ -284,7 +285,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     /// World twists of the frames and velocities of the points as the coordinates change at `rates`, in
-    /// blocks; of what carries nothing, only after [`Data::complete_columns`].
+    /// blocks; for unloaded frames, only after [`Data::complete_columns`].
     pub(crate) fn velocities(
         &self,
         model: &Model<G, D, P>,

@@ -18,17 +18,20 @@ mod kinematics;
 pub mod lie;
 pub mod linalg;
 pub mod model;
+mod results;
 mod section;
 pub mod sensitivity;
 pub mod strain;
+mod tolerances;
 mod tree;
 mod units;
 
-pub use batch::{Batch, BatchEvent, BatchResult};
+pub use batch::Batch;
 pub use branch::Branch;
 pub use data::Data;
 pub use forces::contact::ContactSummary;
 pub use forces::element::ContactForce;
+pub use results::{PathEvent, PathResults};
 
 // The systems of the integration tests, for tests of private items.
 #[cfg(test)]

@@ -1,21 +1,17 @@
 //! Units of the coordinates, and of energy, from the stiffnesses and forces that act on them.
 //!
-//! One unit of a coordinate stores, by the coordinate's own stiffness K, the energy E of one radian of the
-//! softest angle that acts on the same bodies: √(E/K). So an elastic model has the same path in these
-//! units whatever its size and its modulus. What is not elastic is measured in radians or by the length of
-//! the bodies, and where nothing is elastic the energy comes from the forces that act where a path begins.
+//! With its own stiffness K, one unit of a coordinate, √(E/K), stores the energy E of one radian of the
+//! softest angle that acts on the same bodies. An elastic model thus has the same path in these units
+//! regardless of its size and modulus. Coordinates without elasticity are measured in radians or by the
+//! length of the bodies; without any elasticity the energy is that of the forces at the start of a path.
 
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::tolerances::{MIN_ELASTIC_STIFFNESS, MIN_ENERGY};
 use crate::tree::Shape;
 
-/// A coordinate this much softer than the stiffest angle beside it is not held by its elasticity.
-const NOT_ELASTIC: f64 = 1e-10;
-/// Forces on what is not elastic make energies at least this share of the others.
-const SMALLEST_ENERGY: f64 = 1e-6;
-
-/// How a coordinate is measured by itself, before stiffnesses are known.
+/// The natural unit of a coordinate, before stiffnesses are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Angle,
@@ -32,13 +28,13 @@ pub(crate) struct Units {
     pub energy: f64,
     /// Energy E of the bodies that act on the same bodies as each coordinate.
     pub own_energy: Vec<f64>,
-    /// Whether elasticity holds the coordinate.
+    /// Whether the coordinate is elastic.
     pub elastic: Vec<bool>,
     all_elastic: bool,
     /// One radian, a strain of one, or for a translation the length of the longest of these bodies.
     pub natural: Vec<f64>,
     kind: Vec<Kind>,
-    /// Elastic stiffness of each coordinate by itself; of what is not elastic, what its forces make.
+    /// Diagonal elastic stiffness of each coordinate; without elasticity, force by natural unit.
     pub stiffness: Vec<f64>,
 }
 
@@ -66,7 +62,7 @@ impl Units {
         }
     }
 
-    /// For a new design, of which `add_elastic` adds the stiffnesses.
+    /// Updates the units for a new design, whose stiffnesses `add_elastic` adds.
     pub fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -93,7 +89,7 @@ impl Units {
             let angles = (0..of.len()).filter(|i| of[*i] == component && self.kind[*i] == Kind::Angle);
             let stiffest = angles.map(|i| self.stiffness[i]).fold(0.0, f64::max);
             for i in (0..of.len()).filter(|i| of[*i] == component) {
-                let limit = if self.kind[i] == Kind::Angle { NOT_ELASTIC * stiffest } else { 0.0 };
+                let limit = if self.kind[i] == Kind::Angle { MIN_ELASTIC_STIFFNESS * stiffest } else { 0.0 };
                 self.elastic[i] = self.stiffness[i] > limit;
             }
         }
@@ -106,13 +102,13 @@ impl Units {
         self.kind[coordinate] == Kind::Length
     }
 
-    /// Whether elasticity holds every coordinate.
+    /// Whether every coordinate is elastic.
     pub fn all_elastic(&self) -> bool {
         self.all_elastic
     }
 
-    /// Takes the stiffnesses of what is not elastic from the forces that act on it, over a natural unit;
-    /// from the curvature only where there are none, for a stiff spring says little of large motions.
+    /// Sets the stiffness of coordinates without elasticity to the force per natural unit, or where there
+    /// is none to the curvature, which in the presence of a stiff spring says little about large motions.
     pub fn measure<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -154,8 +150,8 @@ impl Units {
         }
     }
 
-    /// The smallest energy of a natural unit of one kind of coordinate, if a component has any that is
-    /// held.
+    /// The smallest energy of a natural unit of one kind of coordinate, if a component has any with
+    /// stiffness.
     fn smallest_energy(&self, of_coordinate: &[usize], component: usize, kind: Kind) -> Option<f64> {
         let (mut elastic, mut other, mut largest) = (f64::INFINITY, f64::INFINITY, 0.0f64);
         for (i, of) in of_coordinate.iter().enumerate() {
@@ -167,7 +163,7 @@ impl Units {
             *least = least.min(energy);
             largest = largest.max(energy);
         }
-        let smallest = elastic.min(other.max(SMALLEST_ENERGY * largest));
+        let smallest = elastic.min(other.max(MIN_ENERGY * largest));
         smallest.is_finite().then_some(smallest)
     }
 }

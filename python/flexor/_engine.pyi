@@ -4,6 +4,7 @@ Shapes: n designs, s load steps, D degrees of freedom, U load inputs, P paramete
 in rad. What each array means is written with the engine.
 """
 
+from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
 import numpy as np
@@ -41,7 +42,9 @@ class Events(TypedDict):
     before: NDArray[np.float64]
     after: NDArray[np.float64]
 
-class Points(TypedDict):
+class Paths(TypedDict):
+    """Arrays over n designs and s steps, (n, s) unless stated; a branch has one design."""
+
     q: NDArray[np.float64]
     status: NDArray[np.uint8]
     stability: NDArray[np.uint8]
@@ -56,22 +59,16 @@ class Points(TypedDict):
     max_contact_pressure: NDArray[np.float64]
     volume: NDArray[np.float64]  # (…, pressures)
     stretch: NDArray[np.float64]  # (…, materials, 2): least and greatest
-
-class Paths(Points):
-    """Points of shape (n, s)."""
-
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
-    stable: NDArray[np.bool_]  # whether stability is "stable"
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events
     gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
     regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
 
-class Branch(Points):
-    """Points of shape (points,)."""
+class Branch(Paths):
+    """Paths of one design, with the points of the branch as steps."""
 
-    loads: NDArray[np.float64]  # (points, U), found along the branch
-    free: NDArray[np.uint64]  # (m, 2): point, coordinate
+    loads: NDArray[np.float64]  # (s, U), found along the branch
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
@@ -84,6 +81,9 @@ class Contacts(TypedDict):
 
 def cancel() -> None: ...  # ends all solves that are running, with KeyboardInterrupt
 def cpu_runs() -> list[str]: ...
+def fibre_energy(
+    law: str, constants: Sequence[float], wound: bool, stretch: ArrayLike
+) -> list[NDArray[np.float64]]: ...
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
 
 class Model:

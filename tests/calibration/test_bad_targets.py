@@ -184,7 +184,7 @@ def test_ranges_without_any_equilibrium_are_said_so(flexor, targets) -> None:
         ({"samples": 0}, "samples is 0: it must be at least 1."),
         ({"samples": 1.5}, "samples is 1.5: it must be an integer of at least 1."),
         ({"starts": -1}, "starts is -1: it must be at least 1."),
-        ({"threads": -1}, "threads is -1"),
+        ({"executor": 2}, "executor is a int"),
         ({"progress": 3}, "progress is 3: it must be a function."),
     ],
 )

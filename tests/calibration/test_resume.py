@@ -9,11 +9,14 @@ import sqlite3
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 
 import pytest
 
 import flexor as package
 from flexor.calibration import calibrate
+from flexor.study import Threads
 
 FILE = """
 [search]
@@ -57,7 +60,7 @@ def file(targets):
 
 @pytest.fixture
 def whole(file, coarse):
-    return calibrate(coarse, file, threads=1)
+    return calibrate(coarse, file, executor=Threads(1))
 
 
 def same(first, second) -> bool:
@@ -67,10 +70,23 @@ def same(first, second) -> bool:
 
 
 def test_the_same_seed_gives_the_same_on_any_number_of_threads(file, coarse, whole) -> None:
-    again = calibrate(coarse, file, threads=2)
+    again = calibrate(coarse, file, executor=Threads(2))
     assert same(whole, again)
     assert whole.evaluations == again.evaluations
     assert not same(whole, calibrate(coarse, file, seed=1, starts=1)) or whole.best.misfit == 0.0
+
+
+@pytest.mark.parametrize("pool", ["processes", "threads"])
+def test_the_same_seed_gives_the_same_on_any_executor(file, coarse, whole, pool) -> None:
+    chosen = (
+        ThreadPoolExecutor(2)
+        if pool == "threads"
+        else ProcessPoolExecutor(2, mp_context=get_context("spawn"))
+    )
+    with chosen as executor:
+        again = calibrate(coarse, file, executor=executor)
+    assert same(whole, again)
+    assert whole.evaluations == again.evaluations
 
 
 def test_all_is_replayed_and_nothing_evaluated_again(file, coarse, tmp_path, whole) -> None:

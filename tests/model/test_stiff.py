@@ -1,4 +1,4 @@
-"""Stiff springs and contacts, what nothing holds, and follower loads: solved, or why not."""
+"""Stiff springs and contacts, free motions and follower loads: solved, or why not."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_stiffness_beyond_rounding_stalls_and_is_named(
     assert path.iterations.sum() < 300
     report(path)
     said = capsys.readouterr().out.replace("\n", " ")
-    assert "of the forces, where rounding allows for" in said
+    assert "of the forces, above its bound of" in said
     assert "contacts.skin, 1e+15 N/m" in said
 
 

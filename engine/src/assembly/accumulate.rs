@@ -98,7 +98,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// The same for a run with one block of columns (the usual case), whose sums stay in registers.
+    /// As above, for a run with one block of columns (the usual case), whose sums stay in registers.
     #[inline]
     fn sum_block<G: LieGroup<D, P>>(
         &mut self,

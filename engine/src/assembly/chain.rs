@@ -26,7 +26,7 @@ impl<const D: usize> ChainSums<D> {
         Self { holds: false, complete: false, columns: zeros.clone(), rows: zeros }
     }
 
-    /// Clears the sums if the form holds, that is, if no force couples two frames of the chain.
+    /// Clears the sums if the tangent has this form, that is, if no force couples two frames of the chain.
     pub fn start<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -39,7 +39,7 @@ impl<const D: usize> ChainSums<D> {
         self.rows.fill(Vector::ZERO);
     }
 
-    /// The chain, if the form holds.
+    /// The chain, if the tangent has this form.
     #[inline]
     pub fn of<'a, G: LieGroup<D, P>, const P: usize>(&self, model: &'a Model<G, D, P>) -> Option<&'a Chain> {
         model.chain.as_ref().filter(|_| self.holds)
@@ -59,7 +59,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         holds.then_some(ChainMatrix { full: &self.tangent, before: columns, beyond: rows, scale })
     }
 
-    /// Frobenius' norm of the scaled tangent, if it has the form of a chain.
+    /// Frobenius norm of the scaled tangent, if it has the form of a chain.
     pub fn chain_norm<G: LieGroup<D, P>>(&self, model: &Model<G, D, P>, scale: &[f64]) -> Option<f64> {
         let chain = self.chain.of(model)?;
         let ChainSums { columns, rows, .. } = &self.chain;

@@ -95,8 +95,8 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         self.pull_back(at);
     }
 
-    /// The tangent at the state that [`Assembly::update_residual`] saw last; of one with the form of a
-    /// chain, only what [`Assembly::complete_tangent`] does not find by itself.
+    /// The tangent at the state of the last [`Assembly::update_residual`]; if it has the form of a chain,
+    /// without the part that [`Assembly::complete_tangent`] adds.
     pub fn update_tangent<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,

@@ -1,9 +1,9 @@
 //! Continuation by arc length: a branch is followed through its limit points, stable or not.
 //!
-//! Between two listed loads the load is u₀ + μ du with μ unknown. From a point of the branch the next
-//! one is sought on the hyperplane across its tangent, a step further on; see [`Bordered`]. Lengths are
-//! ‖x‖² + w² μ², with x the dimensionless coordinates and w how far the whole change of load would move
-//! them at first, so that neither depends on the units of the other.
+//! Between two listed loads the load is u₀ + μ du with μ unknown. From a point of the branch, the next
+//! one is computed on the hyperplane normal to the tangent, one step ahead; see [`Bordered`]. Squared
+//! lengths are ‖x‖² + w² μ², with x the dimensionless coordinates and w the displacement that the initial
+//! velocity gives for the whole change of load, so that neither depends on the units of the other.
 
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed, weighted_dot};
 use super::continuation::Continuation;
@@ -14,6 +14,7 @@ use super::status::Status;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
+use crate::tolerances::PARALLEL;
 
 /// A point of the branch.
 #[derive(Clone, Debug)]
@@ -24,12 +25,12 @@ struct Point {
     tangent: Vec<f64>,
 }
 
-/// A straight run of loads, from u₀ on.
+/// A straight segment of the loads, starting at u₀.
 struct Run<'a> {
     start: Vec<f64>,
     /// du, to the last load.
     rate: Vec<f64>,
-    /// Where on it the listed loads are, the last one at 1.
+    /// Positions of the listed loads on it, the last one at 1.
     listed: Vec<f64>,
     target: &'a [f64],
 }
@@ -49,10 +50,9 @@ struct ArcLength<'s, 'm, G, const D: usize, const P: usize> {
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
     /// Solves at `loads[0]` from the state `q0` and follows the branch by arc length to the last load.
     ///
-    /// Every point of the branch gets a report, at the load that was found there: points as they are
-    /// needed to follow it, limit points, and all points at listed loads. A start that is an
-    /// equilibrium is kept even if it is not stable. After a failure there is one more report, of the
-    /// load that was not reached.
+    /// Every point of the branch gets a report at the load found there: the points needed to follow the
+    /// branch, limit points, and all points at listed loads. A start that is an equilibrium is kept even if
+    /// it is not stable. After a failure there is one more report, for the load that was not reached.
     ///
     /// # Panics
     /// If a load or `q0` has the wrong length.
@@ -78,7 +78,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         }
     }
 
-    /// An equilibrium at the load at hand: `q0` itself, whatever its stability, or a stable one near it.
+    /// An equilibrium at the current load: `q0` itself, regardless of its stability, or a stable one
+    /// nearby.
     fn start_branch(&mut self, q0: &[f64]) -> Result<Stability, Status> {
         self.system.set_state(q0);
         if self.system.evaluate() <= self.options.arc_length.start_residual {
@@ -109,7 +110,7 @@ fn target(options: &ContinuationOptions) -> BorderedTarget {
     }
 }
 
-/// Stability of the equilibrium at hand under its load.
+/// Stability of the current equilibrium under its load.
 fn stability<G: LieGroup<D, P>, const D: usize, const P: usize>(system: &mut System<G, D, P>) -> Stability {
     let definite = system.factorise(0.0);
     if definite || !system.is_conservative() { system.stability() } else { Stability::Unstable }
@@ -128,7 +129,7 @@ fn runs<'a>(loads: &[&'a [f64]]) -> Vec<Run<'a>> {
         }
         if let Some(run) = runs.last_mut() {
             let along = run.rate.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>();
-            if along > 0.0 && along * along > (1.0 - 1e-12) * length(&run.rate) * length(&change) {
+            if along > 0.0 && along * along > (1.0 - PARALLEL) * length(&run.rate) * length(&change) {
                 let whole = difference(&run.start, after);
                 run.listed.push(length(&whole).sqrt());
                 (run.rate, run.target) = (whole, after);
@@ -145,7 +146,7 @@ fn runs<'a>(loads: &[&'a [f64]]) -> Vec<Run<'a>> {
     runs
 }
 
-/// Hands points on to the sink.
+/// Forwards points to the sink.
 struct Reports<'s, S> {
     /// Largest residual of a point.
     tolerance: f64,
@@ -181,7 +182,7 @@ impl<S> Reports<'_, S> {
 }
 
 impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm, G, D, P> {
-    /// From the equilibrium that the system holds at the beginning of the run.
+    /// Starts at the current equilibrium of the system, the beginning of the run.
     fn new(system: &'s mut System<'m, G, D, P>, options: &ContinuationOptions, run: &'s Run) -> Self {
         let (n, inputs) = (system.state().len(), system.load().len());
         let mut bordered = Bordered::new(n, inputs, 1);
@@ -254,16 +255,17 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         Point { q, multiplier: 0.0, tangent }
     }
 
-    /// The point of the branch one step further on; `None` where none is found that belongs to it.
+    /// The point of the branch one step ahead; `None` where none on the same branch is found.
     fn step(&mut self, here: &Point, length: f64, begin: f64) -> Option<Point> {
         let ahead: Vec<f64> = here.tangent.iter().map(|t| length * t).collect();
         let next = self.solve_at(here, length, &ahead)?;
         let turn = self.angle(here, &next);
-        // A corner stays one however short the step is.
+        // At a corner the branch turns by the same angle for any step.
         (turn <= self.options.max_turn || length <= self.options.corner_step * begin).then_some(next)
     }
 
-    /// The point on the plane `distance` along the tangent of `here`, sought from `ahead` of it.
+    /// The point on the plane `distance` along the tangent of `here`, solved from an initial guess `ahead`
+    /// of it.
     fn solve_at(&mut self, here: &Point, distance: f64, ahead: &[f64]) -> Option<Point> {
         let n = here.q.len();
         let units = self.system.units();
@@ -291,7 +293,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         self.system.displacement(&here.q, &mut moved[..n]);
         moved[n] = multiplier - here.multiplier;
         let reach = weighted_dot(&moved, &moved, self.weight).sqrt();
-        // Further aside than it is ahead: another branch.
+        // A deviation larger than the step: another branch.
         let found = Point { q: self.system.state().to_vec(), multiplier, tangent };
         (reach <= self.options.max_reach * distance).then_some(found)
     }
@@ -301,7 +303,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         tangent.iter_mut().for_each(|t| *t /= length);
     }
 
-    /// By how much the branch turns from one point to another.
+    /// Angle between the tangents of the branch at two points.
     fn angle(&self, here: &Point, next: &Point) -> f64 {
         // Between unit vectors, exact for small angles.
         let gap: Vec<f64> = here.tangent.iter().zip(&next.tangent).map(|(a, b)| a - b).collect();
@@ -405,13 +407,13 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         let border = Border { constraint: &Prescribed(listed), multiplier: Multiplier::Load(self.rate) };
         let found = self.bordered.solve(self.system, &[border], self.target);
         if found && listed == 1.0 {
-            // To the bit the load that was listed.
+            // Exactly the listed load.
             self.system.set_load(run.target);
         }
         found
     }
 
-    /// Goes back to a point that was solved.
+    /// Restores a point that was solved.
     fn go_to(&mut self, point: &Point) {
         if self.system.state() != point.q {
             self.system.set_state(&point.q);

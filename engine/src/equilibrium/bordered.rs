@@ -1,13 +1,13 @@
 //! Equilibrium under constraint equations: Newton's method on the bordered system.
 //!
-//! To the state belong one unknown multiplier μ and one equation c = 0 for each constraint,
+//! Each constraint adds one unknown multiplier μ and one equation c = 0 to the state:
 //!
 //! ```text
 //! ∇Π(q; u) + Σ μ_i ∇c_i = 0,   c_i(q, μ_i) = 0.
 //! ```
 //!
-//! Either the constraint acts on the state by its reaction μ ∇c, or μ is a load that is not
-//! prescribed, u = u₀ + μ du, and c says what it has to reach. The matrix of the Newton step is the
+//! Either the constraint acts on the state by its reaction μ ∇c, or μ is an unknown load,
+//! u = u₀ + μ du, and c defines its target. The matrix of the Newton step is the
 //! tangent bordered by the gradients; it is regular at limit points, where the tangent is not.
 
 use super::system::System;
@@ -27,10 +27,10 @@ pub trait Constraint {
     fn add_hessian_product(&self, _q: &[f64], _v: &[f64], _factor: f64, _out: &mut [f64]) {}
 }
 
-/// What the multiplier of a constraint is.
+/// The meaning of a multiplier.
 #[derive(Clone, Copy, Debug)]
 pub enum Multiplier<'a> {
-    /// The reaction that holds the constraint: the state feels μ ∇c.
+    /// The reaction μ ∇c that enforces the constraint.
     Reaction,
     /// A load that is not prescribed: μ times this change is added to the base load.
     Load(&'a [f64]),
@@ -41,16 +41,16 @@ pub enum Multiplier<'a> {
 pub struct Border<'a> {
     /// The equation.
     pub constraint: &'a dyn Constraint,
-    /// What its multiplier does.
+    /// The meaning of its multiplier.
     pub multiplier: Multiplier<'a>,
 }
 
-/// When the bordered Newton method is done.
+/// Convergence criteria of the bordered Newton method.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderedTarget {
     /// Largest dimensionless residual, and largest value of a constraint.
     pub tolerance: f64,
-    /// Dimensionless step below which one that does not lower the residual is made by rounding.
+    /// Dimensionless step below which the residual is rounding if the step does not lower it.
     pub small_step: f64,
     /// Newton steps allowed.
     pub max_iterations: usize,
@@ -62,7 +62,7 @@ pub struct Bordered {
     dof: usize,
     /// The multipliers of the state found last.
     pub multipliers: Vec<f64>,
-    /// Coordinates held where they are, as nothing else holds them.
+    /// Free coordinates, held fixed.
     pinned: Vec<usize>,
     /// Load without the multipliers.
     base: Vec<f64>,
@@ -103,12 +103,12 @@ impl Bordered {
         self.base.copy_from_slice(base);
     }
 
-    /// Holds coordinates where they are that nothing else holds.
+    /// Sets the free coordinates that are held fixed.
     pub(super) fn pin(&mut self, coordinates: &[usize]) {
         self.pinned.extend_from_slice(coordinates);
     }
 
-    /// Newton's method with full steps from the system's state and the multipliers at hand; whether it
+    /// Newton's method with full steps from the system's state and the current multipliers; whether it
     /// converged. Then tangent and factors are those of the state found.
     pub fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
@@ -123,7 +123,7 @@ impl Bordered {
                 return false;
             }
             self.factorise(system, borders);
-            // Where a step lowers nothing, rounding alone may be left.
+            // If a step does not lower the residual, it may be rounding.
             let settled = length <= target.small_step && size > 0.5 * last;
             if self.has_converged(system, borders, size, target.tolerance, settled) {
                 return true;
@@ -159,14 +159,14 @@ impl Bordered {
         settled: bool,
     ) -> bool {
         if borders.iter().any(|border| matches!(border.multiplier, Multiplier::Reaction)) {
-            // Reactions balance the forces, so these do not balance by themselves.
+            // With reactions the forces alone do not balance.
             return size <= tolerance || settled;
         }
         let held = max_norm(&self.residual.as_slice()[self.dof..]) <= tolerance;
         held && (system.has_converged(size, tolerance) || settled && system.is_balanced(tolerance))
     }
 
-    /// Evaluates and factorises everything at the system's state and the multipliers at hand.
+    /// Evaluates and factorises everything at the system's state and the current multipliers.
     pub fn visit<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -328,9 +328,9 @@ impl Bordered {
         solved
     }
 
-    /// In how many directions the state found last is not stable: negative eigenvalues of the tangent with
+    /// Number of unstable directions of the state found last: negative eigenvalues of the tangent with
     /// the curvature of the constraints, on the motions that the reactions leave free. (Without a
-    /// potential, eigenvalues with a negative real part.) A load that is not prescribed holds nothing:
+    /// potential, eigenvalues with a negative real part.) An unknown load adds no stiffness:
     /// the count is that under its value.
     ///
     /// `None` where the eigenvalues cannot be found.

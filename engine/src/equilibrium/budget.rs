@@ -1,4 +1,4 @@
-//! What one load step may cost, and the request to stop.
+//! Limits on the cost of a load step, and the request to cancel.
 
 use super::options::ContinuationOptions;
 use super::status::Status;
@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A request to end a solve, looked at in every iteration, by all threads that solve.
+/// A request to end a solve, polled in every iteration by all threads.
 pub trait Cancel: Debug + Sync {
     /// Whether the solve is to end.
     fn is_requested(&self) -> bool;

@@ -16,11 +16,11 @@ struct Pair<const P: usize> {
     /// Rate of the overlap.
     rate: f64,
     touching: bool,
-    /// Whether it has changed already; once is enough for a first-order prediction.
+    /// Whether it has changed already; a first-order prediction changes each pair once at most.
     changed: bool,
 }
 
-/// The pairs that may change, and the memory to find them, which grows to what the model needs.
+/// The pairs that may change, with a workspace that grows to the size that the model needs.
 #[derive(Clone, Debug)]
 pub(super) struct ContactChanges<const D: usize, const P: usize> {
     pairs: Vec<Pair<P>>,
@@ -53,7 +53,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         let points = &self.motion.points;
         let squares = model.spheres.iter().map(|s| points[s.point].dot(&points[s.point]));
         let fastest = squares.fold(0.0, f64::max).sqrt();
-        // Nothing that is further apart meets at this speed; what the changes speed up may be missed.
+        // Pairs further apart do not meet at this speed; those accelerated by a change may be missed.
         let margin = fastest * h;
         let [rate_margin, speed_margin] = [options.closing_rate_margin, options.point_speed_margin];
         data.for_each_switch(model, system.state(), system.load(), margin, |switch| {
@@ -65,7 +65,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
                 return;
             }
             let rate = switch.rate(points);
-            // Far off, and not even slowly on its way.
+            // Far apart and not approaching.
             if -switch.depth > (rate_margin * rate.max(0.0) + speed_margin * fastest) * h {
                 return;
             }
@@ -74,7 +74,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         });
     }
 
-    /// When the next pair changes after `start`, not later than `limit`, and which.
+    /// The next pair that changes after `start` and up to `limit`, and when.
     pub fn next(&self, start: f64, limit: f64) -> Option<(f64, usize)> {
         let mut first = None;
         let mut nearest = limit - start;
@@ -94,7 +94,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         self.pairs.iter_mut().for_each(|p| p.switch.depth += h * p.rate);
     }
 
-    /// Goes on with another velocity of the coordinates.
+    /// Continues with another velocity of the coordinates.
     pub fn set_velocity<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
         self.motion.update(system, velocity);
         for pair in &mut self.pairs {

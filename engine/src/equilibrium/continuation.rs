@@ -9,7 +9,7 @@ use super::options::ContinuationOptions;
 use super::path::{PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use super::status::Status;
 use super::step_control::StepControl;
 use super::system::System;
@@ -17,6 +17,7 @@ use super::trust_region::{Target, TrustRegion};
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::tolerances::{PARALLEL, ZERO_EIGENVALUE};
 
 /// Finds and follows equilibria; owns all memory it needs.
 #[derive(Clone, Debug)]
@@ -40,7 +41,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    /// The energy in `start` under the load of the jump at hand.
+    /// The energy in `start` under the load of the current jump.
     pub(super) energy: f64,
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
@@ -52,8 +53,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LoadStep {
     pub index: usize,
-    /// [`CorrectorTolerance::tangent_reuse`] there: zero where the path ends, as there the tangent must be
-    /// that of the very state.
+    /// [`CorrectorTolerance::tangent_reuse`] there: zero where the path ends, as the tangent there must be
+    /// that of the final state.
     pub tangent_reuse: f64,
 }
 
@@ -218,7 +219,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if self.unstable { Status::Unstable } else { Status::Converged }
     }
 
-    /// The equilibrium at hand was not predicted: the next sub-step begins there afresh.
+    /// Restarts the prediction at the current equilibrium, which was not predicted.
     pub(super) fn leave(&mut self, control: &mut StepControl) {
         self.predictor.forget_curvature();
         control.restart();
@@ -231,7 +232,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.change.swap(0, 1);
     }
 
-    /// Takes velocity and displacement at the equilibrium at hand, whose factor is.
+    /// Takes velocity and displacement at the current equilibrium, with its factor.
     pub(super) fn arrive(&mut self) {
         self.change[1] = self.system.velocity(&self.rate, &mut self.velocity[1]);
         self.system.displacement(&self.start, &mut self.moved);
@@ -245,19 +246,19 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         }
     }
 
-    /// The range of the loads over the path as a multiple of the segment: that of the input which it changes
-    /// most, measured by the range of that input alone, so that what another one is held at does not matter.
+    /// The range of the loads over the path as a multiple of the segment, for the input that changes most
+    /// relative to its own range; constant inputs have no influence.
     pub(super) fn span(&self) -> f64 {
         let ranges = self.range.iter().zip(&self.rate).filter(|(_, rate)| **rate != 0.0);
         ranges.map(|(range, rate)| range / rate.abs()).fold(f64::INFINITY, f64::min)
     }
 
-    /// How accurate loads of limit points are, on the segment.
+    /// Accuracy of the loads of limit points, as a fraction of the segment.
     pub(super) fn located(&self) -> f64 {
         self.options.locate.located * self.span()
     }
 
-    /// Sets the segment from the current load to `target`. A curvature that is known holds for it if it
+    /// Sets the segment from the current load to `target`. A known curvature is kept if the segment
     /// continues the last one in the same direction.
     fn set_segment(&mut self, target: &[f64]) {
         self.start_load.copy_from_slice(self.system.load());
@@ -268,7 +269,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             now += *r * *r;
             both += last * *r;
         }
-        let parallel = both * both > (1.0 - 1e-12) * before * now;
+        let parallel = both * both > (1.0 - PARALLEL) * before * now;
         self.predictor.rescale_curvature(if parallel { both / before } else { 0.0 });
     }
 
@@ -279,7 +280,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if !self.corrector.correct(&mut self.system, &self.predictor, h, tolerance) {
             return false;
         }
-        if self.system.is_lost(NULL.max(max_norm(self.system.residual()))) {
+        if self.system.is_lost(ZERO_EIGENVALUE.max(max_norm(self.system.residual()))) {
             return false;
         }
         self.arrive();
@@ -288,7 +289,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
     }
 
-    /// What is asked of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
+    /// The accuracy required of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
     fn tolerance_at(&self, lambda: f64, h: f64, step: LoadStep) -> CorrectorTolerance {
         let tolerance = self.options.tolerance;
         if lambda == 1.0 {
@@ -303,8 +304,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         CorrectorTolerance { residual, tangent_reuse: accuracy.tangent_reuse }
     }
 
-    /// What residuals between the listed loads are measured by: the speed, and where the tangent may be softer
-    /// than its units the change of the load as well.
+    /// The scale of residuals between the listed loads: the speed and, where the tangent may be softer than
+    /// its units, the change of the load as well.
     fn rate_of_change(&self) -> f64 {
         let speed = max_norm(&self.velocity[0]);
         if self.system.is_elastic() { speed } else { speed.min(self.change[0]) }
@@ -318,8 +319,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.find_stable_from_here(radius, tangent_reuse)
     }
 
-    /// Goes to a stable equilibrium with stiff terms made softer, and from there close to one with their own
-    /// stiffness; if that fails, stays where it is unless the energy is lower where it came.
+    /// Goes to a stable equilibrium with softened terms, and from there close to one with their actual
+    /// stiffness; if that fails, keeps the initial state unless the energy has become lower.
     fn find_by_softening(&mut self, radius: f64) {
         let start = self.system.state().to_vec();
         self.system.soften();

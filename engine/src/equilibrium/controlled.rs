@@ -1,9 +1,9 @@
-//! Inputs that are controlled by their conjugates: the listed loads are changes v of these, and the loads
-//! that they take are found.
+//! Inputs that are controlled by their conjugates: the listed loads are changes v of the conjugates, and
+//! the loads required are found.
 //!
 //! Such an input acts on the conjugate c from a place w through a stiffness; see `control.rs`. Between
-//! listed loads the branch is followed in w, which differs from c by a tiny part of its change. At a listed
-//! load, chord steps on state and w together make c = v.
+//! listed loads the branch is followed in w, which differs from c by a small fraction of its change. At a
+//! listed load, chord steps on state and w together solve c = v.
 
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, PathSink, StepReport};
@@ -12,19 +12,12 @@ use super::system::System;
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 
-/// Chord steps to a listed load; more say that the tangent is that of another state.
-const MAX_CHORDS: usize = 12;
-/// Times that the branch is followed to where a conjugate has its listed value.
-const MAX_ROUNDS: usize = 20;
-/// Where rounding alone is left, a conjugate is within this part of the model's own of its listed value.
-const SETTLED: f64 = 1e-6;
-
 /// Loads by input.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
-    /// Where the inputs go next.
+    /// Next values of the inputs.
     aim: Vec<f64>,
-    /// By how much each conjugate lags behind, where a segment begins.
+    /// Lag w − c of each conjugate at the beginning of a segment.
     lag: Vec<f64>,
 }
 
@@ -35,7 +28,7 @@ impl Places {
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
-    /// From the equilibrium at hand to that at a listed load.
+    /// Follows the branch from the current equilibrium to a listed load.
     pub(super) fn follow_to(
         &mut self,
         target: &[f64],
@@ -53,7 +46,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.hold(status, target, step, sink)
     }
 
-    /// Where an equilibrium was found, goes on to the one with the listed conjugates.
+    /// Continues from an equilibrium that was found to the one with the listed conjugates.
     pub(super) fn hold(
         &mut self,
         mut status: Status,
@@ -64,7 +57,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         if !self.system.is_controlled() {
             return status;
         }
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..self.options.controlled.max_rounds {
             if !status.is_equilibrium() || self.close(target, step.tangent_reuse == 0.0) {
                 return status;
             }
@@ -78,7 +71,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         Status::Stalled
     }
 
-    /// Follows the branch to where the conjugates are as listed, if they lag behind as they do now.
+    /// Follows the branch to the listed conjugates, on the assumption that their lag does not change.
     fn follow_lagging(
         &mut self,
         target: &[f64],
@@ -94,18 +87,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         status
     }
 
-    /// Chord steps from an equilibrium to the one close by that has the listed conjugates; `false`, and
-    /// nothing has changed, if they do not get there.
+    /// Chord steps from an equilibrium to a nearby one with the listed conjugates; `false`, with the state
+    /// restored, if they do not converge.
     fn close(&mut self, target: &[f64], own_tangent: bool) -> bool {
         let tolerance = self.options.tolerance;
+        let rounding = self.options.controlled.rounding;
         self.start.copy_from_slice(self.system.state());
         self.start_load.copy_from_slice(self.system.load());
         let mut last = f64::INFINITY;
-        for chord in 0..MAX_CHORDS {
+        for chord in 0..self.options.controlled.max_chords {
             let size = self.system.evaluate();
             let gap = self.system.gap(target, &mut self.places.aim);
             let settled = chord > 1 && size.max(gap) > 0.5 * last;
-            if self.system.has_converged(size, tolerance) && (gap <= tolerance || settled && gap <= SETTLED) {
+            if self.system.has_converged(size, tolerance) && (gap <= tolerance || settled && gap <= rounding)
+            {
                 let own = chord > 0 && own_tangent;
                 if own {
                     self.system.evaluate_tangent();
@@ -139,7 +134,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 }
 
-/// Hands events on with the conjugates of controlled inputs in place of where these act from.
+/// Forwards events, with the conjugates of controlled inputs in place of the places w.
 struct Lagging<'s, S> {
     sink: &'s mut S,
     lag: &'s [f64],

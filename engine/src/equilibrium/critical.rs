@@ -1,16 +1,16 @@
-//! Where a branch loses stability: the lowest eigenvalue of the tangent on the way to zero.
+//! Loads at which a branch loses stability, from the lowest eigenvalue of the tangent.
 //!
-//! With φ the eigenvector of the lowest eigenvalue μ and b the load's direction, a branch turns back at a
-//! limit point where b has a part along φ, for then the velocity there, φᵀb/μ, grows without bound; where
-//! it has none, another branch crosses. Along the branch dμ/dλ = A/μ + B, A/μ being due to the motion along φ
-//! and B to all other motion, so that μ² is linear in the load towards a limit point and μ towards a
-//! bifurcation, and it vanishes after ∫ μ dμ/(−A − Bμ).
+//! Let φ be the eigenvector of the lowest eigenvalue μ and b the direction of the load. If b has a
+//! component along φ, the velocity φᵀb/μ is unbounded and the branch turns back at a limit point; otherwise
+//! another branch crosses. Along the branch dμ/dλ = A/μ + B, where A/μ is due to the motion along φ and B
+//! to all other motion: μ² is linear in the load towards a limit point, μ towards a bifurcation, and μ
+//! vanishes after ∫ μ dμ/(−A − Bμ).
 
 use super::options::CriticalOptions;
-use super::stability::NULL;
 use super::system::System;
 use super::vector::{dot, norm};
 use crate::lie::LieGroup;
+use crate::tolerances::ZERO_EIGENVALUE;
 
 /// The search for critical points, with its memory.
 #[derive(Clone, Debug)]
@@ -29,8 +29,8 @@ impl CriticalSearch {
         Self { options, mode: zeros(), left: zeros(), load: zeros(), step: zeros(), work: zeros() }
     }
 
-    /// How far ahead of the equilibrium that the system holds stability is lost, as the load changes at `rate`
-    /// over `h`; `None` where it is not about to be. State and load are lost.
+    /// Distance from the current equilibrium to the loss of stability as the load changes at `rate` over
+    /// `h`; `None` where there is none. Overwrites state and load.
     pub fn find<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -51,7 +51,7 @@ impl CriticalSearch {
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
-        let definite = system.factorise(0.0) || system.factorise(NULL);
+        let definite = system.factorise(0.0) || system.factorise(ZERO_EIGENVALUE);
         if !definite || system.is_singular() {
             return None;
         }
@@ -64,7 +64,7 @@ impl CriticalSearch {
             system.evaluate_tangent();
             system.scaled_tangent()
         };
-        // On both sides, for a stiff constraint is missed by the square of a straight step.
+        // A central difference: a straight step violates a stiff constraint to second order.
         let rate_of_tangent = |step: &[f64], change: f64, load_change: f64, system: &mut System<G, D, P>| {
             let [mut ahead, behind] =
                 [1.0, -1.0].map(|sign| tangent_after(step, sign * change, sign * load_change, system));
@@ -83,7 +83,7 @@ impl CriticalSearch {
         let total = form(&self.left, &change, &self.mode) / scale;
         let along = dot(&self.left, &self.load) / dot(&self.left, &self.mode);
         let share = dot(&self.left, &self.load).abs() / (norm(&self.left) * norm(&self.load));
-        // The motion over an infinitesimal change of load has this part along the mode.
+        // Component along the mode of the motion over an infinitesimal change of load.
         let part = -along / eigenvalue;
         self.step.iter_mut().zip(&self.mode).for_each(|(s, m)| *s = part * m);
         let by_mode = if share > 1e-12 {
@@ -95,8 +95,8 @@ impl CriticalSearch {
         distance(eigenvalue, by_mode * eigenvalue, total - by_mode)
     }
 
-    /// From the mode of the lowest eigenvalue to that of the eigenvalue which vanishes first, by power iteration
-    /// with −H⁻¹ dH/dλ, with the factor at hand; where no eigenvalue falls the mode stays.
+    /// Replaces the mode of the lowest eigenvalue by that of the eigenvalue which vanishes first, by power
+    /// iteration with −H⁻¹ dH/dλ and the current factor; if no eigenvalue decreases, the mode is kept.
     fn find_first_to_vanish<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &System<G, D, P>,
@@ -168,7 +168,7 @@ fn form(a: &[f64], matrix: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(matrix.chunks(b.len())).map(|(a, row)| a * dot(row, b)).sum()
 }
 
-/// When μ vanishes, which changes at the rate a/μ + b; `None` where it does not.
+/// Distance after which μ vanishes if it changes at the rate a/μ + b; `None` if it does not.
 fn distance(eigenvalue: f64, a: f64, b: f64) -> Option<f64> {
     const PIECES: usize = 32;
     let width = eigenvalue / PIECES as f64;

@@ -22,7 +22,7 @@ impl DampedNewton {
         Self { options, step: vec![0.0; dof], start: vec![0.0; dof] }
     }
 
-    /// An equilibrium near the system's state, statically stable if there is one.
+    /// An equilibrium near the system's state, a statically stable one if there is any.
     pub fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -93,7 +93,7 @@ impl DampedNewton {
         &mut self,
         system: &mut System<G, D, P>,
     ) -> Option<f64> {
-        // Further out the linear model means nothing.
+        // The linear model is not valid further away.
         let mut fraction = (self.options.max_step / max_norm(&self.step)).min(1.0);
         let before = norm(system.residual());
         self.start.copy_from_slice(system.state());
@@ -110,7 +110,7 @@ impl DampedNewton {
         None
     }
 
-    /// Follows dq/dt = −g by implicit Euler steps (H + σ) p = −g, which get longer as it settles; from an
+    /// Follows dq/dt = −g by implicit Euler steps (H + σ) p = −g, of increasing length; from an
     /// unstable equilibrium in the direction of the eigenvalue that is negative.
     fn relax<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
@@ -161,7 +161,7 @@ impl DampedNewton {
             }
             system.advance(&self.step);
             size = system.evaluate();
-            if system.has_run_away(&origin) {
+            if system.has_diverged(&origin) {
                 return Status::Unrestrained;
             }
         }

@@ -1,4 +1,4 @@
-//! The factorised tangent of a state, with or without a potential behind it.
+//! The factorised tangent of a state, symmetric or not.
 
 use super::general::GeneralFactor;
 use super::pinned::Pinned;
@@ -12,15 +12,15 @@ use crate::model::Model;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factor<const D: usize> {
     cholesky: Cholesky,
-    /// For a tangent with the form of a chain, if the model has one that is long.
+    /// For a tangent in chain form, if the model has a long chain.
     chain: Option<ChainCholesky<D>>,
     /// Whether that was used last.
     chained: bool,
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
-    /// For a tangent that leaves some motion free; made when one is met,
+    /// For a tangent with free motions; allocated when one occurs.
     pinned: Option<Box<Pinned>>,
-    /// and whether it is the one at hand.
+    /// Whether `pinned` is the current factor.
     free: bool,
 }
 
@@ -37,7 +37,7 @@ impl<const D: usize> Factor<D> {
         self.general.is_none()
     }
 
-    /// Factorises the tangent at hand, `S A S + shift`; `false` when it is not positive definite or,
+    /// Factorises the current tangent, `S A S + shift`; `false` when it is not positive definite or,
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
         let (tangent, scale) = (data.tangent(), &data.design.units.scale);
@@ -53,7 +53,7 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Where the last factorisation ended because a pivot vanished, to rounding.
+    /// The coordinate whose pivot vanished, to rounding, in the last factorisation.
     pub fn null_pivot(&self) -> Option<usize> {
         match (&self.general, self.chain()) {
             (Some(_), _) => None,
@@ -62,9 +62,9 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Factorises a positive semidefinite tangent, complete, with the coordinates pinned that nothing
-    /// holds, among them `first`; `false` where it is not positive semidefinite to the rounding of the
-    /// terms of its diagonal, of these `sizes`.
+    /// Factorises a complete, positive semidefinite tangent with its free coordinates, among them `first`,
+    /// pinned; `false` if it is not positive semidefinite to the rounding of the terms of its diagonal,
+    /// whose magnitudes are `sizes`.
     pub fn factorise_pinned<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         data: &Data<G, D, P>,
@@ -77,23 +77,23 @@ impl<const D: usize> Factor<D> {
         self.free
     }
 
-    /// The motions that nothing holds, dimensionless.
+    /// The free motions, dimensionless.
     pub fn null_modes(&self) -> &[Vec<f64>] {
         self.free_modes().map_or(&[], Pinned::modes)
     }
 
-    /// Coordinates held fixed, as nothing holds them.
+    /// Free coordinates, held fixed.
     pub fn pinned(&self) -> &[usize] {
         self.free_modes().map_or(&[], Pinned::coordinates)
     }
 
-    /// Whether some motion is held by nothing.
+    /// Whether there are free motions.
     pub fn is_singular(&self) -> bool {
         self.general.as_ref().map_or(self.free, GeneralFactor::is_singular)
     }
 
-    /// The static stability of the tangent, whose factor was at hand and is lost; eigenvalues within
-    /// `slack` of zero count as zero.
+    /// The static stability of the tangent; overwrites its factor. Eigenvalues within `slack` of zero
+    /// count as zero.
     pub fn stability<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         data: &Data<G, D, P>,
@@ -115,7 +115,7 @@ impl<const D: usize> Factor<D> {
         self.pinned.as_deref().filter(|_| self.free)
     }
 
-    /// The chain's factor, if that is the one at hand.
+    /// The factor of the chain, if it is the current one.
     fn chain(&self) -> Option<&ChainCholesky<D>> {
         self.chain.as_ref().filter(|_| self.chained)
     }

@@ -1,7 +1,8 @@
-//! Factorisation and eigenvalues of an unsymmetric tangent, as follower loads make it.
+//! Factorisation and eigenvalues of the unsymmetric tangent of follower loads.
 
 use super::stability::Stability;
 use crate::linalg::Cholesky;
+use crate::tolerances::{REAL_EIGENVALUE, ROUNDING_FACTOR};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
 
 /// `P (S A S + λ) = L U`.
@@ -27,7 +28,7 @@ impl GeneralFactor {
         self.pseudoinverse = None;
         self.lu = matrix.clone().lu();
         let pivots = self.lu.u().diagonal().abs();
-        let rounding = 8.0 * scale.len() as f64 * f64::EPSILON;
+        let rounding = ROUNDING_FACTOR * scale.len() as f64 * f64::EPSILON;
         if pivots.min() <= rounding * pivots.max() && matrix.iter().all(|x| x.is_finite()) {
             let cutoff = rounding * matrix.norm();
             self.pseudoinverse = matrix.pseudo_inverse(cutoff.max(f64::MIN_POSITIVE)).ok();
@@ -78,11 +79,11 @@ impl GeneralFactor {
 
     /// The static stability of `S A S`.
     ///
-    /// A positive definite symmetric part suffices, and is cheap; else the eigenvalues decide. Static
-    /// stability is lost where the matrix becomes singular, so that a real eigenvalue, or several
-    /// together, turns negative. Of equal ones rounding makes complex pairs. Pairs of eigenvalues may
-    /// have either sign in other units of the coordinates, as they may with other masses: only what
-    /// holds in these units and with the matrix equilibrated is said of them.
+    /// A positive definite symmetric part is sufficient and cheap to test; otherwise the eigenvalues
+    /// decide. Static stability is lost where the matrix becomes singular, so that one or several real
+    /// eigenvalues turn negative. Rounding splits equal ones into complex pairs. The real part of a complex
+    /// pair may change its sign with the units of the coordinates, as with masses: a pair counts as stable
+    /// or unstable only if it is so in these units and with the matrix equilibrated.
     pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
         let n = scale.len();
         let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
@@ -138,15 +139,13 @@ fn equilibrate(matrix: &mut DMatrix<f64>, slack: f64) {
 
 const EQUILIBRATIONS: usize = 10;
 
-/// Imaginary parts below this share of the matrix's size count as zero.
-const REAL: f64 = 1e-6;
-/// Deflation thresholds of the QR iteration, tried in turn: at machine precision it can cycle.
+/// Deflation thresholds of the QR iteration, tried in order: at machine precision it can cycle.
 const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-14, 1e-13];
-/// Its sweeps, per row.
+/// Sweeps of the QR iteration per row.
 const SWEEPS: usize = 30;
 
 fn real_to(matrix: &DMatrix<f64>) -> f64 {
-    REAL * matrix.norm() / (matrix.nrows() as f64).sqrt()
+    REAL_EIGENVALUE * matrix.norm() / (matrix.nrows() as f64).sqrt()
 }
 
 /// Eigenvalues of a matrix, by QR iteration; where it cycles, of a similar one.

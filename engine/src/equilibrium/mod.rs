@@ -11,7 +11,7 @@
 //! Branches that turn back in the load, stable or not, are followed by arc length: [`Bordered`] solves
 //! for equilibria under constraint equations, of which the length of a step is one.
 //!
-//! [`ContinuationOptions`] has every tolerance and limit.
+//! [`ContinuationOptions`] has the tolerances and limits of a solve.
 
 mod arc_length;
 mod bordered;

@@ -4,9 +4,9 @@ use super::options::NewtonOptions;
 use super::system::System;
 use crate::lie::LieGroup;
 
-/// Chord steps with the factor at hand, while each leaves little of the residual and a few more will do.
+/// Chord steps with the current factor, while each leaves little of the residual and few are left.
 ///
-/// The residual was `before` ahead of the last step and is left at `size`; returns what share of it the
+/// The residual was `before` ahead of the last step and is `size` now; returns the fraction of it that the
 /// last step left. `step` is scratch.
 pub(super) fn chord_steps<G: LieGroup<D, P>, const D: usize, const P: usize>(
     system: &mut System<G, D, P>,

@@ -1,4 +1,4 @@
-//! What is known of an option: its name, meaning and range.
+//! Name, documentation and range of an option.
 
 use std::fmt;
 
@@ -9,22 +9,22 @@ pub struct Interval {
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// Whether the lower end is left out.
+    /// Whether the lower end is excluded.
     pub open: bool,
 }
 
 impl Interval {
-    /// Everything above `low`.
+    /// All numbers above `low`.
     pub(super) const fn above(low: f64) -> Self {
         Self { low, high: f64::MAX, open: true }
     }
 
-    /// Everything from `low`.
+    /// All numbers from `low` on.
     pub(super) const fn from(low: f64) -> Self {
         Self { low, high: f64::MAX, open: false }
     }
 
-    /// The same up to `high`.
+    /// The interval up to `high`.
     pub(super) const fn to(self, high: f64) -> Self {
         Self { high, ..self }
     }
@@ -44,7 +44,7 @@ impl fmt::Display for Interval {
     }
 }
 
-/// A number that an option may be.
+/// A type of number that an option may have.
 pub(super) trait OptionValue: Copy {
     const INTEGER: bool;
     fn to_f64(self) -> f64;
@@ -78,7 +78,7 @@ pub struct OptionInfo {
     pub name: &'static str,
     /// Its documentation.
     pub doc: &'static str,
-    /// Where its value may lie.
+    /// Range of its values.
     pub interval: Interval,
     /// Whether it is a whole number.
     pub integer: bool,
@@ -94,7 +94,7 @@ impl OptionInfo {
     }
 }
 
-/// Why an option cannot be used.
+/// An option that is unknown or out of range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OptionError(String);
 

@@ -1,8 +1,8 @@
 //! Options of the equilibrium solver, with their defaults and the range in which each may lie.
 //!
-//! The fields of [`ContinuationOptions`] itself are what a user may want to set for one solve; those
-//! of the structs in it tune its parts. "Dimensionless" is in the units of [`System`](super::System):
-//! one radian of the softest angular coordinate.
+//! The fields of [`ContinuationOptions`] itself are those that a user may want to set for a solve; the
+//! nested structs tune its parts. Dimensionless quantities are in the units of
+//! [`System`](super::System): one radian of the softest angular coordinate.
 
 use super::option_info::{Interval, OptionError, OptionInfo, OptionValue};
 
@@ -72,23 +72,23 @@ macro_rules! options {
 }
 
 options! {
-    /// Options of following equilibria along the load.
+    /// Options for following equilibria along the load.
     pub struct ContinuationOptions {
-        /// Largest dimensionless residual of an equilibrium.
+        /// Largest dimensionless residual of a state that counts as an equilibrium.
         tolerance: f64 = 1e-9, Interval::above(0.0).to(1.0);
-        /// Iterations (tangents) allowed for one load step, all its sub-steps together.
+        /// Iterations (evaluations of the tangent) allowed for one load step, including all its sub-steps.
         max_iterations: usize = 20_000, Interval::from(1.0).to(1e9);
-        /// Seconds allowed for one load step; what is reached by then depends on the machine.
+        /// Time allowed for one load step [s]. What is reached by then depends on the machine.
         max_seconds: f64 = f64::INFINITY, Interval::above(0.0).to(f64::INFINITY);
-        /// Smallest sub-step along the load, as a fraction of the range of each input over the path.
+        /// Smallest sub-step of the load, as a fraction of the range of each input over the path.
         min_step: f64 = 1e-3, Interval::above(0.0).to(1.0);
         /// Longest predicted displacement of one sub-step (dimensionless norm over all coordinates).
         max_displacement: f64 = 30.0, Interval::above(0.0).to(1e6);
-        /// The same for models with contact.
+        /// Longest predicted displacement of one sub-step in models with contact, likewise.
         max_displacement_with_contact: f64 = 4.0, Interval::above(0.0).to(1e6);
     }
     parts {
-        /// Residual and tangent that suffice at the end of a sub-step.
+        /// Accuracy required of residual and tangent at the end of a sub-step.
         accuracy: AccuracyOptions;
         /// Length of the sub-steps.
         step: StepOptions;
@@ -98,11 +98,11 @@ options! {
         corrector: CorrectorOptions;
         /// The test that predictor and corrector stayed on one branch.
         same_branch: SameBranchOptions;
-        /// Where branches end.
+        /// Location of the end of a branch.
         locate: LocateOptions;
         /// Jumps from the end of a branch.
         jump: JumpOptions;
-        /// Where branches lose their stability.
+        /// Location of the load at which stability is lost.
         critical: CriticalOptions;
         /// Minimisation of the energy.
         trust_region: TrustRegionOptions;
@@ -112,30 +112,33 @@ options! {
         arc_length: ArcLengthOptions;
         /// Newton's method with stiff forces as unknowns.
         mixed: MixedOptions;
-        /// Newton and chord steps, wherever they are taken.
+        /// Loads that are found from listed lengths and volumes.
+        controlled: ControlledOptions;
+        /// Newton and chord steps, common to all methods.
         newton: NewtonOptions;
     }
 }
 
 options! {
-    /// Residual and tangent that suffice at the end of a sub-step.
+    /// Accuracy required of residual and tangent at the end of a sub-step.
     ///
-    /// The tangent of the state before the last step may serve for the state after it, if that step left
-    /// little of the residual: H⁻¹ times the difference of the two tangents has this size along the step.
+    /// The tangent before the last step is reused after it if that step left little of the residual: the
+    /// fraction left is the size of H⁻¹ times the difference of the two tangents along the step.
     pub struct AccuracyOptions {
-        /// Residual between the listed loads, as a share of the predicted displacement and of the change of
-        /// the load,
+        /// Largest residual between the listed loads, as a fraction of the predicted displacement and of
+        /// the change of the load.
         relative_residual: f64 = 0.03, Interval::from(0.0).to(1.0);
-        /// as a smaller share where the branch is predicted to end,
+        /// The same fraction where the branch is predicted to end.
         residual_near_end: f64 = 1e-4, Interval::from(0.0).to(1.0);
-        /// and at most this (dimensionless).
+        /// Largest dimensionless residual between the listed loads.
         max_residual: f64 = 0.1, Interval::from(0.0).to(1.0);
-        /// Share of the residual that the last step may leave for its tangent to be kept: between the
-        /// listed loads,
+        /// Between the listed loads, the tangent is reused if the last step left less than this fraction of
+        /// the residual.
         tangent_reuse: f64 = 0.3, Interval::from(0.0).to(1.0);
-        /// after a jump between them,
+        /// The same fraction after a jump between the listed loads.
         tangent_reuse_after_jump: f64 = 0.1, Interval::from(0.0).to(1.0);
-        /// and at listed loads; at the last load the tangent is always that of the state itself.
+        /// The same fraction at listed loads. At the last load the tangent is always evaluated at the final
+        /// state.
         tangent_reuse_at_listed: f64 = 0.03, Interval::from(0.0).to(1.0);
     }
 }
@@ -143,43 +146,45 @@ options! {
 options! {
     /// Length of the sub-steps between two listed loads.
     pub struct StepOptions {
-        /// Where the branch is predicted to end, the first sub-step covers this share of the distance,
+        /// Where the branch is predicted to end, the first sub-step covers this fraction of the distance.
         fraction_to_end: f64 = 0.75, Interval::above(0.0).to(1.0);
-        /// and the next ones all but this multiple of the error to be expected of the prediction.
+        /// Later sub-steps stop short of the predicted end by this multiple of the expected prediction
+        /// error.
         end_margin: f64 = 3.0, Interval::from(1.0).to(100.0);
-        /// A sub-step of at most this many smallest ones is not halved any more.
+        /// Sub-steps of at most this multiple of the smallest one are not halved any further.
         min_step_margin: f64 = 1.5, Interval::from(1.0).to(10.0);
     }
 }
 
 options! {
-    /// Where branches end. Lengths are dimensionless norms over all coordinates.
+    /// Location of the end of a branch. Lengths are dimensionless norms over all coordinates.
     pub struct LocateOptions {
-        /// Accuracy of the load of a limit point, as a fraction of the range of each input over the path,
+        /// Accuracy of the load at a limit point, as a fraction of the range of each input over the path.
         located: f64 = 1e-8, Interval::above(0.0).to(1.0);
-        /// the distance from which the end in a corner is as accurate as that, as such a fraction,
+        /// Distance from which the end of a branch in a corner is located to that accuracy, as the same
+        /// fraction.
         end_distance: f64 = 3e-5, Interval::above(0.0).to(1.0);
-        /// and how far behind the limit point the next equilibrium is sought.
+        /// How far beyond the limit point the next equilibrium is sought, as the same fraction.
         beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
-        /// States found on the way to a limit point.
+        /// Largest number of states computed on the way to a limit point.
         max_points: usize = 30, Interval::from(1.0).to(1e3);
-        /// Largest dimensionless residual of each,
+        /// Largest dimensionless residual of each of these states.
         residual: f64 = 1e-8, Interval::from(0.0).to(1.0);
-        /// and Newton steps for it.
+        /// Newton steps allowed for each of these states.
         max_iterations: usize = 8, Interval::from(1.0).to(1e3);
-        /// Displacement to the first of them, at most
+        /// Largest displacement to the first of these states.
         longest: f64 = 0.15, Interval::above(0.0).to(1e3);
-        /// and at least;
+        /// Smallest displacement to the first of these states.
         shortest: f64 = 1e-7, Interval::above(0.0).to(1.0);
-        /// where none is found it is shortened to this share.
+        /// Factor by which this displacement is reduced where no state is found.
         shrinkage: f64 = 0.25, Interval::above(0.0).to(1.0);
-        /// The equilibrium where the search begins is corrected by at most this.
+        /// Largest correction of the equilibrium from which the search starts.
         refinement: f64 = 0.05, Interval::from(0.0).to(1.0);
-        /// A state may lie aside of the direction there by this share of the displacement,
+        /// Largest deviation of a state from the tangent direction, as a fraction of the displacement.
         turn: f64 = 0.5, Interval::above(0.0).to(10.0);
-        /// and if the displacement is shorter than this
+        /// Displacement below which `corner_turn` applies in place of `turn`.
         corner: f64 = 1e-3, Interval::from(0.0).to(1.0);
-        /// by this multiple, as behind a corner.
+        /// Largest deviation of a state beyond a corner, as a multiple of the displacement.
         corner_turn: f64 = 10.0, Interval::above(0.0).to(1e3);
     }
 }
@@ -187,62 +192,65 @@ options! {
 options! {
     /// The predictor.
     pub struct PredictorOptions {
-        /// Changes of contact that one prediction follows.
+        /// Largest number of contact changes that one prediction follows.
         max_contact_changes: usize = 5, Interval::from(0.0).to(1000.0);
-        /// Pairs are watched that would meet within the sub-step at this multiple of their closing rate
+        /// Pairs are monitored if they would meet within the sub-step at this multiple of their closing
+        /// rate.
         closing_rate_margin: f64 = 2.0, Interval::from(1.0).to(1e3);
-        /// plus this share of the speed of the fastest point.
+        /// Fraction of the speed of the fastest point that is added to this closing rate.
         point_speed_margin: f64 = 0.1, Interval::from(0.0).to(1e3);
-        /// A curvature is taken over from the last sub-step if the displacement was missed by half the
-        /// change of the velocity, to within this share of it,
+        /// The curvature of the last sub-step is reused if its prediction missed the displacement by half
+        /// the change of velocity, to within this fraction of that change.
         curvature_ratio: f64 = 0.25, Interval::from(0.0).to(0.5);
-        /// in its direction (cosine of the angle between the two),
+        /// Smallest cosine of the angle between these two vectors for the curvature to be reused.
         curvature_cosine: f64 = 0.8, Interval::from(0.0).to(1.0);
-        /// and the velocity changed by less than this share of itself.
+        /// Largest relative change of the velocity for the curvature to be reused.
         max_curvature: f64 = 0.3, Interval::from(0.0).to(10.0);
     }
 }
 
 options! {
-    /// The corrector. Lengths of its steps are compared with the displacement predicted, by the largest
-    /// coordinate.
+    /// The corrector. The lengths of its steps are measured by their largest coordinate, as is the
+    /// predicted displacement with which they are compared.
     pub struct CorrectorOptions {
-        /// Chord steps with the predicted tangent, before one is evaluated,
+        /// Largest number of chord steps with the predicted tangent before the tangent is evaluated.
         max_predicted_chords: usize = 2, Interval::from(0.0).to(100.0);
-        /// each of which must leave less than this share of the residual,
+        /// Each of these chord steps must reduce the residual to less than this fraction.
         predicted_chord_contraction: f64 = 0.3, Interval::from(0.0).to(1.0);
-        /// and which together go no further than this share of the displacement predicted.
+        /// Largest displacement of these chord steps together, as a fraction of the predicted displacement.
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
         rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
-        /// With a residual below this, a stiffness that is negative by no more than it counts as zero.
+        /// With a dimensionless residual below this, a negative stiffness of at most the same size counts
+        /// as zero.
         soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
-        /// Newton steps: more are rarely needed unless another branch attracts.
+        /// Largest number of Newton steps; more are rarely needed unless another branch attracts.
         max_iterations: usize = 7, Interval::from(1.0).to(1e6);
-        /// All corrections together may go this share of the displacement predicted,
+        /// Largest correction in total, as a fraction of the predicted displacement.
         max_correction: f64 = 0.7, Interval::from(0.0).to(100.0);
-        /// and this far (dimensionless) in any case.
+        /// Dimensionless correction that is always allowed.
         free_correction: f64 = 1e-3, Interval::from(0.0).to(10.0);
-        /// No step may be longer than this multiple of the one before.
+        /// Largest ratio of the length of a step to that of the previous one.
         max_step_growth: f64 = 2.0, Interval::from(1.0).to(1e3);
     }
 }
 
 options! {
-    /// The test that a corrected state lies on the branch that was predicted: it is as predicted, or its
+    /// The test that a corrected state lies on the predicted branch: it agrees with the prediction, or its
     /// displacement agrees with the velocities at both ends.
     pub struct SameBranchOptions {
-        /// Share of the displacement by which the prediction may miss it.
+        /// Largest relative error of the predicted displacement.
         displacement_error: f64 = 0.3, Interval::from(0.0).to(10.0);
-        /// Share of the velocity by which the prediction may miss it.
+        /// Largest relative error of the predicted velocity.
         velocity_error: f64 = 0.7, Interval::from(0.0).to(10.0);
         /// Largest change of the velocity times the sub-step (dimensionless): more could hide a jump.
         max_velocity_change: f64 = 2.5, Interval::from(0.0).to(1e3);
-        /// The displacement may differ from the mean of both velocities by this share of their change,
+        /// Largest difference of the displacement from the mean of both velocities, as a fraction of their
+        /// change.
         mean_velocity_error: f64 = 0.6, Interval::from(0.0).to(10.0);
-        /// this share of their size,
+        /// Term added to this difference: a fraction of the size of the velocities.
         relative_error: f64 = 0.05, Interval::from(0.0).to(10.0);
-        /// and this (dimensionless).
+        /// Term added to this difference (dimensionless).
         absolute_error: f64 = 1e-9, Interval::from(0.0).to(1.0);
     }
 }
@@ -250,31 +258,34 @@ options! {
 options! {
     /// Jumps from the end of a branch to another equilibrium.
     pub struct JumpOptions {
-        /// It is an event if the state moves (dimensionless) by more than this;
+        /// Smallest dimensionless displacement of a jump that is reported as an event.
         min_displacement: f64 = 1e-3, Interval::from(0.0).to(10.0);
-        /// and more energy is released than this, in its unit, and than where it is convex between both states;
+        /// Smallest energy released by such a jump, in units of energy; it must also exceed the energy
+        /// released where the potential is convex between both states.
         min_energy: f64 = 1e-11, Interval::from(0.0).to(1.0);
-        /// where the end was not found, it moves by that and this multiple of what the velocities explain.
+        /// Where the end of the branch was not located, the displacement must also exceed this multiple of
+        /// what the velocities explain.
         speed_margin: f64 = 1.5, Interval::from(1.0).to(1e3);
-        /// Where another branch crosses, it is a snap if at this share of the way behind the critical load
+        /// Where another branch crosses, the displacement is compared with that at this fraction of the
+        /// distance beyond the critical load.
         earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
-        /// the state would have moved by at least this share of the displacement.
+        /// The crossing is a snap if the displacement there is at least this fraction of the full one.
         constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
     }
 }
 
 options! {
-    /// Where another branch crosses.
+    /// Location of the load at which another branch crosses.
     pub struct CriticalOptions {
-        /// Chord steps to the equilibrium where the search begins.
+        /// Number of chord steps to the equilibrium from which the search starts.
         refinements: usize = 3, Interval::from(0.0).to(100.0);
-        /// Inverse iterations for the eigenvector of the lowest eigenvalue,
+        /// Number of inverse iterations for the eigenvector of the lowest eigenvalue.
         inverse_iterations: usize = 8, Interval::from(1.0).to(1000.0);
-        /// and iterations for that of the eigenvalue which vanishes first.
+        /// Number of iterations for the eigenvector of the eigenvalue that vanishes first.
         power_iterations: usize = 20, Interval::from(0.0).to(1000.0);
-        /// Displacement over which the change of the tangent is taken (dimensionless).
+        /// Dimensionless displacement over which the change of the tangent is taken.
         difference: f64 = 1e-4, Interval::above(0.0).to(1.0);
-        /// and largest share of the sub-step over which it is taken.
+        /// Largest fraction of the sub-step over which the change of the tangent is taken.
         step_share: f64 = 0.1, Interval::above(0.0).to(1.0);
     }
 }
@@ -288,41 +299,42 @@ options! {
         max_radius: f64 = 4.0, Interval::above(0.0).to(1e3);
         /// Radius below which the iteration has stalled.
         min_radius: f64 = 1e-13, Interval::from(0.0).to(1.0);
-        /// A step is accepted if it reaches this share of the decrease predicted.
+        /// Smallest ratio of the actual to the predicted decrease of an accepted step.
         acceptance_ratio: f64 = 1e-4, Interval::from(0.0).to(0.5);
-        /// Decreases below this share of the energy are lost in rounding: the residual decides.
+        /// Decreases below this fraction of the energy are lost in rounding: the residual decides instead.
         rounding: f64 = 1e-13, Interval::from(0.0).to(1e-3);
-        /// The radius grows after a step that reaches this share of the decrease predicted
+        /// Ratio of the actual to the predicted decrease from which the radius may grow.
         good_ratio: f64 = 0.75, Interval::from(0.0).to(1.0);
-        /// and is longer than this share of the radius,
+        /// The radius grows only after steps longer than this fraction of it.
         boundary_share: f64 = 0.8, Interval::from(0.0).to(1.0);
-        /// by this factor.
+        /// Factor by which the radius grows.
         growth: f64 = 2.0, Interval::from(1.0).to(100.0);
-        /// After a step that reaches less than this share, or is rejected, the radius becomes
+        /// Ratio of the actual to the predicted decrease below which the radius shrinks.
         poor_ratio: f64 = 0.25, Interval::from(0.0).to(1.0);
-        /// this share of the step's length.
+        /// New radius after a poor or rejected step, as a fraction of the length of that step.
         shrinkage: f64 = 0.4, Interval::above(0.0).to(1.0);
-        /// After a rejected step shorter than this, rejected steps are improved before they are shortened:
+        /// After a rejected step shorter than this, rejected steps are improved before they are shortened.
         stiff_radius: f64 = 0.05, Interval::from(0.0).to(10.0);
-        /// by so many corrections of second order, which follow the curved valley of a stiff energy,
+        /// Largest number of second-order corrections, which follow the curved valley of a stiff energy.
         max_corrections: usize = 3, Interval::from(0.0).to(100.0);
-        /// each of which is at most this share of the step,
+        /// Largest length of each of these corrections, as a fraction of the step.
         max_correction: f64 = 0.5, Interval::from(0.0).to(1.0);
-        /// and by a line search of so many evaluations, as a contact closes on the way,
+        /// Largest number of evaluations of the line search that follows, for contacts that close on the
+        /// way.
         max_line_search: usize = 40, Interval::from(0.0).to(1e3);
-        /// to where the slope is this share of the decrease predicted.
+        /// The line search ends where the slope is this fraction of the predicted decrease.
         line_search_slope: f64 = 1e-2, Interval::from(0.0).to(1.0);
-        /// Factorisations allowed for one step.
+        /// Largest number of factorisations for one step.
         max_factorizations: usize = 30, Interval::from(1.0).to(1000.0);
-        /// A step's length may differ from the radius by this share of it.
+        /// Largest relative difference between the length of a step and the radius.
         radius_slack: f64 = 0.25, Interval::above(0.0).to(1.0);
-        /// First multiplier tried with an indefinite tangent, as a share of its upper bound.
+        /// First multiplier tried with an indefinite tangent, as a fraction of its upper bound.
         first_multiplier: f64 = 1e-2, Interval::above(0.0).to(1.0);
-        /// The hard case is assumed where the bounds of the multiplier agree to this share.
+        /// The hard case is assumed where the bounds of the multiplier agree to this fraction.
         hard_case_gap: f64 = 1e-3, Interval::above(0.0).to(1.0);
-        /// Steps in a row that a force may go along a motion that nothing holds.
+        /// Largest number of consecutive steps along an unconstrained motion on which a force acts.
         max_free_steps: usize = 8, Interval::from(1.0).to(1e6);
-        /// Inverse iterations for the direction of negative curvature.
+        /// Number of inverse iterations for the direction of negative curvature.
         inverse_iterations: usize = 4, Interval::from(1.0).to(1000.0);
     }
 }
@@ -330,13 +342,13 @@ options! {
 options! {
     /// Newton's method with halved steps.
     pub struct DampedNewtonOptions {
-        /// Halvings of one step.
+        /// Largest number of halvings of one step.
         max_halvings: usize = 30, Interval::from(0.0).to(1000.0);
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
-        /// Implicit steps of the overdamped motion from an unstable state,
+        /// Largest number of implicit steps of the overdamped motion from an unstable state.
         max_relaxation: usize = 1500, Interval::from(0.0).to(1e6);
-        /// which begins this far from an equilibrium.
+        /// Distance from the unstable equilibrium at which this motion starts.
         perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }
 }
@@ -344,25 +356,25 @@ options! {
 options! {
     /// Continuation by arc length.
     pub struct ArcLengthOptions {
-        /// Residual (dimensionless) below which a start counts as an equilibrium, stable or not.
+        /// Dimensionless residual below which a start counts as an equilibrium, stable or not.
         start_residual: f64 = 1e-6, Interval::from(0.0).to(1.0);
-        /// Forces may also balance to rounding where a step below this (dimensionless) lowers nothing.
+        /// Dimensionless step below which forces may also balance to rounding, if the step lowers nothing.
         small_step: f64 = 1e-7, Interval::from(0.0).to(1e-3);
-        /// Newton steps of one point.
+        /// Newton steps allowed for one point.
         max_iterations: usize = 10, Interval::from(1.0).to(1e3);
-        /// By how much the branch should turn on one step [rad],
+        /// Angle by which the branch should turn on one step [rad].
         turn: f64 = 0.12, Interval::above(0.0).to(1.5);
-        /// and by how much at most,
+        /// Largest angle by which the branch may turn on one step [rad].
         max_turn: f64 = 0.35, Interval::above(0.0).to(3.2);
-        /// unless the step is shorter than this share of the first: a corner.
+        /// Steps shorter than this fraction of the first may turn further: the branch has a corner there.
         corner_step: f64 = 1e-3, Interval::from(0.0).to(1.0);
-        /// A shorter step than this share of the first is not tried.
+        /// Shortest step, as a fraction of the first.
         min_step: f64 = 1e-7, Interval::above(0.0).to(1.0);
-        /// The next point is at most this multiple of the step away.
+        /// Largest distance of the next point, as a multiple of the step.
         max_reach: f64 = 1.3, Interval::above(1.0).to(10.0);
-        /// Points solved to locate a limit point,
+        /// Largest number of points solved to locate a limit point.
         max_locating: usize = 20, Interval::from(1.0).to(1e3);
-        /// to this share of the step.
+        /// Accuracy of a limit point, as a fraction of the step.
         located: f64 = 1e-7, Interval::above(0.0).to(1.0);
     }
 }
@@ -370,30 +382,43 @@ options! {
 options! {
     /// Newton's method with stiff forces as unknowns.
     pub struct MixedOptions {
-        /// A spring or contact is stiff if it stores more than this multiple of the energy unit when moved by
-        /// the length of the longest body.
+        /// A spring or contact is stiff if it stores more than this multiple of the energy unit when moved
+        /// by the length of the longest body.
         stiffness: f64 = 1e6, Interval::above(0.0).to(1e300);
-        /// Iterations,
+        /// Largest number of iterations.
         max_iterations: usize = 12, Interval::from(0.0).to(1000.0);
-        /// until the residual of the energy itself is below this (dimensionless).
+        /// The iteration ends where the dimensionless residual of the energy itself is below this.
         residual: f64 = 0.1, Interval::above(0.0).to(10.0);
-        /// From an equilibrium with softer terms they may go this far (dimensionless).
+        /// Largest dimensionless displacement from an equilibrium with softened terms.
         reach: f64 = 0.3, Interval::above(0.0).to(10.0);
+    }
+}
+
+options! {
+    /// Loads that are found from listed lengths and volumes.
+    pub struct ControlledOptions {
+        /// Largest number of chord steps to a listed value; if more are needed the tangent is too far off.
+        max_chords: usize = 12, Interval::from(1.0).to(1e3);
+        /// Largest number of times that the branch is followed towards a listed value.
+        max_rounds: usize = 20, Interval::from(1.0).to(1e3);
+        /// Largest relative error of a length or volume where its residual is lost in rounding.
+        rounding: f64 = 1e-6, Interval::from(0.0).to(1.0);
     }
 }
 
 options! {
     /// Newton and chord steps.
     pub struct NewtonOptions {
-        /// A step below this (dimensionless) does not change the state any more.
+        /// Dimensionless step below which a step does not change the state.
         negligible_step: f64 = 1e-11, Interval::from(0.0).to(1e-3);
-        /// Where a step is below this (dimensionless), what is left of the residual may be rounding:
+        /// Dimensionless step below which the remaining residual may be rounding.
         small_step: f64 = 1e-7, Interval::from(0.0).to(1.0);
-        /// it is the best that can be had if a negligible step leaves more than this share of it.
+        /// The residual is rounding if a negligible step leaves more than this fraction of it.
         progress: f64 = 0.5, Interval::from(0.0).to(1.0);
-        /// Chord steps are taken while each leaves less than this share of the residual
+        /// Chord steps are taken while each leaves less than this fraction of the residual.
         chord_contraction: f64 = 0.1, Interval::from(0.0).to(1.0);
-        /// and this many more at the same rate would reach the tolerance.
+        /// Chord steps are taken only if at most this many more would reach the tolerance at the current
+        /// rate.
         max_chords_left: usize = 3, Interval::from(0.0).to(100.0);
     }
 }

@@ -1,4 +1,4 @@
-//! What following a path reports: states at the listed loads and events between them.
+//! Results of following a path: states at the listed loads and events between them.
 
 use super::stability::Stability;
 use super::status::Status;
@@ -8,9 +8,9 @@ use super::system::{Accuracy, System};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum EventKind {
-    /// The branch ended; the system jumped to another equilibrium.
+    /// The branch ended, and the system jumped to another equilibrium.
     Snap = 0,
-    /// Another branch crosses, and the system goes on continuously along it.
+    /// Another branch crosses, and the system follows it continuously.
     Bifurcation = 1,
 }
 
@@ -55,14 +55,14 @@ pub struct StepReport<'a> {
     pub stability: Stability,
     /// How well forces balance.
     pub accuracy: Accuracy,
-    /// Coordinates of the motions that nothing holds.
+    /// Coordinates of the free motions.
     pub free: &'a [usize],
 }
 
-/// Receives the results of a path as they come.
+/// Receives the results of a path as they are computed.
 pub trait PathSink<G, const D: usize, const P: usize> {
-    /// A listed load has been dealt with; the system is still in its state.
+    /// A listed load has been solved; the system is still in that state.
     fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>);
-    /// The branch ended on the way.
+    /// An event occurred between two listed loads.
     fn event(&mut self, event: Event);
 }

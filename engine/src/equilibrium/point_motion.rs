@@ -5,7 +5,7 @@ use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 
-/// The velocities, and the memory to find them.
+/// The velocities, with a workspace.
 #[derive(Clone, Debug)]
 pub(super) struct PointMotion<const D: usize, const P: usize> {
     pub points: Vec<Vector<P>>,

@@ -1,11 +1,11 @@
-//! The predictor: where the branch goes from an equilibrium, to first order, straight from one change of
-//! contact to the next.
+//! The predictor: a first-order extrapolation of the branch from an equilibrium, piecewise straight between
+//! changes of contact.
 //!
-//! What bends it between them is taken to go on as over the last sub-step.
+//! The curvature between changes is taken from the last sub-step.
 //!
 //! A contact that closes adds k g gᵀ to the tangent, g being the gradient of its overlap, and one that
-//! opens takes it away; by Sherman and Morrison's formula the velocity changes by a multiple of H⁻¹ g.
-//! Where what is left is no longer positive definite, the branch ends.
+//! opens subtracts it; by the Sherman–Morrison formula the velocity changes by a multiple of H⁻¹ g.
+//! Where the updated tangent is not positive definite, the branch ends.
 
 use super::contact_changes::ContactChanges;
 use super::factor::Factor;
@@ -24,10 +24,10 @@ struct Update {
     factor: f64,
 }
 
-/// A straight piece of the prediction.
+/// A straight segment of the prediction.
 #[derive(Clone, Debug)]
 struct Piece {
-    /// Where it ends.
+    /// Its end.
     end: f64,
     velocity: Vec<f64>,
 }
@@ -67,8 +67,8 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         }
     }
 
-    /// Predicts the branch from the equilibrium evaluated last, whose factor is at hand and is taken
-    /// over, over at most `h` and at most a displacement of norm `longest`. Returns how far that is.
+    /// Predicts the branch from the equilibrium evaluated last, over at most `h` and at most a displacement
+    /// of norm `longest`, and takes its factor from the system. Returns the distance covered.
     pub fn predict<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -132,7 +132,7 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         true
     }
 
-    /// How far ahead the branch ends; infinite when no end is in sight.
+    /// Distance to the end of the branch; infinite if none is predicted.
     pub fn branch_end(&self) -> f64 {
         self.branch_end
     }
@@ -156,18 +156,18 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         self.pieces[self.changes(h)].velocity.iter().zip(&self.curvature).map(move |(v, a)| v + h * a)
     }
 
-    /// Solves H x = b in place, with the tangent as it will be after `h`.
+    /// Solves H x = b in place with the tangent predicted after `h`.
     pub fn solve(&self, h: f64, b: &mut [f64]) {
         solve_updated(&self.factor, &self.updates[..self.changes(h)], b);
     }
 
-    /// How many changes of contact come before `h`.
+    /// Number of changes of contact before `h`.
     fn changes(&self, h: f64) -> usize {
         self.pieces[..self.count - 1].partition_point(|piece| piece.end < h)
     }
 
-    /// Takes the curvature from what the straight prediction missed over the sub-step of `h` just done,
-    /// over which the state moved by `moved` and after which it has this velocity.
+    /// Takes the curvature from the error of the straight prediction over the last sub-step of `h`, over
+    /// which the state moved by `moved` and after which it has this velocity.
     pub fn learn_curvature(&mut self, h: f64, moved: &[f64], velocity: &[f64]) {
         self.forget_curvature();
         let mut straight = std::mem::take(&mut self.work);
@@ -193,12 +193,13 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         }
     }
 
-    /// Nothing is known of the curvature.
+    /// Discards the curvature.
     pub fn forget_curvature(&mut self) {
         self.curvature.fill(0.0);
     }
 
-    /// The load goes on `ratio` times as fast, or elsewhere if that is zero.
+    /// Rescales the curvature for a load that continues `ratio` times as fast; zero if its direction
+    /// changes.
     pub fn rescale_curvature(&mut self, ratio: f64) {
         self.curvature.iter_mut().for_each(|a| *a *= ratio * ratio);
     }
@@ -208,7 +209,7 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         &self.curvature
     }
 
-    /// Where the pieces end, but for the last one.
+    /// The ends of the pieces except the last.
     #[cfg(test)]
     pub fn change_points(&self) -> Vec<f64> {
         self.pieces[..self.count - 1].iter().map(|piece| piece.end).collect()

@@ -4,7 +4,7 @@ use super::options::SameBranchOptions;
 use super::predictor::Predictor;
 use super::vector::norm;
 
-/// Whether the displacement `moved` over a sub-step `h` agrees with what was predicted, or with the
+/// Whether the displacement `moved` over a sub-step `h` agrees with the prediction or with the
 /// velocities at both ends. `work` is scratch.
 ///
 /// On one branch with a change of contact the path is nearly two straight pieces, so the displacement

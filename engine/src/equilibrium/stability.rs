@@ -1,4 +1,6 @@
-//! What is known of the stability of an equilibrium.
+//! The stability of an equilibrium.
+
+pub(super) use crate::tolerances::ZERO_EIGENVALUE as NULL;
 
 /// Static stability of an equilibrium, from the eigenvalues of its dimensionless tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -6,13 +8,13 @@
 pub enum Stability {
     /// All eigenvalues have positive real parts.
     Stable = 0,
-    /// Some motion is held by nothing, to the accuracy of the state; the others are.
+    /// Some eigenvalues are zero, to the accuracy of the state; the others have positive real parts.
     Neutral = 1,
-    /// Some motion grows by itself: a real eigenvalue is negative.
+    /// A real eigenvalue is negative: some motion grows.
     Unstable = 2,
-    /// Without a potential: a complex pair has a negative real part, and masses and damping decide.
+    /// Without a potential: a complex pair has a negative real part, so that masses and damping decide.
     FlutterUndecided = 3,
-    /// The eigenvalues could not be found, or there is no equilibrium.
+    /// The eigenvalues were not found, or there is no equilibrium.
     Unknown = 4,
 }
 
@@ -37,6 +39,3 @@ impl Stability {
         }
     }
 }
-
-/// Eigenvalues of the dimensionless tangent within this of zero are zero to the accuracy of a state.
-pub(super) const NULL: f64 = 1e-8;

@@ -6,21 +6,21 @@
 pub enum Status {
     /// An equilibrium: the residual is below the tolerance.
     Converged = 0,
-    /// An equilibrium from which some motion grows by itself, without a stable one to be found.
+    /// An unstable equilibrium; no stable one was found.
     Unstable = 1,
-    /// The allowed number of iterations was used up.
+    /// The limit on iterations was reached.
     IterationLimit = 2,
     /// No step lowers the energy any more, yet the residual is above tolerance.
     Stalled = 3,
-    /// The energy is not a finite number, or the state ran away.
+    /// The energy is not a finite number, or the state diverged.
     Diverged = 4,
     /// The parameters are not admissible: not finite, or a length, radius or modulus is not positive.
     InvalidDesign = 5,
     /// An earlier load step failed.
     NotReached = 6,
-    /// A force acts on a motion that nothing holds.
+    /// A force acts along a free motion, one without stiffness.
     Unrestrained = 7,
-    /// The allowed time was used up.
+    /// The limit on time was reached.
     TimeLimit = 8,
     /// The solve was asked to stop.
     Cancelled = 9,

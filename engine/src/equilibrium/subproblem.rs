@@ -5,18 +5,18 @@ use super::system::System;
 use super::vector::{dot, norm};
 use crate::lie::LieGroup;
 
-/// What is known of a step of the trust region.
+/// Properties of a trust-region step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrustStep {
     /// Decrease of the quadratic model, in units of the reference energy.
     pub decrease: f64,
     /// Whether the tangent was positive definite.
     pub definite: bool,
-    /// Whether this is Newton's step, with a positive definite tangent, whose factor is at hand.
+    /// Whether this is the Newton step of a positive definite tangent, whose factor is current.
     pub newton: bool,
-    /// Whether a force acts on a motion that nothing holds.
+    /// Whether a force acts along a free motion.
     pub free: bool,
-    /// The step is this part of −(H + `shift`)⁻¹ g, where the factor of H + `shift` is at hand.
+    /// Ratio of the step to −(H + `shift`)⁻¹ g, where the current factor is that of H + `shift`.
     pub part: f64,
     pub shift: f64,
 }
@@ -57,7 +57,7 @@ impl Subproblem {
         let (lowest_diagonal, size) = system.tangent_bounds();
         let steepest = norm(system.residual()) / radius;
         let mut low = if definite { 0.0 } else { (-lowest_diagonal).max(0.0) };
-        // Both bounds are the same where the tangent is diagonal.
+        // Both bounds coincide for a diagonal tangent.
         let mut high = (steepest + size).max(low * (1.0 + 2.0 * self.options.hard_case_gap));
         let mut shift = if definite {
             self.secular_update(system, 0.0, radius)
@@ -98,7 +98,7 @@ impl Subproblem {
             shift = self.secular_update(system, shift, radius);
         }
         let shift = best?;
-        // Here (H + λ) p = −g; of p only this part is taken.
+        // Here (H + λ) p = −g; p is scaled back to the boundary.
         let length = norm(&self.step);
         let part = (radius / length).min(1.0);
         let linear = dot(system.residual(), &self.step);
@@ -130,7 +130,7 @@ impl Subproblem {
         -(linear + 0.5 * system.curvature_along(&self.step, &mut self.work))
     }
 
-    /// The hard case: follows the eigenvector of the lowest eigenvalue to the boundary.
+    /// The hard case: moves along the eigenvector of the lowest eigenvalue to the boundary.
     fn add_negative_curvature<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &System<G, D, P>,

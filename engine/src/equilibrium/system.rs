@@ -3,7 +3,7 @@
 
 use super::budget::Budget;
 use super::factor::Factor;
-use super::stability::{NULL, Stability};
+use super::stability::Stability;
 use super::vector::dot;
 use crate::Data;
 use crate::forces::magnitudes::Magnitudes;
@@ -11,59 +11,54 @@ use crate::forces::state::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
+use crate::tolerances::{
+    DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, REGULAR_PIVOTS, ROUNDING_FACTOR,
+    ZERO_EIGENVALUE,
+};
 use crate::tree::Shape;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
 ///
 /// Coordinates are made dimensionless by [`Units`](crate::units::Units). Steps, residuals and velocities
-/// are in these units; a residual counts against the energy of its own coordinate.
+/// are in these units; each residual is weighted with the energy of its own coordinate.
 #[derive(Clone, Debug)]
 pub struct System<'m, G, const D: usize, const P: usize> {
     model: &'m Model<G, D, P>,
     data: Data<G, D, P>,
-    /// The tangent factorised last.
+    /// Factor of the tangent.
     factor: Factor<D>,
     q: Vec<f64>,
     load: Vec<f64>,
-    /// From dimensionless to actual coordinates.
+    /// Actual size of one unit of each dimensionless coordinate.
     unit: Vec<f64>,
     /// Dimensionless residual at the state evaluated last.
     residual: Vec<f64>,
-    /// The unit of energy by the energy of each coordinate.
+    /// Ratio of the unit of energy to the energy of each coordinate.
     weight: Vec<f64>,
     magnitudes: Magnitudes<P>,
     accuracy: Accuracy,
-    /// Coordinates that nothing holds by themselves, at the tangent at hand.
+    /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
-    /// Whether forces balance but for rounding that is a large share of them.
+    /// Whether forces balance only up to rounding that is a large fraction of them.
     lost_in_rounding: bool,
-    /// Coordinates that ran away in the last minimisation.
-    runaway: Vec<usize>,
-    /// Parameters that hold stiffnesses far above those of the structure, with their values and softer ones.
+    /// Coordinates that diverged in the last minimisation.
+    diverged: Vec<usize>,
+    /// Parameters of stiffnesses far above those of the structure, with their values and softer ones.
     stiff: Vec<(usize, [f64; 2])>,
-    /// Multiple of the structure's stiffness above which one is far above.
+    /// Multiple of the structure's stiffness above which a spring or contact is stiff.
     stiff_ratio: f64,
-    /// What the load step at hand may still cost.
+    /// Limits on the cost of the current load step.
     pub(super) budget: Budget<'m>,
 }
 
 /// How well forces balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// Largest residual, as a share of the force that is its unit.
+    /// Largest residual, as a fraction of the force that is its unit.
     pub residual: f64,
-    /// What it may be: the tolerance, and the rounding of the terms that balance.
+    /// Its bound: the tolerance plus the rounding of the terms that balance.
     pub tolerance: f64,
 }
-
-/// Rounding of a residual, in units of what one rounding of its terms makes.
-const ROUNDINGS: f64 = 8.0;
-/// Dimensionless stiffness below which next to nothing holds a motion.
-const DRIFT: f64 = 1e-6;
-/// Where rounding alone is more than this share of the forces, nothing is solved.
-const MEANINGLESS: f64 = 1e-2;
-/// Turns [rad] and travel (longest bodies) without elasticity after which a state has run away.
-const RUNAWAY: [f64; 2] = [1e3, 3e3];
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> {
     pub(super) fn new(model: &'m Model<G, D, P>, budget: Budget<'m>, stiff_ratio: f64) -> Self {
@@ -83,7 +78,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             loose: vec![],
             lost_in_rounding: false,
-            runaway: vec![],
+            diverged: vec![],
             stiff: vec![],
             stiff_ratio,
             budget,
@@ -132,22 +127,22 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         !self.stiff.is_empty()
     }
 
-    /// Makes these softer,
+    /// Replaces these stiffnesses by softer ones.
     pub(super) fn soften(&mut self) {
         for (slot, [_, softer]) in &self.stiff {
             self.data.design.geometry.parameters[*slot] = *softer;
         }
     }
 
-    /// and as stiff as they are.
+    /// Restores these stiffnesses.
     pub(super) fn harden(&mut self) {
         for (slot, [own, _]) in &self.stiff {
             self.data.design.geometry.parameters[*slot] = *own;
         }
     }
 
-    /// Measures what elasticity does not hold by the forces that act on it in the current state, under
-    /// the first load and the largest of each input.
+    /// Sets the units of coordinates without elasticity from the forces that act on them in the current
+    /// state, under the first load and the largest load of each input.
     pub(super) fn measure_units(&mut self, loads: &[&[f64]]) {
         let Some(first) = loads.first().filter(|_| !self.data.design.units.all_elastic()) else { return };
         let n = self.q.len();
@@ -192,7 +187,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         &self.residual
     }
 
-    /// What one unit of each dimensionless coordinate is.
+    /// Actual size of one unit of each dimensionless coordinate.
     pub(super) fn units(&self) -> &[f64] {
         &self.unit
     }
@@ -202,7 +197,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.design.units.energy
     }
 
-    /// Whether elasticity holds every coordinate.
+    /// Whether every coordinate is elastic.
     pub(super) fn is_elastic(&self) -> bool {
         self.data.design.units.all_elastic()
     }
@@ -216,18 +211,18 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.q.copy_from_slice(q);
     }
 
-    /// Whether some loads are changes of the conjugates of their inputs.
+    /// Whether some inputs are controlled by their conjugates.
     pub(super) fn is_controlled(&self) -> bool {
         self.data.controls.is_some()
     }
 
-    /// Whether the conjugates of these change with the state.
+    /// Whether the conjugates of controlled inputs change with the state.
     pub(super) fn can_be_controlled(&self) -> bool {
         self.data.controls.as_ref().is_none_or(crate::control::Controls::act)
     }
 
-    /// What is missing of the listed changes of the conjugates at the state evaluated last, by input, zero
-    /// for other inputs; returns the largest, in units of the model's own.
+    /// Difference between the listed and the actual changes of the conjugates at the state evaluated last,
+    /// by input (zero for other inputs); returns the largest in dimensionless units.
     pub(super) fn gap(&self, target: &[f64], out: &mut [f64]) -> f64 {
         out.fill(0.0);
         let Some(controls) = &self.data.controls else { return 0.0 };
@@ -240,13 +235,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         largest
     }
 
-    /// By how much each conjugate lags behind the place from which its input acts; zero for other inputs.
+    /// Difference between the place w from which each input acts and its conjugate; zero for other inputs.
     pub(super) fn lag(&self, out: &mut [f64]) {
         let load = &self.load;
         self.gap(load, out);
     }
 
-    /// Whether the conjugates, to the tolerance, and the other loads are as listed.
+    /// Whether the conjugates, within the tolerance, and the other loads equal the listed ones.
     pub(super) fn is_at(&self, target: &[f64], tolerance: f64) -> bool {
         let Some(controls) = &self.data.controls else { return self.load == target };
         let mut changes = controls.change().iter().zip(controls.units());
@@ -256,8 +251,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         })
     }
 
-    /// Second derivative of the energy with the load along a rate, at a fixed state, dimensionless: that
-    /// which controls store in their own stiffness.
+    /// Second derivative of the energy with respect to the load along a rate, at a fixed state,
+    /// dimensionless; it stems from the stiffness of the controls.
     pub(super) fn load_curvature(&self, rate: &[f64]) -> f64 {
         let stored = self.data.controls.as_ref().map(|c| c.curvature(&self.model.controls, rate));
         stored.map_or(0.0, |stored| stored / self.unit_energy())
@@ -273,7 +268,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.controls.as_ref().map_or(&self.load, crate::control::Controls::applied)
     }
 
-    /// Goes back to a state whose residual is known.
+    /// Restores a state whose residual is known.
     pub(super) fn restore(&mut self, q: &[f64], residual: &[f64]) {
         self.q.copy_from_slice(q);
         self.residual.copy_from_slice(residual);
@@ -312,7 +307,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     }
 
     /// Evaluates Π and the residual at the current state; returns the largest dimensionless
-    /// residual, NaN or infinite when the state is out of reach.
+    /// residual, which is NaN or infinite where the energy is not defined.
     pub(super) fn evaluate(&mut self) -> f64 {
         self.data.evaluate_residual(self.model, &self.q, &self.load);
         let unit_energy = self.unit_energy();
@@ -327,7 +322,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if self.data.energy().is_finite() { largest } else { f64::NAN }
     }
 
-    /// Evaluates the residual with stiff terms acting in both directions that have a kept force.
+    /// Evaluates the residual with stiff terms that have a kept force acting in both directions.
     pub(super) fn evaluate_two_sided(&mut self) -> f64 {
         self.data.law = Law::TwoSided;
         let size = self.evaluate();
@@ -335,7 +330,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         size
     }
 
-    /// Evaluates the tangent at the current state with the forces kept: an iteration.
+    /// Evaluates the tangent at the current state with the kept forces; counts as an iteration.
     pub(super) fn evaluate_tangent_with_kept_forces(&mut self) {
         self.data.law = Law::Kept;
         self.data.evaluate_residual(self.model, &self.q, &self.load);
@@ -343,12 +338,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.law = Law::Actual;
     }
 
-    /// Keeps the forces of stiff terms after a motion of the points.
+    /// Stores the forces that stiff terms have after a motion of the points.
     pub(super) fn keep_forces(&mut self, motion: &[Vector<P>]) {
         self.data.keep_forces(self.model, motion);
     }
 
-    /// Evaluates the tangent at the current state, after its residual: an iteration.
+    /// Evaluates the tangent at the current state, after its residual; counts as an iteration.
     pub(super) fn evaluate_tangent(&mut self) {
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.budget.count();
@@ -357,7 +352,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
     }
 
-    /// Finds the coordinates whose stiffness is but the rounding of its terms.
+    /// Finds the coordinates whose stiffness is zero to the rounding of its terms.
     fn find_loose_coordinates(&mut self) {
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
         let n = self.q.len();
@@ -365,7 +360,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.loose.clear();
         for i in (0..n).filter(|i| !self.data.design.units.elastic[*i]) {
             let size = self.magnitudes.stiffness[i];
-            if tangent[i * n + i].abs() <= ROUNDINGS * n as f64 * f64::EPSILON * size {
+            if tangent[i * n + i].abs() <= ROUNDING_FACTOR * n as f64 * f64::EPSILON * size {
                 self.loose.push(i);
             }
         }
@@ -388,12 +383,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.factorise_pinned(&self.data, first, &self.magnitudes.stiffness)
     }
 
-    /// Whether some motion is held by nothing, in the factor at hand.
+    /// Whether the current factor has free motions.
     pub(super) fn is_singular(&self) -> bool {
         self.factor.is_singular()
     }
 
-    /// Whether a force acts on a motion that nothing holds, in the factor at hand.
+    /// Whether a force acts along a free motion of the current factor.
     pub(super) fn pulls_free_motion(&mut self, tolerance: f64) -> bool {
         if self.factor.null_modes().is_empty() {
             return false;
@@ -403,31 +398,31 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.null_modes().iter().any(|mode| {
             let forces = self.magnitudes.coordinates.iter().zip(units).zip(mode);
             let size: f64 = forces.map(|((force, unit), z)| force * unit / energy * z.abs()).sum();
-            dot(mode, &self.residual).abs() > (tolerance + ROUNDINGS * f64::EPSILON) * size
+            dot(mode, &self.residual).abs() > (tolerance + ROUNDING_FACTOR * f64::EPSILON) * size
         })
     }
 
-    /// Coordinates held fixed in the factor at hand, as nothing holds them.
+    /// Free coordinates that the current factor holds fixed.
     pub(super) fn pinned(&self) -> &[usize] {
         self.factor.pinned()
     }
 
-    /// Whether coordinates that elasticity does not hold have run away from `start`.
-    pub(super) fn has_run_away(&mut self, start: &[f64]) -> bool {
+    /// Whether coordinates without elasticity have diverged from `start`.
+    pub(super) fn has_diverged(&mut self, start: &[f64]) -> bool {
         let units = &self.data.design.units;
-        self.runaway.clear();
+        self.diverged.clear();
         for (i, (q, s)) in self.q.iter().zip(start).enumerate().filter(|(i, _)| !units.elastic[*i]) {
-            if (q - s).abs() > RUNAWAY[usize::from(units.is_length(i))] * units.natural[i] {
-                self.runaway.push(i);
+            let limit = if units.is_length(i) { MAX_DISPLACEMENT } else { MAX_ROTATION };
+            if (q - s).abs() > limit * units.natural[i] {
+                self.diverged.push(i);
             }
         }
-        !self.runaway.is_empty()
+        !self.diverged.is_empty()
     }
 
-    /// The coordinates of which the motions consist that nothing holds, or which ran away; empty where there
-    /// are none.
+    /// The coordinates of the free motions, and those that diverged.
     pub(super) fn free_coordinates(&self) -> Vec<usize> {
-        let mut free = self.runaway.clone();
+        let mut free = self.diverged.clone();
         for mode in self.factor.null_modes() {
             let most = mode.iter().fold(0.0f64, |m, z| m.max(z.abs()));
             let joints: Vec<usize> = self.model.joints.iter().map(|joint| joint.dof).collect();
@@ -441,7 +436,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         free
     }
 
-    /// Whether the tangent at hand, with its factor, has lost static stability by more than `slack`.
+    /// Whether the current tangent, which is factorised, has lost static stability by more than `slack`.
     pub(super) fn is_lost(&mut self, slack: f64) -> bool {
         if self.is_conservative() {
             return false;
@@ -451,30 +446,29 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         lost
     }
 
-    /// Whether next to nothing holds some motion, at the tangent at hand, with its factor, which is kept.
+    /// Whether some motion has next to no stiffness in the current tangent; its factor is kept.
     pub(super) fn may_drift(&mut self) -> bool {
-        let found = self.factor.stability(&self.data, DRIFT);
+        let found = self.factor.stability(&self.data, DRIFT_EIGENVALUE);
         self.factorise(0.0);
         found == Stability::Neutral
     }
 
-    /// Static stability at the state whose tangent is at hand, with its factor, which is kept.
+    /// Static stability of the current tangent; its factor is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
-        if conservative && !self.is_singular() && self.factor.pivot_ratio() > 1e-7 {
+        if conservative && !self.is_singular() && self.factor.pivot_ratio() > REGULAR_PIVOTS {
             return Stability::Stable;
         }
         if conservative && self.is_singular() {
             return Stability::Neutral;
         }
-        let found = self.factor.stability(&self.data, NULL);
+        let found = self.factor.stability(&self.data, ZERO_EIGENVALUE);
         self.factorise(0.0);
         found
     }
 
-    /// Whether the state is an equilibrium, its largest residual being `size`: every coordinate that
-    /// elasticity holds is within the tolerance, in its own unit, of where it should be, or the forces
-    /// balance.
+    /// Whether the state, whose largest residual is `size`, is an equilibrium: every elastic coordinate is
+    /// within the tolerance of its solution, in its own unit, or the forces balance.
     pub(super) fn has_converged(&mut self, size: f64, tolerance: f64) -> bool {
         if !(size <= tolerance) {
             return false;
@@ -486,8 +480,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.is_balanced(tolerance)
     }
 
-    /// Whether each residual is below the tolerance times the forces that act on its coordinate, but for
-    /// the rounding of the terms that balance; needs a tangent of this state or one close by.
+    /// Whether each residual is below the tolerance times the forces that act on its coordinate, up to the
+    /// rounding of the terms that balance; needs the tangent of this state or of one nearby.
     pub(super) fn is_balanced(&mut self, tolerance: f64) -> bool {
         self.data.complete_tangent(self.model);
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
@@ -497,10 +491,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.accuracy = Accuracy { residual: 0.0, tolerance };
         for (i, g) in self.data.residual().iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
-            // A state is known to its last bit only, and so are places and distances.
+            // Coordinates, positions and distances are rounded too.
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
-            let rounding = ROUNDINGS * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
+            let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
             let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;
@@ -508,7 +502,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
                 continue;
             }
             let largest = unit.max(units.stiffness[i] * units.natural[i]);
-            let (excess, share) = (g.abs() / allowed, rounding / (MEANINGLESS * largest));
+            let (excess, share) = (g.abs() / allowed, rounding / (MAX_ROUNDING * largest));
             balanced &= excess <= 1.0;
             meaningless |= share > 1.0;
             let excess = excess.max(share);
@@ -521,24 +515,24 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         balanced && !meaningless
     }
 
-    /// Finds how well forces balance in the current state.
+    /// Evaluates how well forces balance in the current state.
     pub(super) fn measure_accuracy(&mut self, tolerance: f64) {
         self.evaluate();
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.is_balanced(tolerance);
     }
 
-    /// Whether forces balanced to rounding, but rounding is too large a share of them.
+    /// Whether forces balanced to rounding, but rounding is too large a fraction of them.
     pub(super) fn is_lost_in_rounding(&self) -> bool {
         self.lost_in_rounding
     }
 
-    /// How well forces balance, as found last.
+    /// How well forces balance, as evaluated last.
     pub(super) fn accuracy(&self) -> Accuracy {
         self.accuracy
     }
 
-    /// Solves in place with the factor at hand.
+    /// Solves in place with the current factor.
     pub(super) fn solve(&self, b: &mut [f64]) {
         self.factor.solve(b);
     }
@@ -548,7 +542,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.factor.solve_lower(b);
     }
 
-    /// Exchanges the factor at hand for another one of this model.
+    /// Exchanges the current factor with another one of this model.
     pub(super) fn swap_factor(&mut self, other: &mut Factor<D>) {
         std::mem::swap(&mut self.factor, other);
     }
@@ -558,7 +552,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         step.iter_mut().zip(&self.residual).for_each(|(s, r)| *s = -r);
     }
 
-    /// p = −H⁻¹ r, with the factor at hand.
+    /// p = −H⁻¹ r, with the current factor.
     pub(super) fn newton_step(&self, step: &mut [f64]) {
         self.negative_residual(step);
         self.factor.solve(step);
@@ -587,7 +581,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// dq/dλ of the equilibrium for the load rate `rate`, dimensionless.
     ///
-    /// Needs the factor of the tangent at the equilibrium evaluated last. Returns the largest change of a
+    /// Needs the factor of the tangent at the equilibrium evaluated last. Returns the largest rate of a
     /// residual.
     pub(super) fn velocity(&self, rate: &[f64], out: &mut [f64]) -> f64 {
         self.load_gradient(rate, out);
@@ -611,8 +605,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         quadratic / self.unit_energy()
     }
 
-    /// Smallest diagonal entry of the dimensionless tangent, and a bound to its eigenvalues: the largest
-    /// absolute row sum, or for a chain Frobenius' norm.
+    /// Smallest diagonal entry of the dimensionless tangent, and a bound on its eigenvalues: the largest
+    /// absolute row sum, or for a chain the Frobenius norm.
     pub(super) fn tangent_bounds(&self) -> (f64, f64) {
         let n = self.q.len();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
@@ -626,17 +620,17 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         (lowest, norm.unwrap_or_else(|| (0..n).map(row_sum).fold(0.0, f64::max)))
     }
 
-    /// Completes a tangent of which only what its factorisation needs was evaluated.
+    /// Completes a tangent of which only the part that its factorisation needs was evaluated.
     pub(super) fn complete_tangent(&mut self) {
         self.data.complete_tangent(self.model);
     }
 
-    /// Makes the velocities of all frames available.
+    /// Computes the columns of the frames that the tangent did not need.
     pub(super) fn complete_columns(&mut self) {
         self.data.complete_columns(self.model);
     }
 
-    /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the equilibrium at hand.
+    /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the current equilibrium.
     pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
         let scale = &self.data.design.units.scale;
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
@@ -644,7 +638,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
     }
 
-    /// Ratio of the smallest to the largest pivot of the factor at hand.
+    /// Ratio of the smallest to the largest pivot of the current factor.
     pub(crate) fn pivot_ratio(&self) -> f64 {
         self.factor.pivot_ratio()
     }

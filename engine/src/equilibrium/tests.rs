@@ -1,4 +1,4 @@
-//! The predictor against equilibria found on their own.
+//! The predictor against equilibria found independently.
 
 use super::vector::norm;
 use super::{Continuation, ContinuationOptions, Status};
@@ -9,7 +9,7 @@ use crate::systems::finger;
 
 type Planar<'m> = Continuation<'m, SE2, 3, 2>;
 
-/// Goes to the equilibrium at `load` nearest to the state at hand; returns what touches.
+/// Finds an equilibrium at `load` near the current state; returns the contacts.
 fn go_to(path: &mut Planar, load: f64) -> Vec<(usize, Option<[usize; 2]>)> {
     path.system.set_load(&[load]);
     assert_eq!(path.find_stable(0.1, 0.0), Status::Converged);

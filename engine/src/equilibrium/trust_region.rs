@@ -8,12 +8,12 @@ use super::system::System;
 use super::vector::{dot, max_norm, norm};
 use crate::lie::LieGroup;
 
-/// What a minimisation has to reach.
+/// Accuracy required of a minimisation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
-    /// Dimensionless residual that suffices.
+    /// Largest dimensionless residual.
     pub tolerance: f64,
-    /// The tangent may be that of the last state but one where the last step left less than this share of
+    /// The tangent of the last but one state is accepted if the last step left less than this fraction of
     /// the residual.
     pub tangent_reuse: f64,
 }
@@ -24,9 +24,9 @@ pub(super) struct TrustRegion {
     options: TrustRegionOptions,
     newton: NewtonOptions,
     subproblem: Subproblem,
-    /// Where the minimisation began.
+    /// The initial state.
     start: Vec<f64>,
-    /// The state and residual that a rejected step goes back to.
+    /// The state and residual that are restored after a rejected step.
     state: Vec<f64>,
     residual: Vec<f64>,
     moved: Vec<f64>,
@@ -95,7 +95,7 @@ impl TrustRegion {
             let mut trial_size = system.evaluate();
             let negligible = step.newton && longest <= self.newton.negligible_step;
             if negligible && !(trial_size < self.newton.progress * size) {
-                // What is left is rounding, but more than its terms account for.
+                // The residual is rounding, but larger than that of its terms.
                 system.restore(&self.state, &self.residual);
                 break Status::Stalled;
             }
@@ -114,7 +114,7 @@ impl TrustRegion {
             };
             rejected = !(accepted && trial_size.is_finite());
             if rejected {
-                // The tangent at hand is still that of the state gone back to.
+                // The current tangent is that of the restored state.
                 system.restore(&self.state, &self.residual);
                 stiff |= length < self.options.stiff_radius;
                 radius = self.options.shrinkage * length.min(radius);
@@ -122,7 +122,7 @@ impl TrustRegion {
                 continue;
             }
             unrestrained = if step.free { unrestrained + 1 } else { 0 };
-            if unrestrained > self.options.max_free_steps || system.has_run_away(&self.start) {
+            if unrestrained > self.options.max_free_steps || system.has_diverged(&self.start) {
                 break Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
@@ -149,8 +149,8 @@ impl TrustRegion {
         status
     }
 
-    /// What the energy has fallen by since the step began; where that is lost in rounding, the work of the
-    /// mean of both residuals.
+    /// Decrease of the energy over the step; where that is lost in rounding, the work of the mean of both
+    /// residuals.
     fn gain<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &System<G, D, P>,
@@ -165,9 +165,9 @@ impl TrustRegion {
         -0.5 * forces.zip(&self.moved).map(|((a, b), x)| (a + b) * x).sum::<f64>()
     }
 
-    /// Improves a step that lowers the energy too little, by corrections of second order or by a line search.
-    /// Leaves the best state found and in `actual` what it gained; returns its residual and whether it is
-    /// that of the line search.
+    /// Improves a step that lowers the energy too little by second-order corrections or by a line search.
+    /// Leaves the best state found, and its decrease in `actual`; returns its residual and whether the line
+    /// search found it.
     fn improve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -180,7 +180,7 @@ impl TrustRegion {
         self.best.copy_from_slice(system.state());
         let longest = self.options.max_correction * max_norm(&self.subproblem.step);
         for _ in 0..if step.part > 0.0 { self.options.max_corrections } else { 0 } {
-            // What the quadratic model leaves of the residual: H p = −part · g − shift · p.
+            // Residual predicted by the quadratic model: H p = −part · g − shift · p.
             let linear = self.residual.iter().zip(&self.subproblem.step);
             let expected = linear.map(|(g, p)| (1.0 - step.part) * g - step.shift * p);
             for ((c, r), e) in self.correction.iter_mut().zip(system.residual()).zip(expected) {
@@ -212,7 +212,7 @@ impl TrustRegion {
                     *actual = found;
                     self.best.copy_from_slice(system.state());
                 }
-                // The energy falls at first; it is lowest where its slope changes sign.
+                // The energy decreases at first; it is lowest where its slope changes sign.
                 let slope = dot(system.residual(), &self.subproblem.step);
                 if finite && slope.abs() < self.options.line_search_slope * step.decrease {
                     break;

@@ -11,7 +11,7 @@ use crate::strain::Mode;
 use crate::tree::{Rod, Tree};
 
 /// The elasticity of all rods of the tree.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Elasticity;
 
 /// Stiffness of a rod by mode: modulus, modulus times section factor, and the power ∓1 of the length

@@ -1,4 +1,4 @@
-//! What the rest of the engine asks of a force.
+//! The interface between the engine and its forces.
 
 use super::magnitudes::Magnitudes;
 use super::state::State;
@@ -44,7 +44,7 @@ pub(crate) struct Switch<const P: usize> {
     pub normal: Vector<P>,
     /// d.
     pub depth: f64,
-    /// k; negative where it takes off what the two switches before it count twice.
+    /// k; negative if it subtracts what the two preceding switches count twice.
     pub stiffness: f64,
 }
 
@@ -62,10 +62,10 @@ impl<const P: usize> Switch<P> {
 pub struct ContactForce<const P: usize> {
     /// The sphere of the first group.
     pub first: usize,
-    /// The sphere that it touches, twice; or those at the ends of the round cone that it touches
-    /// between them; none where it touches what is fixed in the world.
+    /// The touched sphere, twice, or the spheres at the ends of the touched round cone; none for contact
+    /// with something fixed in the world.
     pub second: Option<[usize; 2]>,
-    /// The one of these that is nearer.
+    /// The nearer of these.
     pub nearest: Option<usize>,
     /// Whether it touches a round cone.
     pub cone: bool,
@@ -79,20 +79,20 @@ pub struct ContactForce<const P: usize> {
     pub point: Vector<P>,
 }
 
-/// What all forces of one kind derive and keep.
+/// Memory of all forces of one kind.
 pub(crate) trait ForceMemory<const P: usize> {
-    /// What follows from the parameters alone.
+    /// Quantities that depend on the parameters only.
     type Design: Clone + Debug + Send;
-    /// What the residual leaves for the tangent and the derivatives.
+    /// Results of the residual that the tangent and the derivatives use.
     type State: Clone + Debug + Send;
-    /// What the derivatives of all outputs share.
+    /// Quantities shared by the derivatives of all outputs.
     type Sensitivity: Clone + Debug + Default + Send;
 }
 
 /// All forces of one kind in a model.
 ///
 /// Residual, tangent, derivatives and switches of a force are defined here together; the registry in
-/// `model/forces.rs` lists the kinds, and everything else in the engine goes through it.
+/// `model/forces.rs` lists the kinds, and the rest of the engine uses forces through it only.
 pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>:
     ForceMemory<P>
 {
@@ -102,7 +102,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     /// Memory for one state.
     fn state(&self, tree: &Tree<G, D, P>) -> Self::State;
 
-    /// Derives from the parameters what does not depend on the state.
+    /// Computes the quantities that do not depend on the state.
     fn update_design(
         &self,
         _tree: &Tree<G, D, P>,
@@ -111,7 +111,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     ) {
     }
 
-    /// Adds the elastic stiffness of each coordinate by itself, which sets its scale.
+    /// Adds the diagonal elastic stiffness of each coordinate, which sets its scale.
     fn add_elastic_stiffness(
         &self,
         _tree: &Tree<G, D, P>,
@@ -130,7 +130,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         out: &mut Terms<D>,
     );
 
-    /// Adds the derivative of the residual at the state whose residual was asked for last.
+    /// Adds the derivative of the residual at the state of the last residual.
     fn add_tangent(
         &self,
         at: &State<G, D, P>,
@@ -139,7 +139,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         out: &mut Terms<D>,
     );
 
-    /// Adds how large its forces are at the state whose residual was asked for last.
+    /// Adds the magnitudes of its forces at the state of the last residual.
     fn add_magnitudes(
         &self,
         at: &State<G, D, P>,
@@ -165,12 +165,12 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         true
     }
 
-    /// Whether its parameters make physical sense.
+    /// Whether its parameters are physically meaningful.
     fn is_admissible(&self, _parameters: &[f64]) -> bool {
         true
     }
 
-    /// The most couplings between frames, or terms without a potential, that one tangent can hold.
+    /// Largest number of couplings between frames, or of terms without a potential, in one tangent.
     fn most_couplings(&self) -> usize {
         0
     }
@@ -180,7 +180,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         false
     }
 
-    /// Visits the terms that are on, or lack less than `margin` of it.
+    /// Visits the terms that are on, or within `margin` of switching on.
     fn for_each_switch(
         &self,
         _at: &State<G, D, P>,
@@ -190,10 +190,10 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     ) {
     }
 
-    /// Visits the parameters that hold stiffnesses of springs and contacts, with what they are multiplied by.
+    /// Visits the parameters of the stiffnesses of springs and contacts, with their multipliers.
     fn for_each_stiffness(&self, _parameters: &[f64], _visit: &mut impl FnMut(usize, f64)) {}
 
-    /// Keeps the forces that stiff terms would have after a motion of the points, with distances to first
+    /// Stores the forces that stiff terms have after a motion of the points, with distances to first
     /// order, for [`Law::Kept`](super::state::Law).
     fn keep(&self, _at: &State<G, D, P>, _motion: &[Vector<P>], _state: &mut Self::State) {}
 
@@ -207,7 +207,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     /// not given.
     fn contact_forces(&self, _at: &State<G, D, P>, _state: &Self::State, _out: &mut Vec<ContactForce<P>>) {}
 
-    /// Derives what all outputs share.
+    /// Computes the quantities shared by all outputs.
     fn update_sensitivity(
         &self,
         _at: &State<G, D, P>,

@@ -11,20 +11,20 @@ use crate::section;
 use crate::tree::{ModelError, Place, Point, Rod, Shape, Tree, finite};
 
 /// Uniform gravity and the masses on which it acts; none without gravity.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Gravity<const P: usize> {
     acceleration: Vector<P>,
     masses: Vec<PointMass>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct PointMass {
     point: usize,
     part: Part,
 }
 
 /// The body with the mass.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
     /// A Gauss point of a rod (rod, Gauss point).
     Rod(usize, usize),

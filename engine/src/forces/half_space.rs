@@ -10,6 +10,7 @@ use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::{SWITCHING_DISTANCE, UNIT_NORM};
 use crate::tree::description::AttachmentDescription;
 use crate::tree::{ModelError, Tree, finite, positive};
 use serde::Deserialize;
@@ -30,7 +31,7 @@ pub struct HalfSpaceDescription {
     pub stiffness: f64,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct HalfSpace<const P: usize> {
     spheres: Vec<usize>,
     /// A point of the tree, fixed in the world.
@@ -41,7 +42,7 @@ struct HalfSpace<const P: usize> {
 }
 
 /// All half-spaces.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct HalfSpaces<const P: usize>(Vec<HalfSpace<P>>);
 
 /// A sphere in a half-space.
@@ -56,12 +57,9 @@ pub(crate) struct Pressed {
 #[derive(Clone, Debug)]
 pub(crate) struct HalfSpaceState {
     pressed: Vec<Pressed>,
-    /// The forces kept of half-space and sphere.
+    /// The kept forces, with the indices of half-space and sphere.
     kept: Vec<(usize, usize, f64)>,
 }
-
-/// Gap below which a sphere counts as being at the threshold, relative to its radius.
-const THRESHOLD: f64 = 1e-7;
 
 impl<const P: usize> HalfSpaces<P> {
     pub fn build<G: LieGroup<D, P>, const D: usize>(
@@ -75,7 +73,7 @@ impl<const P: usize> HalfSpaces<P> {
             finite(field("normal"), &half_space.normal)?;
             let normal = G::point_from_spatial(&half_space.normal)
                 .ok_or_else(|| ModelError::new(field("normal"), "leaves the x–z plane of a planar system"))?;
-            if (normal.norm() - 1.0).abs() > 1e-9 {
+            if (normal.norm() - 1.0).abs() > UNIT_NORM {
                 let problem = format!("found {:?}, must be a unit vector", half_space.normal);
                 return Err(ModelError::new(field("normal"), problem));
             }
@@ -105,7 +103,7 @@ impl<const P: usize> HalfSpaces<P> {
         forces
     }
 
-    /// Visits the spheres that lack less than `margin` of a half-space.
+    /// Visits the spheres whose gap to a half-space is below `margin`.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize>(
         &self,
@@ -138,7 +136,7 @@ impl<const P: usize> HalfSpaces<P> {
 }
 
 impl Pressed {
-    /// Whether a force kept is its own.
+    /// Whether a kept force is that of this sphere.
     fn has(&self, (half_space, sphere, _): &(usize, usize, f64)) -> bool {
         self.half_space == *half_space && self.sphere == *sphere
     }
@@ -262,7 +260,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         self.0.iter().any(|half_space| {
             half_space.spheres.iter().any(|&sphere| {
-                half_space.depth(at, sphere).abs() < THRESHOLD * at.geometry.radii[sphere]
+                half_space.depth(at, sphere).abs() < SWITCHING_DISTANCE * at.geometry.radii[sphere]
                     && moves(&[at.tree.spheres[sphere].point], &half_space.normal)
             })
         })

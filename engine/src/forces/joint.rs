@@ -14,7 +14,7 @@ use crate::lie::LieGroup;
 use crate::tree::{Joint, JointCoordinate, Tree};
 
 /// Springs and limits of all joints of the tree.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Joints;
 
 impl<const P: usize> ForceMemory<P> for Joints {
@@ -97,12 +97,12 @@ fn limit(joint: &Joint, q: f64) -> (f64, f64, f64) {
     if s <= w {
         (k * s.powi(3) / (6.0 * w), sign * k * s * s / (2.0 * w), k * s / w)
     } else {
-        let far = (s - FAR * w).max(0.0) / w;
+        let far = (s - STIFFENING_WIDTHS * w).max(0.0) / w;
         let energy = k * (0.5 * s * s - 0.5 * w * s + w * w / 6.0) + k * w * w * far.powi(4) / 12.0;
         let slope = k * (s - 0.5 * w) + k * w * far.powi(3) / 3.0;
         (energy, sign * slope, k + k * far * far)
     }
 }
 
-/// From how many widths beyond it on a limit stiffens again.
-const FAR: f64 = 10.0;
+/// Widths beyond a limit after which it stiffens again.
+const STIFFENING_WIDTHS: f64 = 10.0;

@@ -1,4 +1,4 @@
-//! How large the forces are that act on each coordinate, before they balance one another.
+//! Magnitudes of the forces on each coordinate, before they cancel.
 
 use super::state::State;
 use crate::lie::LieGroup;
@@ -6,12 +6,12 @@ use crate::linalg::Vector;
 
 /// Sums of magnitudes of generalised forces, the unit in which a residual is small or not.
 ///
-/// A force f at a point counts with |f| times the speed of that point for a unit rate of the coordinate,
-/// whatever the angle between the two: a straight column under an axial force has a unit as well.
+/// A force f at a point counts as |f| times the speed of that point for a unit rate of the coordinate,
+/// regardless of the angle between them, so that a straight column under an axial force has a unit too.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Magnitudes<const P: usize> {
     pub coordinates: Vec<f64>,
-    /// Forces that would be if distances were places: what their rounding is a share of.
+    /// Forces computed from positions in place of distances, to which rounding is relative.
     pub places: Vec<f64>,
     /// Sums of magnitudes of stiffnesses, likewise.
     pub stiffness: Vec<f64>,
@@ -56,7 +56,7 @@ impl<const P: usize> Magnitudes<P> {
         self.points.push((at.frame(point), *at.point(point), [force.abs(), 0.0, 0.0]));
     }
 
-    /// A force at a point that a stiffness makes of a distance, the difference of places of this size.
+    /// A force at a point from a stiffness and a distance, the difference of positions of this size.
     pub fn add_of_distance<G: LieGroup<D, P>, const D: usize>(
         &mut self,
         at: &State<G, D, P>,
@@ -73,7 +73,7 @@ impl<const P: usize> Magnitudes<P> {
         self.moments.push((frame, moment.abs()));
     }
 
-    /// Turns forces and moments on frames into generalised ones; `columns` visits the coordinates with
+    /// Converts forces and moments on frames into generalised forces; `columns` visits the coordinates with
     /// the world columns of all motions that lead to a frame.
     pub fn project<G: LieGroup<D, P>, const D: usize>(
         &mut self,

@@ -1,5 +1,5 @@
-//! Pressure in the cavities of rods: −p V with V = ∫ A (ξ_x + κ_y z − κ_z y) dX, A and (y, z) being area and
-//! centroid of what the pressure acts on; by Pappus' theorem this is the volume that A sweeps.
+//! Pressure in the cavities of rods: −p V with V = ∫ A (ξ_x + κ_y z − κ_z y) dX, where A and (y, z) are the
+//! area and centroid on which the pressure acts; by the theorem of Pappus this is the volume swept by A.
 //!
 //! A and its first moments are polynomials of S, so V is linear in the coordinates.
 
@@ -29,14 +29,14 @@ pub struct PressureDescription {
     pub of_gauss: Vec<usize>,
     /// Share of each Gauss point's length that is under pressure.
     pub share: Vec<f64>,
-    /// Volume of what surrounds the cavity inside those sections, which does not change [m³].
+    /// Constant volume of the wall around the cavity inside those sections [m³].
     pub enclosed: f64,
 }
 
 /// Coefficients of a section.
 const MOMENTS: usize = 11;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Pressure {
     rod: usize,
     input: usize,
@@ -48,7 +48,7 @@ struct Pressure {
 }
 
 /// All pressures.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pressures(Vec<Pressure>);
 
 /// The volumes of a design: each is its first number plus the sum of these multiples of coordinates.
@@ -78,7 +78,7 @@ impl Moments {
     }
 }
 
-/// Area and moments by the strain mode that makes volume of them, with the power of L; none for torsion
+/// Area or moment that a strain mode multiplies in the volume, with the power of L; none for torsion
 /// and shear.
 fn by_mode([area, y, z]: [f64; 3], mode: usize) -> Option<(f64, i32)> {
     match mode {
@@ -140,7 +140,7 @@ impl Pressures {
         volumes.fixed[pressure].0
     }
 
-    /// How much the volume of one cavity has changed from the reference state [m³].
+    /// Change of the volume of one cavity from the reference state [m³].
     pub fn change_of_volume(&self, pressure: usize, q: &[f64], volumes: &Volumes) -> f64 {
         let before: usize = volumes.fixed[..pressure].iter().map(|(_, count)| count).sum();
         let columns = &volumes.columns[before..before + volumes.fixed[pressure].1];
@@ -151,8 +151,8 @@ impl Pressures {
         self.0.len()
     }
 
-    /// Adds the derivative of `factor` times the work of one volume's gradient on a motion. The motion from
-    /// the reference state makes it that of the change of volume.
+    /// Adds the derivative of `factor` times the work of one volume's gradient on a motion; for the motion
+    /// from the reference state, this is the derivative of the change of volume.
     pub fn add_parameter_work_of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         pressure: usize,

@@ -6,6 +6,7 @@ use super::state::{Law, State};
 use super::terms::Terms;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::COINCIDENT;
 use crate::tree::description::AttachmentDescription;
 use crate::tree::{ModelError, Tree, not_negative};
 use serde::Deserialize;
@@ -30,7 +31,7 @@ pub struct SpringDescription {
 }
 
 /// A linear spring between two points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Spring {
     ends: [usize; 2],
     /// Parameters holding k and ℓ₀.
@@ -39,11 +40,8 @@ struct Spring {
     slack: bool,
 }
 
-/// The share of its rest length to which a spring's length counts as zero.
-const COINCIDENT: f64 = 1e-6;
-
 /// All springs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Springs(Vec<Spring>);
 
 /// The potential of a taut spring as a function of r, the vector between its ends.
@@ -52,7 +50,7 @@ struct Taut<const P: usize> {
     energy: f64,
     /// Its gradient, the force on the second end.
     force: Vector<P>,
-    /// Unit vector along r; any one where the ends coincide.
+    /// Unit vector along r; arbitrary if the ends coincide.
     direction: Vector<P>,
     /// Second derivatives along and across it.
     hessian: [f64; 2],
@@ -135,7 +133,7 @@ impl Spring {
 
 impl<const P: usize> ForceMemory<P> for Springs {
     type Design = ();
-    /// The force kept of each.
+    /// The kept force of each.
     type State = Vec<Option<Vector<P>>>;
     type Sensitivity = ();
 }

@@ -6,18 +6,18 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tree::Tree;
 
-/// How stiff terms, springs and contacts, make forces of distances.
+/// Force law of stiff terms: springs and contacts.
 ///
-/// Newton's method takes their forces for unknowns λ of their own, with k d = λ to be met at the end: the
-/// curved path of a stiff contact then limits its steps no more than that of a soft one.
+/// The mixed Newton method treats their forces λ as unknowns, with k d = λ at the solution: a stiff contact
+/// then limits the steps no more than a soft one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Law {
-    /// As they are.
+    /// The actual law.
     #[default]
     Actual,
-    /// Terms whose force was kept act in both directions.
+    /// Terms with a kept force act in both directions.
     TwoSided,
-    /// The forces are those kept, whatever the distances.
+    /// The forces are the kept ones, regardless of the distances.
     Kept,
 }
 

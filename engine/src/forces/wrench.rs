@@ -44,7 +44,7 @@ pub struct WrenchDescription {
 }
 
 /// A force and moment at a point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Wrench<const P: usize> {
     point: usize,
     frame: usize,
@@ -57,7 +57,7 @@ struct Wrench<const P: usize> {
 }
 
 /// All point loads.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wrenches<const P: usize>(Vec<Wrench<P>>);
 
 impl<const P: usize> Wrenches<P> {
@@ -196,7 +196,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    /// Nothing: no parameter scales a point load.
+    /// No parameter scales a point load.
     fn add_parameter_work(
         &self,
         _: &State<G, D, P>,

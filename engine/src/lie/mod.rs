@@ -19,7 +19,9 @@ use crate::strain::Mode;
 ///
 /// The world-frame ("spatial") forms below expand a function of the perturbed pose `exp(ζ) g` to
 /// second order in the spatial twist `ζ`; in that frame the twists of a kinematic chain simply add.
-pub trait LieGroup<const D: usize, const P: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
+pub trait LieGroup<const D: usize, const P: usize>:
+    PartialEq + Copy + Send + Sync + std::fmt::Debug + 'static
+{
     /// The neutral element.
     const IDENTITY: Self;
     /// The strain mode behind each twist component.
@@ -56,7 +58,7 @@ pub trait LieGroup<const D: usize, const P: usize>: Copy + Send + Sync + std::fm
     /// The symmetric form `C` of the second-order motion of `p`: `f·δ²p = ½ ζᵀ C ζ`.
     fn point_curvature(p: &Vector<P>, f: &Vector<P>) -> Matrix<D, D>;
 
-    /// From a translation and a rotation vector in space; `None` when the group cannot hold it.
+    /// From a translation and a rotation vector in space; `None` if it is not in the group.
     fn from_spatial(translation: &[f64; 3], rotation: &[f64; 3]) -> Option<Self>;
     /// The 4 × 4 homogeneous matrix, row-major.
     fn to_homogeneous(&self) -> [[f64; 4]; 4];

@@ -27,9 +27,9 @@ pub struct ChainCholesky<const R: usize> {
     null_pivot: Option<usize>,
     y: Vec<Vector<R>>,
     m: Vec<Vector<R>>,
-    /// For each row j, Σ L_jk Y_k over the nodes before it,
+    /// For each row j, Σ L_jk Y_k over the preceding nodes.
     gone: Vec<Vector<R>>,
-    /// and Σ E_jk Y_k over the one just before.
+    /// For each row j, Σ E_jk Y_k over the node just before it.
     near: Vec<Vector<R>>,
 }
 
@@ -61,8 +61,8 @@ impl<const R: usize> ChainMatrix<'_, R> {
 }
 
 impl<const R: usize> ChainCholesky<R> {
-    /// A buffer for coordinates in this `order`, node after node; `starts` says where each node begins,
-    /// and last where the border does.
+    /// A buffer for coordinates in this `order`, node after node; `starts` gives the start of each node
+    /// and, last, of the border.
     pub fn new(order: &[usize], starts: &[usize]) -> Self {
         let n = order.len();
         let (mut nodes, mut columns, mut size) = (vec![], vec![], 0);
@@ -215,7 +215,7 @@ impl<const R: usize> ChainCholesky<R> {
                 self.y[p] -= y * along;
             }
             let i = self.order[p];
-            // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
+            // A pivot lost to cancellation counts as not positive; NaN fails the comparison too.
             let lost = self.rounding * (a.scaled(i, i).abs() + shift);
             if !(column[0] > lost) {
                 self.null_pivot = (column[0].abs() <= lost).then_some(i);

@@ -4,6 +4,7 @@
 //! products of tiles and solutions stream through memory and fill the vector registers.
 
 use super::{LANES, Matrix, Vector, fma};
+use crate::tolerances::ROUNDING_FACTOR;
 
 /// `LANES` numbers of one row.
 type Row = [f64; LANES];
@@ -20,13 +21,13 @@ pub struct Cholesky {
     inverses: Vec<[Tile; 2]>,
     /// Pivots below this share of what was eliminated from them are lost in rounding.
     rounding: f64,
-    /// Where the last factorisation ended because a pivot was neither positive nor negative.
+    /// Row at which the last factorisation ended because its pivot was zero to rounding.
     null_pivot: Option<usize>,
 }
 
 /// Rounding of a pivot of a matrix of order `n`, relative to its diagonal entry.
 pub(super) fn pivot_rounding(n: usize) -> f64 {
-    (8.0 * n as f64 * f64::EPSILON).max(1e-14)
+    (ROUNDING_FACTOR * n as f64 * f64::EPSILON).max(1e-14)
 }
 
 impl Cholesky {
@@ -66,7 +67,7 @@ impl Cholesky {
                 for other in above {
                     subtract_row(row, other[r], other);
                 }
-                // A pivot lost to cancellation is as good as not positive; NaN fails the comparison too.
+                // A pivot lost to cancellation counts as not positive; NaN fails the comparison too.
                 if !(row[r] > self.rounding * largest[r]) {
                     let null = row[r].abs() <= self.rounding * largest[r];
                     self.null_pivot = null.then_some(i * LANES + r);

@@ -1,16 +1,16 @@
-//! Bodies that act on one another, directly or through others.
+//! Groups of bodies that interact, directly or through others.
 
 use super::description::{AttachmentDescription, Description, SpringDescription};
 use crate::tree::Tree;
 
-/// Coordinates in groups between which nothing acts.
+/// Coordinates in groups that do not interact.
 ///
 /// Trees of bodies, joined where contacts and springs connect them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Components {
     /// The component of each coordinate.
     pub of_coordinate: Vec<usize>,
-    /// That of each body.
+    /// The component of each body.
     pub of_body: Vec<usize>,
     pub count: usize,
 }

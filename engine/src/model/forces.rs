@@ -26,7 +26,7 @@ use crate::tree::{ModelError, Tree};
 macro_rules! registry {
     ($($name:ident: $force:ty = |$tree:pat_param, $description:pat_param| $build:expr;)*) => {
         /// The forces of a model.
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, PartialEq)]
         pub(crate) struct Forces<const P: usize> {
             $(pub $name: $force,)*
         }

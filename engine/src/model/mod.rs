@@ -1,5 +1,4 @@
-//! The constant model: a tree of bodies and the forces that act on it, everything that no design
-//! changes.
+//! The model: a tree of bodies and the forces that act on it, without what changes from design to design.
 
 mod components;
 pub(crate) mod description;
@@ -18,7 +17,7 @@ use crate::tree::{Chain, Tree};
 use std::ops::Deref;
 
 /// A hybrid soft-rigid system, ready to be solved; built once and shared.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Model<G, const D: usize, const P: usize> {
     pub(crate) tree: Tree<G, D, P>,
     pub(crate) forces: Forces<P>,

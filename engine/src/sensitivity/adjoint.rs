@@ -65,7 +65,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         &self.gradient
     }
 
-    /// Computes the quantities that all outputs have in common.
+    /// Computes the quantities shared by all outputs.
     fn prepare<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,

@@ -1,4 +1,4 @@
-//! Conjugates that are held at given values: what the constraints c(q; p) = v do to an adjoint.
+//! Adjoints under the constraints c(q; p) = v of conjugates that are held at given values.
 //!
 //! With K λ + Σ ν ∇c = ∂y/∂q and ∇cᵀ λ = 0 for each, dy/dp = ∂y/∂p − λᵀ ∂g/∂p − Σ ν ∂c/∂p at fixed loads.
 //! K may be the tangent H or H + ρ ∇c ∇cᵀ.
@@ -49,7 +49,7 @@ impl Held {
         Self { by_parameters: by_parameters.collect(), solved, flexibility, multipliers }
     }
 
-    /// Takes from λ = K⁻ᵀ ∂y/∂q the part that would change the conjugates.
+    /// Removes from λ = K⁻ᵀ ∂y/∂q the part that changes the conjugates.
     pub fn project<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &System<G, D, P>,

@@ -5,6 +5,7 @@ use crate::equilibrium::{Status, System};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
+use crate::tolerances::SINGULAR_PIVOTS;
 
 /// Why an equilibrium may have no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,9 +46,6 @@ impl Regularity {
     }
 }
 
-/// Ratio of pivots below which the tangent counts as singular.
-const SINGULAR: f64 = 1e-9;
-
 impl Regularity {
     /// The regularity of the system's current equilibrium.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -58,7 +56,7 @@ impl Regularity {
     ) -> Self {
         if status != Status::Converged {
             Self::NoEquilibrium
-        } else if system.pivot_ratio() < SINGULAR {
+        } else if system.pivot_ratio() < SINGULAR_PIVOTS {
             Self::NearlySingular
         } else if at_threshold(model, system) {
             Self::ContactThreshold

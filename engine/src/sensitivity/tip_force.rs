@@ -46,7 +46,7 @@ pub(super) fn add_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
     });
 }
 
-/// Visits what touches the tip: its points p, a, b and the derivatives of F_t with respect to these.
+/// Visits the contacts of the tip: their points p, a, b and the derivatives of F_t with respect to these.
 fn for_each_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,

@@ -4,7 +4,7 @@ use crate::linalg::{LANES, Vector};
 
 /// The position of each coordinate of a frame's own motion in the blocks. The frames of a run share
 /// their blocks; lanes without a coordinate remain zero.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct CoordinateBlocks {
     /// Block, lane and coordinate.
     places: Vec<(usize, usize, usize)>,

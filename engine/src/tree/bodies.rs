@@ -4,7 +4,7 @@ use super::description::Section;
 use std::ops::Range;
 
 /// A body of the tree.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body<const P: usize> {
     pub name: String,
     /// Index in `geometry.rigid` of its placement.
@@ -19,7 +19,7 @@ pub(crate) struct Body<const P: usize> {
     pub shape: Shape,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// Index in `tree.rods`.
     Rod(usize),
@@ -27,7 +27,7 @@ pub(crate) enum Shape {
 }
 
 /// A rigid link: the positions of its parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Link {
     /// Index in `geometry.rigid` of the step from joint to tip.
     pub tip: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Link {
 }
 
 /// A coordinate of a joint.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct JointCoordinate {
     pub dof: usize,
     pub joint: Joint,
@@ -47,7 +47,7 @@ pub(crate) struct JointCoordinate {
 }
 
 /// Rest position and limits of a joint coordinate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Joint {
     pub rest: f64,
     pub lower: Option<f64>,
@@ -59,7 +59,7 @@ pub(crate) struct Joint {
 }
 
 /// A rod: bases at its Gauss points and the positions of its parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rod {
     pub section: Section,
     pub reference_strain: [f64; 6],
@@ -85,7 +85,7 @@ pub(crate) struct Rod {
 }
 
 /// A Gauss point of a rod.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GaussPoint {
     /// Index of its sample point.
     pub point: usize,
@@ -95,7 +95,7 @@ pub(crate) struct GaussPoint {
 }
 
 /// `weight · φ_i φ_j` of one Gauss point and mode, into one entry of the stiffness.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SectionEntry {
     pub gauss: usize,
     pub mode: usize,

@@ -3,25 +3,25 @@
 use super::{Motion, Tree};
 use crate::lie::LieGroup;
 
-/// With a shorter chain a dense factorisation is as fast,
-const LONG: usize = 96;
-/// and with a border larger than this fraction of it.
-const NARROW: f64 = 0.25;
+/// Coordinates of a chain below which a dense factorisation is as fast.
+const MIN_CHAIN: usize = 96;
+/// Largest border, as a fraction of the chain, with which the recursion is faster.
+const MAX_BORDER: f64 = 0.25;
 
 /// The order in which a rod's coordinates can be eliminated one node after another.
 ///
 /// A coordinate deforms a few neighbouring runs of frames and moves everything beyond them as a rigid
 /// body. Two coordinates without a common run are therefore coupled through a single twist.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chain {
-    /// The coordinates node by node from the base, then all that are not the rod's: the border.
+    /// The coordinates node by node from the base, then the border: all coordinates of other bodies.
     pub order: Vec<usize>,
     /// The start of each node in `order`, and of the border.
     pub starts: Vec<usize>,
     /// Frames that the rod moves.
     pub moved: Vec<bool>,
-    /// The coordinates to which each is coupled other than through that twist: those of its own node,
-    /// the neighbouring ones, and the border.
+    /// For each coordinate, those coupled to it directly and not through that twist: the coordinates of its
+    /// own node, of its neighbours and of the border.
     neighbours: Vec<Vec<usize>>,
 }
 
@@ -80,10 +80,10 @@ impl Chain {
         self
     }
 
-    /// Whether the recursion over the nodes is faster.
+    /// Whether the recursion over the nodes is faster than a dense factorisation.
     pub fn pays(&self) -> bool {
         let chain = self.starts[self.starts.len() - 1];
-        chain >= LONG && (self.order.len() - chain) as f64 <= NARROW * chain as f64
+        chain >= MIN_CHAIN && (self.order.len() - chain) as f64 <= MAX_BORDER * chain as f64
     }
 
     /// The coordinates to which coordinate `i` is coupled other than through one twist, including `i`.

@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 /// Names, units and ranges of the parameters of a model, in order.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     slots: Vec<Slot>,
     len: usize,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Slot {
     name: String,
     /// SI; `None` for numbers of several units.

@@ -28,7 +28,7 @@ use crate::linalg::Vector;
 use std::ops::Range;
 
 /// A frame and the motion that leads to it from its parent.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     pub parent: usize,
     pub body: usize,
@@ -41,12 +41,12 @@ pub(crate) struct Frame {
     pub blocks: Range<usize>,
     /// Their values' places in the blocks of coordinates.
     pub coordinates: Range<usize>,
-    /// One past the last of the following frames that move with the very same coordinates.
+    /// One past the last of the following frames that move with the same coordinates.
     pub run_end: usize,
 }
 
 /// The motion of a frame relative to its parent.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Motion {
     /// By the pose `design.rigid[i]`.
     Rigid(usize),
@@ -57,7 +57,7 @@ pub(crate) enum Motion {
 }
 
 /// A joint coordinate and its constant twist.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct JointColumn<const D: usize> {
     pub dof: usize,
     pub twist: Vector<D>,
@@ -65,7 +65,7 @@ pub(crate) struct JointColumn<const D: usize> {
 
 /// A rod coordinate as seen by one Magnus step: its axis and its basis function at the step's
 /// collocation points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StrainColumn {
     pub dof: usize,
     pub axis: usize,
@@ -73,7 +73,7 @@ pub(crate) struct StrainColumn {
 }
 
 /// A Magnus step over ΔX = `h`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MagnusStep {
     pub rod: usize,
     pub h: f64,
@@ -81,7 +81,7 @@ pub(crate) struct MagnusStep {
 }
 
 /// The bodies of a model, joined in a tree of frames, and the points on them that forces act on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tree<G, const D: usize, const P: usize> {
     pub(crate) dof: usize,
     /// `frames[0]` is the world; parents come before children.

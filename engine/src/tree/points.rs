@@ -3,7 +3,7 @@
 use crate::linalg::Vector;
 
 /// A point fixed in a frame; its local position may depend on the design.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point<const P: usize> {
     pub frame: usize,
     pub place: Place,
@@ -14,7 +14,7 @@ pub(crate) struct Point<const P: usize> {
 }
 
 /// The design-dependent part of a point's local position.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
     /// Nothing.
     Frame,
@@ -27,14 +27,14 @@ pub(crate) enum Place {
 }
 
 /// A contact sphere.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sphere {
     pub point: usize,
     pub radius: SphereRadius,
 }
 
 /// The source of a sphere's radius.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SphereRadius {
     /// This parameter.
     Parameter(usize),

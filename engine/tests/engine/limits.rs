@@ -4,11 +4,11 @@ use crate::systems::finger;
 use flexor_engine::equilibrium::{Cancel, ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::Model;
-use flexor_engine::{Batch, BatchResult};
+use flexor_engine::{Batch, PathResults};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBool>) -> BatchResult {
+fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBool>) -> PathResults {
     let model = Model::<SE2, 3, 2>::new(&finger()).unwrap();
     let batch = Batch {
         base: model.parameters(),
@@ -24,7 +24,7 @@ fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBoo
     model.solve_batch(batch, options, 2)
 }
 
-fn count(result: &BatchResult, status: Status) -> usize {
+fn count(result: &PathResults, status: Status) -> usize {
     result.status.iter().filter(|code| **code == status as u8).count()
 }
 
@@ -53,7 +53,7 @@ fn a_path_is_cancelled() {
     let loads: [&[f64]; 2] = [&[0.0], &[5.0]];
     let options = ContinuationOptions::default();
     let branch = model.follow_branch(model.parameters(), &loads, &q, options, Some(&cancel)).unwrap();
-    assert_eq!(branch.status.last(), Some(&(Status::Cancelled as u8)));
+    assert_eq!(branch.results.status.last(), Some(&(Status::Cancelled as u8)));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
-use flexor_engine::{Batch, BatchResult};
+use flexor_engine::{Batch, PathResults};
 
 /// The finger, with a second, unrelated rod and its chamber.
 fn finger_and_brick() -> Description {
@@ -24,7 +24,7 @@ fn finger_and_brick() -> Description {
     d
 }
 
-fn solve(model: &Model<SE2, 3, 2>, young_modulus: f64, held: f64) -> BatchResult {
+fn solve(model: &Model<SE2, 3, 2>, young_modulus: f64, held: f64) -> PathResults {
     let slot = model.layout().get("exosuit.young_modulus").unwrap();
     let loads: Vec<f64> = (0..=5).flat_map(|step| [f64::from(step), held]).collect();
     let batch = Batch {

@@ -5,7 +5,7 @@ use flexor_engine::linalg::{Matrix, Vector};
 use flexor_engine::strain::Mode;
 
 /// `G` with that exponential; everything else is `G`'s.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toolbox<G>(G);
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> LieGroup<D, P> for Toolbox<G> {

@@ -1,4 +1,4 @@
-"""Constants that are to be found, and how they enter the models."""
+"""Constants to be fitted, and the fields of the models that they set."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def check_fields(
 
 
 def full(field: str, file: ModelFile) -> str | None:
-    """Return a dotted field with its table in front, or None if the model has no such thing.
+    """Return a dotted field with its table in front, or None if the model has no such table.
 
     ``"exosuit.length"`` becomes ``"bodies.exosuit.length"``.
     """

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.calibration.optimum_run import OptimumRun
 from flexor.calibration.path_run import PathRun
 from flexor.calibration.problem import Problem
 from flexor.calibration.record import Key, Record
+from flexor.study.executors import DesignEvaluator, Threads
 
 # Difference steps as parts of a range: for paths wider than the roughness of sphere contacts and
 # narrower than their effect, for optima wider than the tolerance of a search.
@@ -28,12 +31,15 @@ class Evaluator:
 
     problem: Problem
     record: Record
-    threads: int = 0  # of the engine; 0 for one per core
+    executor: DesignEvaluator = field(default_factory=Threads)
     # Set to make every evaluation raise KeyboardInterrupt, in any thread.
     stopped: threading.Event = field(default_factory=threading.Event)
 
     def observed(self, u: Array, run: int, screening: bool = False, threads: int = 0) -> Array:
-        """Return the values (n, m) of one run at n points; NaN where it failed."""
+        """Return the values (n, m) of one run at n points; NaN where it failed.
+
+        In this process they are evaluated on ``threads`` threads, by default those of the executor.
+        """
         if self.stopped.is_set():
             raise KeyboardInterrupt
         screening = screening and isinstance(self.problem.runs[run], PathRun)
@@ -43,7 +49,7 @@ class Evaluator:
         fresh = {key: row for row, key in enumerate(keys) if values[row] is None}
         if fresh:
             rows = list(fresh.values())
-            found = self.problem.runs[run].evaluate(x[rows], screening, threads or self.threads)
+            found = self._evaluate(x[rows], run, screening, threads)
             self.record.add(list(fresh), found)
             by_key = dict(zip(fresh, found, strict=True))
             values = [by_key[key] if v is None else v for key, v in zip(keys, values, strict=True)]
@@ -88,10 +94,32 @@ class Evaluator:
             values = self.observed(points, run, threads=1)
         else:
             best = self.observed(u[None, :], run, threads=1)[0]
-            values = each.beside(self.problem.x(points), best)
+            values = self.executor.call(
+                self.problem,
+                _beside,
+                run,
+                self.problem.x(points),
+                best,
+                stopped=self.stopped.is_set,
+            )
         found = self._residuals(values, run)
         moved = np.array([points[2 * r, c] - points[2 * r + 1, c] for r, c in enumerate(columns)])
         return np.asarray(((found[::2] - found[1::2]) / moved[:, None]).T)
+
+    def _evaluate(self, x: Array, run: int, screening: bool, threads: int) -> Array:
+        """Evaluate one run with n sets of constants (n, c), on all workers of the executor."""
+        if isinstance(self.executor, Threads):
+            threads = threads or self.executor.threads
+            return self.problem.runs[run].evaluate(x, screening, threads)
+        parts = np.array_split(x, min(len(x), self.executor.slots))
+
+        def evaluated(part: Array) -> Array:
+            return self.executor.call(
+                self.problem, _evaluated, run, part, screening, stopped=self.stopped.is_set
+            )
+
+        with ThreadPoolExecutor(len(parts)) as waiting:
+            return np.concatenate(list(waiting.map(evaluated, parts)))
 
     def _residuals(self, values: Array, run: int) -> Array:
         parts = [
@@ -99,3 +127,15 @@ class Evaluator:
             for target, part in self.problem.of_run(run)
         ]
         return np.concatenate(parts, axis=1)
+
+
+def _evaluated(problem: Problem, run: int, x: Array, screening: bool) -> Array:
+    """Evaluate a run on a worker."""
+    return problem.runs[run].evaluate(x, screening, 1)
+
+
+def _beside(problem: Problem, run: int, x: Array, best: Array) -> Array:
+    """Evaluate a run close to a known optimum on a worker."""
+    searched = problem.runs[run]
+    assert isinstance(searched, OptimumRun)
+    return searched.beside(x, best)

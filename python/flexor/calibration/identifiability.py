@@ -76,7 +76,7 @@ class Identifiability:
     profiles: tuple[Profile, ...] = ()  # one for each constant, or none
 
     def verdict(self, i: int) -> Verdict:
-        """Say in words how well a constant is identified."""
+        """Return how well a constant is identified, in words."""
         if self.u[i] in (0.0, 1.0):
             return "at the end of its range"
         if self.deviation[i] <= _IDENTIFIABLE:
@@ -98,7 +98,7 @@ class Identifiability:
         return float(values[0]), float(values[1])
 
     def describe(self, direction: Direction) -> str:
-        """Write a direction as a combination of constants, with its 95 % range."""
+        """Return a direction as a combination of constants, with its 95 % range."""
         order = [int(i) for i in np.argsort(-np.abs(direction.weights))]
         matter = [i for i in order if abs(direction.weights[i]) >= 0.1]
         if not all(self.constants[i].log for i in matter):

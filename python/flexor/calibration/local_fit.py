@@ -18,7 +18,7 @@ _TARGET_MISFIT = 0.01  # at which a fit with optima ends: a tenth of a standard 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where a local fit ended."""
+    """Result of a local fit."""
 
     u: Array  # (c,), in the unit cube
     residuals: Array  # (r,)

@@ -18,7 +18,7 @@ from flexor.model.units import ANGLE, FORCE, LENGTH, Dimension
 
 @dataclass(frozen=True, eq=False)
 class ObservedPaths:
-    """Paths of n sets of constants over the same s loads."""
+    """Paths of n sets of constants under the same s loads."""
 
     model: Model  # with their structure
     parameters: Array  # (n, P), of the engine

@@ -24,13 +24,16 @@ Run = PathRun | OptimumRun
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Models, and what is observed of them."""
+    """Models and their observables."""
 
     constants: tuple[Constant, ...]
     systems: Mapping[str, System]  # by name; the model that is calibrated first
     runs: tuple[Run, ...]  # cheap ones first
     targets: tuple[BoundTarget, ...]  # in the order of the file
     places: tuple[tuple[int, slice], ...]  # of each target: its run, and where in its values
+
+    def __str__(self) -> str:
+        return f'the calibration of "{next(iter(self.systems))}"'
 
     @cached_property
     def fitted_runs(self) -> tuple[int, ...]:
@@ -40,7 +43,7 @@ class Problem:
 
     @cached_property
     def path_runs(self) -> tuple[int, ...]:
-        """Those of the fitted runs that are paths."""
+        """Fitted runs that are paths."""
         return tuple(run for run in self.fitted_runs if isinstance(self.runs[run], PathRun))
 
     @property

@@ -1,4 +1,4 @@
-"""The record of a calibration: everything that was evaluated, as it happens."""
+"""The record of a calibration: every evaluation, written at once."""
 
 from __future__ import annotations
 
@@ -45,9 +45,8 @@ CALIBRATION = Kind(
 class Record:
     """Observed values by run and the exact bytes of the constants.
 
-    A calibration that is simply run again finds its way to where it was interrupted without
-    evaluating anything twice: `evaluated` counts evaluations made now, `replayed` those answered
-    from what an earlier process had recorded.
+    An interrupted calibration is resumed by running it again, with recorded evaluations taken from
+    here: `evaluated` counts new evaluations, `replayed` those recorded by an earlier process.
     """
 
     def __init__(self, database: Database | None = None) -> None:

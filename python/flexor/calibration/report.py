@@ -34,7 +34,7 @@ class Row:
 
     @property
     def off(self) -> float:
-        """How far the value found is off."""
+        """Deviation of the value found."""
         return self.found - self.wanted
 
 

@@ -16,8 +16,8 @@ from flexor.calibration.result import Calibration
 from flexor.calibration.screening import default_samples
 from flexor.calibration.stages import ProgressCallback, Stages
 from flexor.model import Model
-from flexor.model.solver import useful_threads
 from flexor.store import Workspace
+from flexor.study.executors import AnyExecutor, chosen_executor
 
 
 def calibrate(
@@ -29,7 +29,7 @@ def calibrate(
     starts: int | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-    threads: int = 0,
+    executor: AnyExecutor | None = None,
     progress: ProgressCallback | None = None,
     finish: Callable[[Calibration], None] | None = None,
 ) -> Calibration:
@@ -50,8 +50,9 @@ def calibrate(
         Where to keep the calibration; in memory by default.
     resume : bool
         Resume the calibration in ``folder``, whose settings must be these.
-    threads : int
-        0 for one per core. Results do not depend on it.
+    executor : Threads, concurrent.futures.Executor or str, optional
+        Where constants are evaluated, as for `flexor.optimize`; on all cores by default. Results do
+        not depend on it.
     progress : callable, optional
         Called with a `Progress` periodically.
     finish : callable, optional
@@ -77,7 +78,6 @@ def calibrate(
     file, text = read(targets)
     problem = bind_problem(file, model, str(targets))
     seed = integer("seed", seed, 0)
-    useful_threads(threads)
     check_callable("progress", progress)
     check_callable("finish", finish)
     starts = file.search.starts if starts is None else integer("starts", starts, 1)
@@ -92,13 +92,16 @@ def calibrate(
         "starts": starts,
     }
     files, packages = {TARGETS: text}, problem.packages
-    with Workspace(CALIBRATION, folder, settings, files, resume, packages=packages) as workspace:
+    with (
+        chosen_executor(executor) as where,
+        Workspace(CALIBRATION, folder, settings, files, resume, packages=packages) as workspace,
+    ):
         record = Record(workspace.database)
         if first := record.first():
             (run, _, constants), recorded = first
             x = np.frombuffer(constants, dtype="<f8")[None, :]
             workspace.check_reproduces(recorded, problem.runs[run].evaluate(x)[0])
-        stages = Stages(problem, record, threads, progress)
+        stages = Stages(problem, record, where, progress)
         fits, identifiability = stages.analyse(stages.minima(samples, starts, seed))
         found = Calibration(
             title=file.title,

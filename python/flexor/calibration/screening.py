@@ -1,4 +1,4 @@
-"""The global search: an even cover of the ranges, whose best points become starts of local fits."""
+"""The global search: a Sobol sequence in the ranges, whose best points start local fits."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from flexor.arrays import Array
 from flexor.calibration.evaluator import Evaluator
 from flexor.errors import InputError
 
-_BATCH = 256  # points tried before the misfit that still matters is updated
+_BATCH = 256  # points evaluated before the threshold of the misfit is updated
 _START_SEPARATION = 0.05  # in parts of a range, in at least one constant
-_CANDIDATES_PER_START = 4  # evaluated fully, so that distinct starts are among them
+_CANDIDATES_PER_START = 4  # candidates kept, so that enough of them are distinct
 
 
 def default_samples(constants: int) -> int:
-    """Return how many points to try for so many constants."""
+    """Return the default number of points for a number of constants."""
     return int(min(4096, 256 * 2**constants))
 
 
@@ -29,8 +29,8 @@ def screen(
 ) -> Array:
     """Find good starts, (s, c) points of the unit cube that differ, the best first.
 
-    A Sobol sequence of so many samples, scrambled by `seed`, is tried; `report` is called with the
-    number of points tried and the lowest misfit.
+    The points are a Sobol sequence of `samples`, scrambled by `seed`; `report` is called with the
+    number of points evaluated and the lowest misfit.
 
     Notes
     -----

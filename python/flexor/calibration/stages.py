@@ -23,6 +23,7 @@ from flexor.calibration.record import Record
 from flexor.calibration.result import Fit
 from flexor.calibration.screening import screen
 from flexor.model.interruption import end_all
+from flexor.study.executors import DesignEvaluator, Threads
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -48,13 +49,17 @@ ProgressCallback = Callable[[Progress], None]
 
 
 class Stages:
-    """The stages of a calibration, and what they share."""
+    """The stages of a calibration, with their common state."""
 
     def __init__(
-        self, problem: Problem, record: Record, threads: int, progress: ProgressCallback | None
+        self,
+        problem: Problem,
+        record: Record,
+        executor: DesignEvaluator,
+        progress: ProgressCallback | None,
     ) -> None:
         self._problem, self._record, self._progress = problem, record, progress
-        self._evaluator = Evaluator(problem, record, threads)
+        self._evaluator = Evaluator(problem, record, executor)
         self._lowest = np.inf
 
     def minima(self, samples: int, starts: int, seed: int) -> list[Minimum]:
@@ -69,7 +74,7 @@ class Stages:
         )
 
     def analyse(self, minima: list[Minimum]) -> tuple[list[Fit], Identifiability]:
-        """Rank the minima, analyse the best, and predict what was held out."""
+        """Rank the minima, analyse the best, and predict the held-out targets."""
         fits = [Fit(self._problem, minimum, self._values(minimum)) for minimum in minima]
         fits.sort(key=lambda fit: (not fit.met, fit.misfit))
         minimum, identifiability = self._identifiability(fits[0].minimum)
@@ -87,7 +92,7 @@ class Stages:
         return fits, identifiability
 
     def _identifiability(self, minimum: Minimum) -> tuple[Minimum, Identifiability]:
-        """Analyse a minimum; where a profile leads to a better one, analyse that.
+        """Analyse a minimum, or a better one that a profile leads to.
 
         Profiles are left out if fits need searches for optima.
         """
@@ -116,10 +121,12 @@ class Stages:
     def _map(
         self, function: Callable[[Item], Result], items: list[Item], stage: str
     ) -> list[Result]:
-        """Apply a function to items on all cores; results in their order."""
+        """Apply a function to items, as many at a time as designs; results in their order."""
         self._report(stage, 0, len(items))
         results: list[Result] = []
-        with ThreadPoolExecutor(self._evaluator.threads or os.cpu_count()) as pool:
+        executor = self._evaluator.executor
+        threads = executor.threads if isinstance(executor, Threads) else executor.slots
+        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
             futures = [pool.submit(function, item) for item in items]
             try:
                 for future in futures:

@@ -18,7 +18,7 @@ _EXACT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A model as a function of all constants; those that are no field of it leave it alone."""
+    """A model as a function of all constants, of which some may set no field of it."""
 
     name: str
     file: ModelFile

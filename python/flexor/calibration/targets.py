@@ -1,4 +1,4 @@
-"""Targets bound to their models: what is observed, its target value and its tolerance."""
+"""Targets bound to their models: observable, target value and tolerance."""
 
 from __future__ import annotations
 

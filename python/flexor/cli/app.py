@@ -18,7 +18,7 @@ from flexor.errors import ClusterError, InputError
 
 
 class Command(TyperCommand):
-    """A command that refuses options given twice, of which the last would win silently."""
+    """A command that rejects repeated options, of which the last would be used silently."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; report an interruption that the command itself does not."""
@@ -74,7 +74,7 @@ app.command("methods")(listings.methods)
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
 )
 def reproduce(_: typer.Context) -> int:
-    """Refer to the place of the published study."""
+    """Refer to `./dev reproduce`."""
     raise InputError(
         "flexor reproduce is now `./dev reproduce`, in a clone of the repository of Flexor."
     )
@@ -116,7 +116,7 @@ def main(arguments: list[str] | None = None) -> None:
         print_error(str(error))
         code = 2
     except BrokenPipeError:
-        # The reader closed the pipe; what is still buffered goes nowhere.
+        # The reader closed the pipe; discard what is still buffered.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 141
     except OSError as error:

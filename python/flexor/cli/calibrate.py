@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import shlex
-from contextlib import nullcontext
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +12,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json, say
-from flexor.cli.folders import carry_out, new_folder, save_figure
+from flexor.cli.folders import carry_out, executor_for, new_folder, save_figure
 from flexor.cli.materials import Law, Strains, calibrate_material
 from flexor.cli.progress import CalibrationBar, duration
 from flexor.cli.table import number, show
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from flexor.calibration.report import Row
 
 CALIBRATIONS = FilePath("calibrations")
-_MISFIT = 2.0  # residuals in tolerances above which a model is said not to explain the values
+_MISFIT = 2.0  # residuals in tolerances above which the model does not explain the values
 
 
 def calibrate(
@@ -38,15 +37,15 @@ def calibrate(
         list[str] | None,
         typer.Argument(
             metavar="TARGETS",
-            help="A targets file (see docs/calibration.md); or tensile tests of more specimens.",
+            help="Targets file (see docs/calibration.md); or tensile tests of further specimens.",
         ),
     ] = None,
     folder: Annotated[
         FilePath | None,
-        typer.Option("--out", help="The folder to make; one in `calibrations/` by default."),
+        typer.Option("--out", help="Output folder; by default a new one in `calibrations/`."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Resume the calibration in that folder.")
+        bool, typer.Option("--resume", help="Resume the calibration in the folder of `--out`.")
     ] = False,
     seed: options.Seed = 0,
     samples: Annotated[
@@ -55,12 +54,13 @@ def calibrate(
     ] = None,
     starts: Annotated[
         int | None,
-        typer.Option(callback=options.at_least(1), help="How many of them to refine."),
+        typer.Option(callback=options.at_least(1), help="Number of these points that are refined."),
     ] = None,
     name: Annotated[
-        str, typer.Option(help="What to call the set of constants, or the material.")
+        str, typer.Option(help="Name of the set of constants, or of the material.")
     ] = "calibrated",
     threads: options.Threads = 0,
+    cluster: options.Cluster = None,
     constants: options.Constants = None,
     changes: options.Set = None,
     law: Law = None,
@@ -69,13 +69,13 @@ def calibrate(
 ) -> int:
     """Fit constants of a model to measured values, or of a material to tensile tests.
 
-    TARGETS says which fields of the model may vary within which ranges, and the values to fit:
-    angles, forces, positions. The folder gets the constants, ready to be pasted into the model
-    file, a table, a report and a figure. Every evaluation is recorded at once; after Ctrl-C,
-    `--resume` continues.
+    TARGETS defines the fields of the model to fit, with their ranges, and the measured values:
+    angles, forces, positions. The constants are written to the folder, ready to be pasted into the
+    model file, with a table, a report and a figure. Every evaluation is recorded immediately, so a
+    calibration can be interrupted (Ctrl-C) and resumed with `--resume`.
 
-    For example:
-
+    Examples
+    --------
     * `flexor calibrate finger examples/bench-targets.toml`
     * `flexor calibrate finger examples/bench-targets.toml --out bench`
     * `flexor calibrate finger examples/bench-targets.toml --out bench --resume`
@@ -85,7 +85,7 @@ def calibrate(
     fitted to their mean, and the one that predicts best is printed as the table `[materials.NAME]`
     of a model file; `--out` writes it with a figure (see docs/materials.md).
 
-    Exit code 1: hard targets were not met.
+    The exit code is 1 if a hard target is not met.
     """
     if model.lower().endswith(".csv"):
         return calibrate_material([model, *(inputs or [])], name, law, strains, folder, as_json)
@@ -114,7 +114,7 @@ def calibrate(
             _show(found, seconds, files)
         return 0 if found.best.met else 1
 
-    def work(executor: None, **shared: Any) -> None:
+    def work(**shared: Any) -> None:
         calibration.calibrate(
             loaded,
             targets,
@@ -123,18 +123,18 @@ def calibrate(
             starts=starts,
             folder=place,
             resume=resume,
-            threads=threads,
             **shared,
         )
 
     again = shlex.join(
         ["flexor", "calibrate", model, targets, *_given(context), "--resume", "--out"]
     )
-    return carry_out(again, place, nullcontext(), CalibrationBar(), work, report)
+    where = executor_for(threads, cluster)
+    return carry_out(again, place, where, CalibrationBar(), work, report)
 
 
 def _given(context: typer.Context) -> list[str]:
-    """Return the options given that resuming must repeat."""
+    """Return the given options that must be repeated when resuming."""
     words: list[str] = []
     for each in context.command.params:
         source = context.get_parameter_source(each.name or "")

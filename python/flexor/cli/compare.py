@@ -29,7 +29,8 @@ def compare(
         typer.Option(
             "--parameters",
             "-p",
-            help="Parameter sets, such as `L,R01,L+R01`; the paper's seven by default.",
+            help="Parameter sets, such as `L,R01,L+R01`; by default the built-in ones, alone and "
+            "with `L`.",
         ),
     ] = None,
     objective: options.Objective = "bending",
@@ -100,7 +101,7 @@ def compare(
         work = partial(
             comparison.compare,
             loaded,
-            comparison.PAPER_SETS if parameters is None else parameters,
+            comparison.BUILT_IN_SETS if parameters is None else parameters,
             objective,
             methods=methods,
             seeds=seeds,

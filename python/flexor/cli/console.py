@@ -34,7 +34,7 @@ err = _PlainConsole(stderr=True, highlight=False)
 
 
 def plain(text: str) -> Text:
-    """Return a text, possibly from somebody's file, as it is shown: line breaks stay."""
+    """Return a text, possibly from a file, without control characters except line breaks."""
     return Text("\n".join(one_line(line) for line in text.split("\n")))
 
 

@@ -1,4 +1,4 @@
-"""What commands that work in a folder share: options, executors, interruption and figures."""
+"""Common parts of commands that work in a folder: options, executors, interruption, figures."""
 
 from __future__ import annotations
 
@@ -103,10 +103,10 @@ def carry_out(
 ) -> int:
     """Do the work of a command in a folder; return the exit code.
 
-    ``work`` is called with an executor, the progress bar and what it is to call with its result
-    while the folder is locked: ``report`` writes the outputs, given the result and the time that
-    it took [s], and returns the exit code. ``resuming`` is the command that resumes, without the
-    folder.
+    ``work`` is called with an executor, the progress bar and a function that it calls with its
+    result while the folder is locked. That function calls ``report``, which writes the outputs,
+    given the result and the time [s], and returns the exit code. ``resuming`` is the command that
+    resumes, without the folder.
     """
     began, code = time.monotonic(), 0
 

@@ -29,7 +29,7 @@ def sets(
     model: Annotated[
         str | None,
         typer.Argument(
-            metavar="[MODEL]", help="Model file or preset whose bounds and start to show."
+            metavar="MODEL", help="Model file or preset whose bounds and start to show."
         ),
     ] = None,
 ) -> None:

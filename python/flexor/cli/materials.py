@@ -23,29 +23,30 @@ Law = Annotated[
     str | None,
     typer.Option(
         metavar="LAW",
-        help="Of tensile tests: fit this law only (neo-hookean, mooney-rivlin, yeoh, ogden-1 or "
+        help="For tensile tests: fit only this law (neo-hookean, mooney-rivlin, yeoh, ogden-1 or "
         "ogden-2).",
     ),
 ]
 Strains = Annotated[
     str | None,
     typer.Option(
-        metavar="MIN:MAX", help="Of tensile tests: the strains to fit, such as 0:1.5 for 150 %."
+        metavar="MIN:MAX",
+        help="For tensile tests: range of strains to fit, such as 0:1.5 for 150 %.",
     ),
 ]
 
 
 def materials(
     name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="A material; omit to list all.")
+        str | None, typer.Argument(metavar="NAME", help="A material; omit to list all.")
     ] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> None:
     """List the library of materials, or show one as a table of a model file.
 
-    For example:
-
+    Examples
+    --------
     * `flexor materials`
     * `flexor materials dragon-skin-10 --plot dragon-skin-10.png`
 
@@ -116,7 +117,7 @@ def calibrate_material(
     name
         Of the material.
     law
-        The law to fit; by default the one that predicts best.
+        Law to fit; by default the one that predicts best.
     strains
         The range ``MIN:MAX``; by default all that the specimens reach.
     folder

@@ -35,7 +35,7 @@ Model = Annotated[
 ]
 OptionalModel = Annotated[
     str | None,
-    typer.Argument(metavar="[MODEL]", help="Model file or preset; omit with --resume."),
+    typer.Argument(metavar="MODEL", help="Model file or preset; omit with --resume."),
 ]
 Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")

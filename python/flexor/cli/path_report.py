@@ -34,7 +34,7 @@ def report(path: Path) -> None:
         say(why_stalled(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
-        say(f"held by nothing: {', '.join(free)}")
+        say(f"without stiffness: {', '.join(free)}")
     if path.converged[-1]:
         _print_extremes(path)
     for warning in path.warnings:
@@ -94,11 +94,11 @@ def _contacts(path: Path) -> Columns:
 
 
 def _device(path: Path) -> Columns:
-    """Return what device and wearer feel."""
+    """Return contact, strain, volumes and forces of the device."""
     model, found = path.model, {}
     if model.foundations:
         found["overlap / mm"] = 1e3 * path.max_overlap
-        found["on the skin / kPa"] = path.max_contact_pressure / 1e3
+        found["contact pressure / kPa"] = path.max_contact_pressure / 1e3
     if np.isfinite(path.stretch).any():
         found["strain / %"] = 100.0 * path.max_strain
     for name, volume in zip(model.pressures, path.volume.T, strict=True):

@@ -1,4 +1,4 @@
-"""`flexor simulate`: follow a model's equilibrium as its actuation rises and falls."""
+"""`flexor simulate`: follow the equilibrium of a model along a load path."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ def simulate(
             metavar="LOADS",
             help="Forces in N, pressures, or volumes and lengths of controlled inputs: "
             "`first:last:step`, values, or a list of both such as `0:5:1,5:0:1` or `0:60:5 kPa`; "
-            "of a model with several inputs `NAME=LOADS`, repeated.",
+            "for a model with several inputs `NAME=LOADS`; may be repeated.",
         ),
     ] = None,
     start: Annotated[
         list[str] | None,
         typer.Option(
             metavar="START",
-            help="Where to begin: a file of `simulate --json` (its last equilibrium, under its "
-            "load), or coordinates without load such as `ph_1=20 deg`, repeated.",
+            help="Initial state: an output file of `simulate --json` (its last equilibrium, under "
+            "its load), or coordinates without load such as `ph_1=20 deg`; may be repeated.",
         ),
     ] = None,
     follow: Annotated[
         str,
         typer.Option(
             metavar="HOW",
-            help="`load`, stable equilibria only, or `arc-length`, one branch through its limit "
-            "points.",
+            help="`load` (stable equilibria only) or `arc-length` (one branch through its limit "
+            "points).",
         ),
     ] = "load",
     constants: options.Constants = None,
@@ -51,18 +51,8 @@ def simulate(
 
     Prints the joint angles, the number of spheres in contact, the tip force and the static
     stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load
-    step does not converge; its state is then one of the following, and a remedy is printed below
-    the table (see also `docs/method.md`):
-
-    * `iteration-limit`: too many iterations, usually because of many successive snaps
-    * `unstable`: an unstable equilibrium under loads without a potential
-    * `time-limit`: more time than `max_seconds` allows
-    * `cancelled`: the solve was interrupted
-    * `unrestrained`: a force acts on a motion that nothing holds
-    * `stalled`: the energy cannot be reduced further, but the residual exceeds the tolerance
-    * `diverged`: the energy is not finite, or no acceptable step was found
-    * `invalid-design`: a length, radius, modulus or stiffness is invalid
-    * `not-reached`: an earlier load step failed
+    step does not converge; the meaning of its status and a remedy are printed below the table
+    (`docs/method.md` lists all statuses).
 
     Examples
     --------

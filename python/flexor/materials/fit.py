@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
-from flexor.materials import laws
+from flexor.materials.laws import fibre_energy
 from flexor.materials.material import Constant, Material
 from flexor.materials.tensile import TensileTest
 
@@ -129,19 +129,14 @@ def _slack(test: TensileTest) -> float:
     return min(max(at_zero - 1.0, 0.0), max(float(test.stretch[0]) - 1.0, 0.0))
 
 
-def _stresses(stretch: Array, rows: Sequence[Sequence[float]]) -> Array:
-    """Return the nominal stress of each row of terms with unit constants, (points, rows)."""
-    return np.stack([laws.uniaxial(np.array([row]), stretch).first for row in rows], axis=1)
-
-
 def _linear(
-    rows: Sequence[Sequence[float]], kind: str, names: Sequence[str]
+    kind: str, names: Sequence[str]
 ) -> Callable[[Array, Array, Array], list[dict[str, Constant]]]:
     """Return the fit of a law that is linear in its constants."""
-    factor = 0.5 if kind == "neo-hookean" else 1.0
 
     def solve(stretch: Array, stress: Array, scatter: Array) -> list[dict[str, Constant]]:
-        basis = factor * _stresses(stretch, rows)
+        units = np.eye(len(names)).tolist()
+        basis = np.stack([fibre_energy(kind, unit, stretch).first for unit in units], axis=1)
         found = np.linalg.lstsq(basis / scatter[:, None], stress / scatter, rcond=None)[0]
         return [dict(zip(names, map(float, found), strict=True))]
 
@@ -154,7 +149,8 @@ def _ogden(
     """Return the fit of Ogden's law: exponents by least squares, moduli eliminated."""
 
     def moduli(alpha: Array, stretch: Array, stress: Array, scatter: Array) -> tuple[Array, Array]:
-        basis = _stresses(stretch, [(a, 1.0 / a, 0.0, 0.0) for a in alpha]) / scatter[:, None]
+        columns = [fibre_energy("ogden", (1.0, a), stretch).first for a in alpha.tolist()]
+        basis = np.stack(columns, axis=1) / scatter[:, None]
         size = np.linalg.norm(basis, axis=0)
         mu = np.linalg.lstsq(basis / size, stress / scatter, rcond=1e-8)[0] / size
         return mu, basis @ mu - stress / scatter
@@ -182,17 +178,9 @@ class _Law:
 
 
 LAWS: Mapping[str, _Law] = {
-    "neo-hookean": _Law(
-        "neo-hookean", 1, _linear([(2, 1, 0, 0)], "neo-hookean", ["shear_modulus"])
-    ),
-    "mooney-rivlin": _Law(
-        "mooney-rivlin",
-        2,
-        _linear([(2, 1, 0, 0), (-2, 1, 0, 0)], "mooney-rivlin", ["c10", "c01"]),
-    ),
-    "yeoh": _Law(
-        "yeoh", 3, _linear([(2, 1, 0, 0), (2, 0, 1, 0), (2, 0, 0, 1)], "yeoh", ["c1", "c2", "c3"])
-    ),
+    "neo-hookean": _Law("neo-hookean", 1, _linear("neo-hookean", ["shear_modulus"])),
+    "mooney-rivlin": _Law("mooney-rivlin", 2, _linear("mooney-rivlin", ["c10", "c01"])),
+    "yeoh": _Law("yeoh", 3, _linear("yeoh", ["c1", "c2", "c3"])),
     "ogden-1": _Law("ogden", 2, _ogden((2.0,), (4.0,), (-2.0,))),
     "ogden-2": _Law("ogden", 4, _ogden((1.3, 5.0), (2.0, -2.0), (4.0, -4.0))),
 }
@@ -249,11 +237,9 @@ def fit(curve: Curve, law: str, name: str = "material") -> Fit | None:
 def is_stable(material: Material, end: float) -> bool:
     """Say whether the tangent modulus is positive, free and wound, from λ = 0.5 to `end`."""
     stretch = np.linspace(COMPRESSED, end, 400)
-    if material.kind == "linear":
-        return True
     return all(
-        bool(np.all(energy(material.terms, stretch).second > 0.0))
-        for energy in (laws.uniaxial, laws.wound)
+        bool(np.all(fibre_energy(material.kind, material.numbers, stretch, wound).second > 0.0))
+        for wound in (False, True)
     )
 
 

@@ -103,19 +103,10 @@ class Material:
         return float(np.asarray(self[constant], dtype=float))
 
     @property
-    def terms(self) -> Array:
-        """The terms α, k_1, k_2, k_3 of the energy, (n, 4) [-, Pa, Pa, Pa]; linear: (0, 4)."""
-        rows: list[tuple[Constant, ...]] = []
-        if self.kind == "neo-hookean":
-            rows = [(2.0, 0.5 * self._number("shear_modulus"), 0.0, 0.0)]
-        elif self.kind == "mooney-rivlin":
-            rows = [(2.0, self["c10"], 0.0, 0.0), (-2.0, self["c01"], 0.0, 0.0)]
-        elif self.kind == "yeoh":
-            rows = [(2.0, self["c1"], self["c2"], self["c3"])]
-        elif self.kind == "ogden":
-            pairs = zip(np.ravel(self["mu"]), np.ravel(self["alpha"]), strict=True)
-            rows = [(alpha, mu / alpha, 0.0, 0.0) for mu, alpha in pairs]
-        return np.array(rows, dtype=float).reshape(-1, 4)
+    def numbers(self) -> list[float]:
+        """The constants in the order of the engine: Ogden's as pairs μ_i, α_i."""
+        columns = [np.ravel(self[key]) for key in KINDS[self.kind]]
+        return [float(x) for x in np.stack(columns, axis=1).ravel()]
 
     @property
     def poisson_ratio(self) -> float:
@@ -125,10 +116,16 @@ class Material:
     @property
     def young_modulus(self) -> float:
         """Young's modulus E of the unwound material at small strain [Pa]."""
+        c = self.numbers
         if self.kind == "linear":
-            return self._number("young_modulus")
-        terms = self.terms
-        return float(1.5 * np.sum(terms[:, 0] ** 2 * terms[:, 1]))
+            return c[0]
+        shear = {
+            "neo-hookean": c[0],
+            "mooney-rivlin": 2.0 * sum(c),
+            "yeoh": 2.0 * c[0],
+            "ogden": 0.5 * sum(mu * alpha for mu, alpha in zip(c[::2], c[1::2], strict=False)),
+        }
+        return 3.0 * shear[self.kind]
 
     @property
     def shear_modulus(self) -> float:
@@ -141,35 +138,14 @@ class Material:
         Parameters
         ----------
         stretch : array_like
-            λ, of any shape; positive unless the material is linear.
+            λ, of any shape.
 
         Returns
         -------
         flexor.materials.laws.Energy
             w [J/m³], w' (the nominal stress) [Pa] and w'' [Pa], of the shape of `stretch`.
         """
-        hoop = self.winding == "hoop"
-        if self.kind == "linear":
-            plane = 1.0 - self.poisson_ratio**2 if hoop else 1.0
-            return laws.linear(self.young_modulus / plane, stretch)
-        return (laws.wound if hoop else laws.uniaxial)(self.terms, stretch)
-
-    def sheet_energy(self, stretch: ArrayLike, hoop: ArrayLike) -> laws.SheetEnergy:
-        """Return the energy at given axial and hoop stretches, whatever the winding.
-
-        Parameters
-        ----------
-        stretch, hoop : array_like
-            λ and h, of shapes that broadcast; positive unless the material is linear.
-
-        Returns
-        -------
-        flexor.materials.laws.SheetEnergy
-            The energy [J/m³] and its first and second derivatives [Pa].
-        """
-        if self.kind == "linear":
-            return laws.linear_sheet(self.young_modulus, self.poisson_ratio, stretch, hoop)
-        return laws.biaxial(self.terms, stretch, hoop)
+        return laws.fibre_energy(self.kind, self.numbers, stretch, self.winding == "hoop")
 
     def nominal_stress(self, stretch: ArrayLike) -> Array:
         """Return the force per unstrained area, w'(λ) [Pa]; see `energy`."""

@@ -1,4 +1,4 @@
-"""Events on the way of a path: branches of equilibria that ended."""
+"""Events along a path: ends of branches of equilibria."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """A branch of equilibria that ended on the way, and where the model went."""
+    """The end of a branch of equilibria, and the states before and after it."""
 
     kind: str  # what happened, one of `flexor._engine.EVENTS`
     step: int  # the step of the path during which it happened, or 0 if before it

@@ -1,4 +1,4 @@
-"""Where a state loads the device and its wearer most."""
+"""Places of the largest overlap, contact pressure and strain of a state."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extreme:
-    """The largest value of a quantity in a state, and where it is."""
+    """The largest value of a quantity in a state, with its place."""
 
     value: float  # SI
     body: str

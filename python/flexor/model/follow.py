@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,15 @@ from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
-from flexor.model.events import event_table, no_events
+from flexor.model.events import event_table
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
 from flexor.model.structure import Structure
 
-_EngineArray = Literal[
+_PER_STEP = (
     "q",
-    "stable",
     "iterations",
     "residual",
     "tolerance",
@@ -37,8 +36,7 @@ _EngineArray = Literal[
     "max_contact_pressure",
     "volume",
     "stretch",
-]
-_ARRAYS: tuple[_EngineArray, ...] = get_args(_EngineArray)
+)
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)
 _REGULARITY: NDArray[np.object_] = np.array(REGULARITY, dtype=object)
@@ -74,22 +72,30 @@ def follow(
             settings["gradient"] = indices.astype(np.int64)
         with _input_errors():
             found = model.engine.path(indices, values, steps, threads, **settings)
-        arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _ARRAYS}
-        codes, events = found["status"][:, lead:], found["events"]
-        arrays["status"], arrays["converged"] = _STATUS[codes], codes == _CONVERGED
-        arrays["stability"] = _STABILITY[found["stability"][:, lead:]]
-        arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
-        arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
-        arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
-        arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
-        if gradient:
-            arrays["gradient"] = found["gradient"]
-            arrays["regularity"] = _REGULARITY[found["regularity"]]
+        arrays = _arrays(model, found, lead)
+        arrays["converged"] = found["status"][:, lead:] == _CONVERGED
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    angles = whole["q"][:, :, model.joint_columns]
-    return Paths(model=model, loads=loads, joint_angles=angles, **whole, **_arrays(model, geometry))
+    return Paths(model=model, loads=loads, **whole, **_geometry(model, geometry))
+
+
+def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, NDArray[Any]]:
+    """Return the arrays of `Paths` from those of the engine, without the first ``lead`` steps."""
+    arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _PER_STEP}
+    codes, events = found["status"][:, lead:], found["events"]
+    arrays["status"] = _STATUS[codes]
+    arrays["stability"] = _STABILITY[found["stability"][:, lead:]]
+    arrays["stable"] = (codes == _CONVERGED) & (arrays["stability"] == "stable")
+    arrays["joint_angles"] = arrays["q"][:, :, model.joint_columns]
+    arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
+    arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
+    arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
+    arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
+    if "gradient" in found:
+        arrays["gradient"] = found["gradient"]
+        arrays["regularity"] = _REGULARITY[found["regularity"]]
+    return arrays
 
 
 def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
@@ -104,7 +110,7 @@ def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
 def _free(
     found: Iterable[Iterable[int]], shape: tuple[int, ...], lead: int, model: Structure
 ) -> NDArray[np.object_]:
-    """Name, for each design and step, the coordinates of motions that nothing holds."""
+    """Name the coordinates of free motions, for each design and step."""
     names = np.empty(shape, dtype=object)
     names.fill(())
     coordinates = model.engine.coordinates
@@ -133,27 +139,9 @@ def follow_branch(
     settings, steps = _from_start(loads, start, options)
     with _input_errors():
         branch = model.engine.branch(_parameters(model, geometry), steps, **settings)
-    found: dict[str, Any] = dict(branch)
-    codes, found_loads = found.pop("status"), found.pop("loads")
-    stability = _STABILITY[found.pop("stability")]
-    free = [(0, *each) for each in found.pop("free").tolist()]
-    arrays = {name: array[None] for name, array in found.items()}
-    return Paths(
-        model=model,
-        loads=found_loads,
-        applied=found_loads[None],
-        status=_STATUS[codes][None],
-        converged=np.isin(codes, [_CONVERGED, _UNSTABLE])[None],
-        stable=(stability == "stable")[None],
-        stability=stability[None],
-        free=_free(free, (1, len(codes)), 0, model),
-        joint_angles=arrays["q"][:, :, model.joint_columns],
-        event_table=no_events(1, len(model.joints)),
-        event_count=np.zeros(1, dtype=np.int64),
-        total_iterations=arrays["iterations"].sum(axis=1, dtype=np.int64),
-        **arrays,
-        **_arrays(model, geometry),
-    )
+    reached = np.isin(branch["status"], [_CONVERGED, _UNSTABLE])
+    arrays = {**_arrays(model, branch, 0), "converged": reached}
+    return Paths(model=model, loads=branch["loads"], **arrays, **_geometry(model, geometry))
 
 
 def _slots(model: Structure, design: Geometry | SlotValues) -> tuple[NDArray[np.intp], Array]:
@@ -185,7 +173,7 @@ def _from_start(
     return settings, loads
 
 
-def _arrays(model: Structure, geometry: Geometry | SlotValues | None) -> dict[str, Any]:
+def _geometry(model: Structure, geometry: Geometry | SlotValues | None) -> dict[str, Any]:
     if geometry is None:
         return {}
     if isinstance(geometry, SlotValues):

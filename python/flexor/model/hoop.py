@@ -1,4 +1,4 @@
-"""How much a cavity that nothing winds widens under pressure."""
+"""Hoop strain of cavities without a winding under pressure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ending what other threads compute when this one is interrupted."""
+"""Termination of the work of other threads when this one is interrupted."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _AGAIN = 0.05
 
 
 def end_all(futures: Collection[Future[Any]]) -> None:
-    """Cancel what waits, end every solve that runs (it raises KeyboardInterrupt), and wait.
+    """Cancel pending futures, end all running solves (they raise KeyboardInterrupt), and wait.
 
     The futures are work of threads of this process, which stops by itself between solves.
     """

@@ -12,7 +12,7 @@ from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
-# Widths beyond its limit up to which the law of a joint is meant; then it only holds.
+# Widths beyond its limit up to which the law of a joint is valid.
 WIDTHS = 10.0
 
 

@@ -34,7 +34,7 @@ def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> 
         Dimension of the loads. Texts with pressures (``"0:60:5 kPa"``), volumes and lengths need a
         unit.
     name
-        What they are, for messages.
+        Their name in messages.
 
     Returns
     -------

@@ -180,7 +180,7 @@ class Model(Structure):
 
 
 def rebuilt(text: str, hash: str) -> Model:
-    """Build a model that was pickled, and see that it is the same."""
+    """Rebuild a pickled model, and check that it is the same."""
     model = Model(parse(text))
     if model.hash != hash:
         raise InputError(

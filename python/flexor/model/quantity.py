@@ -1,4 +1,4 @@
-"""Values with units whose kind is known, or follows from the unit."""
+"""Values with units of a known kind, or of the kind that follows from the unit."""
 
 from __future__ import annotations
 

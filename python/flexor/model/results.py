@@ -63,23 +63,23 @@ class Results:
     joint_angles : (n, s, joints) array
         Coordinates of the joints [rad; m for translations].
     status : (n, s) array of str
-        How each step ended, ``"converged"`` or what went wrong; `flexor.model.MEANINGS` says what
-        each means and what to do.
+        Status of each step, ``"converged"`` or the reason of its failure; `flexor.model.MEANINGS`
+        has the meaning of each and a remedy.
     converged, stable : (n, s) bool arrays
         Whether an equilibrium was found, and whether its stability is ``"stable"``.
     stability : (n, s) array of str
         Static stability, one of `flexor._engine.STABILITY`: ``"stable"``; ``"neutral"``, where some
-        motion is held by nothing; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
+        motion has no stiffness; ``"unstable"``; ``"flutter-undecided"``, where a complex pair of
         eigenvalues has a negative real part, so that masses decide; ``"unknown"``, where there is
         no equilibrium or the check failed.
     free : (n, s) array of tuples of str
-        Coordinates of the motions that nothing holds.
+        Coordinates of free motions: those that take part in motions without stiffness.
     iterations : (n, s) array
         Newton iterations.
     residual : (n, s) array
-        Largest residual of a coordinate, as a share of the forces that act on it.
+        Largest residual of a coordinate, as a fraction of the forces that act on it.
     tolerance : (n, s) array
-        What it may be: the tolerance asked for, and the rounding of the terms that balance.
+        Its bound: the requested tolerance plus the rounding of the terms that balance.
     energy : (n, s) array
         Potential [J], without the work of controlled inputs.
     pairs, touching : (n, s) arrays
@@ -93,12 +93,12 @@ class Results:
     volume : (n, s, pressures) array
         Volume of each cavity under pressure, in the order of the model's pressures [m³].
     stretch : (n, s, materials, 2) array
-        Least and greatest stretch of the fibres of each of the file's materials; NaN of one that no
-        section has.
+        Least and greatest stretch of the fibres of each of the file's materials; NaN if no section
+        has it.
     event_table : (n,) array of structured arrays
-        Snaps on the way as arrays with the fields of `Event`, of which `events` is made.
+        Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
-        Snaps and Newton iterations along the whole path.
+        Events and Newton iterations along the whole path.
     gradient : (n, joints + 1, slots) array
         Total derivatives of the joints' coordinates and, last, of the tip force at the last step,
         with respect to the engine's parameters that `Model.geometry_slots` places; NaN where there
@@ -188,7 +188,7 @@ class Results:
 
     @property
     def events(self) -> Any:
-        """Snaps on the way: a tuple of `Event`, or an (n,) array of these."""
+        """Events along the path: a tuple of `Event`, or an (n,) array of these."""
         if self.event_table is None:
             return None
         one = "n" not in self.axes
@@ -205,7 +205,7 @@ class Results:
         return self.model.first_spheres
 
     def _take(self, key: Any) -> Any:
-        """Take designs and steps as numpy does, one after the other axis."""
+        """Take designs and steps, each axis as NumPy does."""
         keys = key if isinstance(key, tuple) else (key,)
         if len(keys) > len(self.axes):
             raise IndexError(f"{type(self).__name__} has {len(self.axes)} axes, got {len(keys)}.")
@@ -429,7 +429,7 @@ class Path(Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, straps, joints and hoop strains beyond their limits, a sentence each."""
+        """Materials, straps, joints and hoop strains beyond their limits, one sentence each."""
         checks = (materials_exceeded, straps_exceeded, joints_exceeded, balloons)
         return [sentence for check in checks for sentence in check(self)]
 
@@ -445,7 +445,7 @@ class Path(Results):
 
     @property
     def contact_quantities(self) -> tuple[str, ...]:
-        """Which of the quantities of contact the model has."""
+        """Names of the contact quantities that the model has."""
         if self.max_overlap is None or not self.model.first_spheres:
             return ()
         skins = ("max_contact_pressure",) if self.model.foundations else ()

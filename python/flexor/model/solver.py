@@ -1,4 +1,4 @@
-"""Options of the engine's solver, checked against what the engine says of them."""
+"""Options of the engine's solver, checked against the ranges that the engine declares."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexor._engine import SOLVER_OPTIONS
 from flexor.errors import InputError, unknown
 from flexor.model.validation import describe
 
-# Beyond the cores of a machine more threads only cost memory.
+# More threads than cores only use more memory.
 _MOST_THREADS = 64
 
 

@@ -1,7 +1,4 @@
-"""What it means that a load step ended as it did, and what one can do.
-
-The engine has the statuses (`flexor._engine.STATUS`); this says them to people.
-"""
+"""Meaning and remedy of each status of a load step (`flexor._engine.STATUS`)."""
 
 from __future__ import annotations
 
@@ -11,62 +8,59 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
-# Status: what it means; what to do.
+# Status: meaning, remedy. The table in `docs/method.md` repeats them, which a test checks.
 MEANINGS = MappingProxyType(
     {
-        "converged": (
-            "an equilibrium; its stability is given separately",
-            "no action needed",
-        ),
+        "converged": ("an equilibrium; its stability is reported separately", "none needed"),
         "unstable": (
-            "an equilibrium from which some motion grows by itself, without a stable one to be "
-            "found near it; only loads without a potential end there",
-            "look at the path before it, in smaller load steps",
+            "an unstable equilibrium, near which no stable one was found; occurs only with loads "
+            "without a potential",
+            "inspect the preceding path, in smaller load steps",
         ),
         "iteration-limit": (
-            "more iterations in this load step than max_iterations allows, mostly many snaps in a "
-            "row",
-            "raise max_iterations if each snap matters; otherwise less load, or a stiffer design",
+            "more than max_iterations iterations in this load step, usually because of many "
+            "successive snaps",
+            "raise max_iterations, reduce the load, or use a stiffer design",
         ),
         "stalled": (
-            "the energy cannot be lowered any more, yet forces do not balance: scales too far "
-            "apart for double precision",
-            "check units, and bring stiffnesses that differ by many orders of magnitude together",
+            "the energy cannot be reduced further, but forces do not balance: scales too far apart "
+            "for double precision",
+            "check units, and reduce differences of many orders of magnitude between stiffnesses",
         ),
         "diverged": (
-            "the energy is not finite, or no step could be found",
-            "check units; apply far less load, or reach it in more steps",
+            "the energy is not finite, or no acceptable step was found",
+            "check units; reduce the load, or use more load steps",
         ),
         "invalid-design": (
-            "a number is not finite, a length, radius or modulus not positive, or a stiffness or "
-            "density negative",
+            "a number is not finite, a length, radius or modulus is not positive, or a stiffness "
+            "or density is negative",
             "correct the design, or narrow its bounds",
         ),
         "not-reached": ("an earlier load step failed", "see that step"),
         "unrestrained": (
-            "a force acts on a motion that nothing holds",
-            "hold it: with a stiffness, a limit, a spring or a support",
+            "a force acts along a motion without stiffness",
+            "restrain it by a stiffness, a limit, a spring or a support",
         ),
         "time-limit": (
-            "more time for this load step than max_seconds allows",
-            "raise max_seconds, or take a smaller model or fewer snaps",
+            "more than max_seconds in this load step",
+            "raise max_seconds, or simplify the model",
         ),
-        "cancelled": ("the solve was asked to stop", "start it again"),
+        "cancelled": ("the solve was interrupted", "repeat it"),
     }
 )
 
 
 def explained(status: str) -> str:
-    """Say what a status, one of `flexor._engine.STATUS`, means and what one can do."""
+    """Return meaning and remedy of a status as text."""
     meaning, advice = MEANINGS[status]
-    return f"{status}: {meaning}. What to do: {advice}."
+    return f"{status}: {meaning}. Remedy: {advice}."
 
 
 def why_stalled(path: Path) -> str:
-    """Say how far forces are from balance where a path stalled, and what stiffness is behind it."""
+    """Return how far forces are from balance where a path stalled, and the largest stiffness."""
     step = path.status.tolist().index("stalled")
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
-    said = f"residual {residual:.2g} of the forces, where rounding allows for {tolerance:.2g}"
+    said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
     model = path.model
     file, slots = model.file, model.engine.slots
     names = [("contacts", name) for name in file.contacts]

@@ -1,4 +1,4 @@
-"""What a model is made of: its file, the engine built from it, names and counts of the parts."""
+"""The structure of a model: its file, its engine, and the names and counts of its parts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from flexor.model.units import FORCE, Dimension
 
 
 class Structure:
-    """A model without its equilibria, the base of `flexor.model.Model`."""
+    """A model without methods for equilibria, the base of `flexor.model.Model`."""
 
     def __init__(self, file: ModelFile, source: str | None = None) -> None:
         self.file = file
@@ -60,7 +60,7 @@ class Structure:
     def input_dimensions(self) -> dict[str, Dimension]:
         """Dimension of each load input: a force, moment or pressure, or the factor of a wrench.
 
-        Of a controlled one it is the change of a volume or a length.
+        For a controlled input it is the change of a volume or a length.
         """
         actuators, wrenches = self.file.actuators, self.file.wrenches
         return {
@@ -75,7 +75,7 @@ class Structure:
 
     @cached_property
     def controlled(self) -> dict[str, Dimension]:
-        """Inputs whose loads are found, and the dimension of what is found."""
+        """Controlled inputs, with the dimension of the load that is found."""
         found = self.file.actuators.items()
         return {name: each.applied for name, each in found if each.loads is not each.applied}
 
@@ -95,7 +95,7 @@ class Structure:
         return [*self.input_dimensions.values(), FORCE][index].shown
 
     def load_name(self, index: int = 0) -> str:
-        """Return what the loads of an input are, such as ``"force"``."""
+        """Return the kind of the loads of an input, such as ``"force"``."""
         return [*self.input_dimensions.values(), FORCE][index].noun
 
     def show_load(self, load: float, spec: str = "g", index: int = 0) -> str:
@@ -222,7 +222,7 @@ class Structure:
         Raises
         ------
         InputError
-            If it does not say.
+            If these are not defined.
         """
         evaluation = self.file.evaluation
         if evaluation.loads:

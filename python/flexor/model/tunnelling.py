@@ -1,4 +1,4 @@
-"""Contact spheres that stand so far apart that another body may pass between them."""
+"""Contact spheres so far apart that another body may pass between them."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from flexor.model.structure import Structure
 def warn_of_gaps(model: Structure) -> None:
     """Warn, in one sentence for each contact, where it may be missed.
 
-    That is where, in the reference state, neighbouring spheres of a rod stand further apart than
-    they are wide, or a sphere of the other group fits between those of a link.
+    That is, if in the reference state the gap between neighbouring spheres of a rod exceeds their
+    diameter, or a sphere of the other group fits between those of a link.
     """
     if model.file.contacts:
         for sentence in _gaps(model):

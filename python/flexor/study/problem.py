@@ -49,6 +49,9 @@ class Problem:
     objective: Objective
     options: Mapping[str, float] = field(default_factory=dict)
 
+    def __str__(self) -> str:
+        return f'parameter set "{self.parameters.name}" or objective "{self.objective.name}"'
+
     @classmethod
     def of(
         cls,

@@ -50,7 +50,7 @@ pub struct ActuatorDescription {
 }
 
 /// All chambers and cables; the load inputs come first and in their order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Actuators(Vec<Actuator>);
 
 impl Actuators {
@@ -166,7 +166,7 @@ pub(crate) struct Tangents {
     along: Vec<f64>,
 }
 
-/// A Gauss point in the state at hand.
+/// A Gauss point in the current state.
 #[derive(Clone, Debug)]
 pub(crate) struct PointSensitivity {
     /// (y, z) of the path in the cross-section.
@@ -330,7 +330,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    /// How the path's tangent τ and its arms change with S, S′, the lever and L.
+    /// Derivatives of the path's tangent τ and its arms with respect to S, S′, the lever and L.
     fn add_parameter_work(
         &self,
         at: &State<G, D, P>,

@@ -5,7 +5,7 @@ use crate::strain::Mode;
 use crate::tree::{GaussPoint, Rod};
 
 /// A chamber or cable: one load input acting along a path on one rod.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Actuator {
     pub rod: usize,
     /// +1 when a positive input lengthens the path, −1 when it shortens it.
@@ -17,7 +17,7 @@ pub(super) struct Actuator {
 }
 
 /// The design-independent part of the path at a Gauss point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct RoutingPoint {
     pub offset: [f64; 2],
     pub slope: [f64; 2],
@@ -57,7 +57,7 @@ pub(super) fn add_tangent_of(strain: &[f64; 6], modes: &[Mode], d: [f64; 2], tau
 /// τ̂ and |τ|.
 #[inline]
 pub(super) fn unit_tangent(tau: [f64; 3], base: [f64; 3]) -> ([f64; 3], f64) {
-    // A path collapsed to a point has no direction; a tiny floor keeps the tangent finite.
+    // A path collapsed to a point has no direction; the floor keeps the tangent finite.
     let norm = dot(&tau, &tau).sqrt().max(1e-9 * base[0].abs());
     (tau.map(|t| t / norm), norm)
 }

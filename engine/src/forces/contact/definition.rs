@@ -28,7 +28,7 @@ pub struct ContactDescription {
     /// they touch the spheres themselves.
     #[serde(default)]
     pub cones: Vec<RoundConeDescription>,
-    /// Share of `stiffness` of each sphere of the first group; empty: all of it.
+    /// Fraction of `stiffness` of each sphere of the first group; one for each if empty.
     #[serde(default)]
     pub weights: Vec<f64>,
     /// Whether `stiffness` is per length [N/m²] and each share times the length of the sphere's body.
@@ -47,11 +47,11 @@ pub struct RoundConeDescription {
     pub joined: bool,
 }
 
-/// The share of a radius by which a pair whose force is kept may part.
-const REACH: f64 = 0.5;
+/// Largest gap of a pair whose force is kept, as a fraction of the radius.
+const KEPT_GAP: f64 = 0.5;
 
 /// Contact between two groups of spheres.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Contact {
     /// Spheres of the first group.
     pub first: Range<usize>,
@@ -63,18 +63,18 @@ pub(crate) struct Contact {
     pub tip: Vec<bool>,
     /// Parameter holding k.
     pub stiffness: usize,
-    /// What the spheres of the first group touch, when it is not the second group's spheres.
+    /// Round cones that the first group touches in place of the second group's spheres.
     pub cones: Vec<RoundCone>,
-    /// Shares of k of the first group's spheres; empty: one each.
+    /// Fractions of k of the first group's spheres; one for each if empty.
     pub weights: Vec<f64>,
     /// Parameters holding the lengths that multiply the shares; empty when k is not per length.
     pub lengths: Vec<usize>,
-    /// Balls around blocks of the second group's spheres, where these are many.
+    /// Bounding balls of blocks of the second group's spheres, if they are many.
     pub balls: Range<usize>,
 }
 
 /// The convex hull of two spheres.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RoundCone {
     pub ends: [usize; 2],
     /// Whether its first end is that where the one before it ends.
@@ -82,7 +82,7 @@ pub(crate) struct RoundCone {
 }
 
 impl Contact {
-    /// Builds a contact, without balls.
+    /// Builds a contact, without bounding balls.
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
         contact: &ContactDescription,
@@ -154,9 +154,9 @@ impl Contact {
         share * self.lengths.get(i).map_or(1.0, |l| parameters[*l])
     }
 
-    /// How far a pair whose force is kept may part.
+    /// Largest gap of a pair whose force is kept.
     pub fn reach(&self, radii: &[f64]) -> f64 {
-        REACH * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
+        KEPT_GAP * radii[self.first.clone()].iter().copied().fold(0.0, f64::max)
     }
 
     /// Whether a sphere of the first group belongs to its tip.
@@ -165,7 +165,7 @@ impl Contact {
         self.tip[first - self.first.start]
     }
 
-    /// The most couplings that the contact can report at once.
+    /// Largest number of couplings that the contact can report at once.
     pub fn most_couplings(&self) -> usize {
         // A round cone couples three frames, and the sphere shared with the one before it two.
         let solids = if self.cones.is_empty() { self.second.len() } else { 4 * self.cones.len() };

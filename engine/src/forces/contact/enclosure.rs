@@ -6,10 +6,10 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use std::ops::Range;
 
-/// Spheres of one block, neighbours in their group.
-const BLOCK: usize = 8;
-/// With fewer pairs of spheres a test of each pair is as fast.
-const MANY: usize = 1_000;
+/// Number of consecutive spheres that share a ball.
+const BLOCK_SIZE: usize = 8;
+/// Number of pairs below which testing each pair is as fast.
+const MIN_PAIRS: usize = 1_000;
 
 /// A ball that contains a block of spheres of a contact's second group.
 #[derive(Clone, Debug)]
@@ -22,27 +22,27 @@ impl<const P: usize> Ball<P> {
     pub const POINT: Self = Self { centre: Vector::ZERO, radius: 0.0 };
 }
 
-/// How many balls a contact needs.
+/// Number of balls of a contact.
 pub(crate) fn count(contact: &Contact) -> usize {
-    let few = contact.first.len() * contact.second.len() < MANY;
-    if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK) }
+    let few = contact.first.len() * contact.second.len() < MIN_PAIRS;
+    if few || !contact.cones.is_empty() { 0 } else { contact.second.len().div_ceil(BLOCK_SIZE) }
 }
 
 /// The `k`-th block of `count` spheres.
 #[inline]
 pub(crate) fn block(spheres: usize, k: usize) -> Range<usize> {
-    k * BLOCK..((k + 1) * BLOCK).min(spheres)
+    k * BLOCK_SIZE..((k + 1) * BLOCK_SIZE).min(spheres)
 }
 
-/// Encloses the blocks of all contacts that need it.
+/// Updates the balls of all contacts.
 pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
     contacts: &[Contact],
     balls: &mut [Ball<P>],
 ) {
     for contact in contacts {
-        let centres = contact.second_centres(&at.tree.spheres, &at.kinematics.points).chunks(BLOCK);
-        let radii = at.geometry.radii[contact.second.clone()].chunks(BLOCK);
+        let centres = contact.second_centres(&at.tree.spheres, &at.kinematics.points).chunks(BLOCK_SIZE);
+        let radii = at.geometry.radii[contact.second.clone()].chunks(BLOCK_SIZE);
         for (ball, (centres, radii)) in balls[contact.balls.clone()].iter_mut().zip(centres.zip(radii)) {
             ball.centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
             let spheres = centres.iter().zip(radii);

@@ -22,21 +22,22 @@ use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::SAME_FORCE;
 use crate::tree::{ModelError, Tree};
 use enclosure::Ball;
 
 /// All contacts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Contacts(Vec<Contact>);
 
 /// The contacts of a state.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactState<const P: usize> {
-    /// Around spheres of contacts with many.
+    /// Bounding balls of contacts with many spheres.
     balls: Vec<Ball<P>>,
     /// The pairs that touch, with the index of their contact.
     pairs: Vec<(usize, ContactPair<P>)>,
-    /// Their forces as kept, with the index of the contact.
+    /// The kept forces, with the index of their contact.
     kept: Vec<(usize, KeptForce)>,
 }
 
@@ -113,8 +114,8 @@ impl Contacts {
         }
     }
 
-    /// Visits the pairs of a contact that touch, or lack less than `margin` of it and have negative
-    /// overlap, in the order of the first group.
+    /// Visits the pairs of a contact that touch, or whose gap, a negative overlap, is below
+    /// `margin`, in the order of the first group.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         at: &State<G, D, P>,
@@ -131,7 +132,7 @@ impl Contacts {
     }
 }
 
-/// The forces kept of one contact.
+/// The kept forces of one contact.
 fn of_contact(kept: &[(usize, KeptForce)], contact: usize) -> impl Iterator<Item = &KeptForce> {
     kept.iter().filter(move |(index, _)| *index == contact).map(|(_, force)| force)
 }
@@ -312,7 +313,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for (contact, k, pair) in self.pairs(at.parameters(), state) {
             let force = pair.normal * (k * pair.overlap);
             let same = |f: &ContactForce<P>| {
-                f.first == pair.first && (f.force + force).norm() <= 1e-9 * force.norm()
+                f.first == pair.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
             let shared = out.iter().rposition(same).filter(|_| pair.weight < 0.0);
             if let Some(i) = shared {

@@ -1,12 +1,13 @@
 //! A pair in contact and its derivatives.
 //!
 //! Its energy is ½ k w d₊² with d = R + r(t) − ‖p − c(t)‖: a sphere at p of radius R overlaps the solid
-//! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, t being where d is largest.
+//! around c(t) = (1 − t) a + t b with r(t) = (1 − t) r_a + t r_b by d, where t maximises d.
 //! For two spheres a = b. First derivatives hold t (it is a maximum); second derivatives follow it.
 
 use super::super::state::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::COINCIDENT;
 use crate::tree::Tree;
 
 /// A sphere of the first group that overlaps a sphere or round cone of the second.
@@ -29,7 +30,7 @@ pub(crate) struct ContactPair<const P: usize> {
     pub weight: f64,
 }
 
-/// The force of a pair, kept apart from its distance.
+/// The force of a pair as an unknown of its own, see [`Law`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptForce {
     first: usize,
@@ -42,9 +43,6 @@ impl KeptForce {
         Self { first: pair.first, second: pair.second, force }
     }
 }
-
-/// The share of their reach to which the distance of two centres counts as zero.
-const CONCENTRIC: f64 = 1e-6;
 
 /// Changes of the three points of a pair: p, a, b.
 pub(crate) type Motion<const P: usize> = [Vector<P>; 3];
@@ -72,13 +70,12 @@ impl<const P: usize> ContactPair<P> {
         }
     }
 
-    /// Whether a force is kept of this pair; on its way along a solid it may have passed to its end.
+    /// Whether a force of this pair is kept, possibly at another point of the same solid.
     pub fn is_among<'a>(&self, mut kept: impl Iterator<Item = &'a KeptForce>) -> bool {
         kept.any(|force| self.has(force))
     }
 
-    /// Takes over the force kept of it, if the law says so; `k` is its stiffness. `false` where it does not
-    /// act.
+    /// Applies the kept force, if the law says so; `k` is the stiffness. `false` if the pair does not act.
     pub fn take_force<'a>(
         &mut self,
         law: Law,
@@ -123,11 +120,11 @@ impl<const P: usize> ContactPair<P> {
         *p - *a * (1.0 - self.t) - *b * self.t
     }
 
-    /// The distance that the curvature across the normal depends on: where spheres are concentric it is as
-    /// negative as close by, so that they part in any direction in which they can.
+    /// The distance that determines the curvature across the normal. For concentric spheres it is bounded,
+    /// so that the curvature is as negative as nearby and they separate in any possible direction.
     #[inline]
     pub fn curvature_radius(&self) -> f64 {
-        self.distance.max(CONCENTRIC * (self.distance + self.overlap))
+        self.distance.max(COINCIDENT * (self.distance + self.overlap))
     }
 
     /// The change of d.

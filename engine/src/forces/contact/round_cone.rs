@@ -1,7 +1,7 @@
 //! Contact of spheres with round cones, the convex hulls of two spheres: ½ k w max(d, 0)².
 //!
-//! Round cones that continue one another share a sphere; their energies are added and that of the
-//! shared sphere is taken off, so that a bent chain is touched as one solid. Every term has a
+//! Consecutive round cones share a sphere; their energies are added and that of the shared sphere is
+//! subtracted, so that a bent chain is touched as one solid. Every term has a
 //! continuous gradient.
 
 use super::super::state::State;
@@ -102,7 +102,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// Whether a sphere meets a round cone at all: in self-contact, only if that lies far enough ahead.
+/// Whether a sphere and a round cone form a pair: in self-contact, only if the cone is far enough ahead.
 #[inline]
 pub(crate) fn counts(contact: &Contact, first: usize, cone: &RoundCone) -> bool {
     !contact.is_self() || cone.ends[0].min(cone.ends[1]) >= first + contact.skip.max(1)

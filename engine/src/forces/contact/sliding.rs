@@ -16,8 +16,8 @@ struct Side<const D: usize, const P: usize> {
     curvature: Matrix<D, D>,
 }
 
-/// The second derivative of a pair that touches between the ends of a round cone: up to three frames, each coupled
-/// with the others.
+/// The second derivative of a pair that touches between the ends of a round cone: up to three frames, each
+/// coupled with the others.
 pub(crate) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
     pair: &ContactPair<P>,

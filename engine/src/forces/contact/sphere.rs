@@ -7,8 +7,8 @@ use super::pair::ContactPair;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 
-/// Visits the pairs of spheres of a contact that touch or lack less than `margin` of it, in the order
-/// of the first group.
+/// Visits the pairs of spheres of a contact whose gap is below `margin`, in the order of the first
+/// group.
 #[inline]
 pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
@@ -29,7 +29,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         } else {
             0
         };
-        // Without balls, all of them as one block.
+        // Without balls all spheres form one block.
         for k in 0..balls.len().max(1) {
             let block = match balls.get(k) {
                 None => ahead..centres.len(),
@@ -57,7 +57,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// Unit vector along r and its length: any direction will do for the centres of concentric spheres.
+/// Unit vector along r and its length; the direction is arbitrary for concentric spheres.
 #[inline]
 pub(crate) fn direction<const P: usize>(r: Vector<P>, length: f64, size: f64) -> (Vector<P>, f64) {
     let smallest = 1e-12 * size;

@@ -5,9 +5,7 @@ use super::definition::Contact;
 use super::round_cone::{closest, counts};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
-
-/// Gap below which a pair counts as being at the threshold, relative to the sum of its radii.
-const THRESHOLD: f64 = 1e-7;
+use crate::tolerances::SWITCHING_DISTANCE;
 
 /// Whether any pair of spheres that can move relative to each other is about to close or open.
 pub(crate) fn of_spheres<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -24,7 +22,7 @@ pub(crate) fn of_spheres<G: LieGroup<D, P>, const D: usize, const P: usize>(
             let reach = radii[first] + radii[second];
             let r = points[a] - points[b];
             let distance = r.norm();
-            let near = (distance - reach).abs() < THRESHOLD * reach && distance > 0.0;
+            let near = (distance - reach).abs() < SWITCHING_DISTANCE * reach && distance > 0.0;
             if near && moves(&[a, b], &(r * (1.0 / distance))) {
                 return true;
             }
@@ -33,7 +31,7 @@ pub(crate) fn of_spheres<G: LieGroup<D, P>, const D: usize, const P: usize>(
     false
 }
 
-/// The same for spheres against round cones, and whether a sphere in contact is just about to pass
+/// As [`of_spheres`] for spheres against round cones, and whether a sphere in contact is about to pass
 /// from a cone's side to its end.
 pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
@@ -56,10 +54,10 @@ pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 t if t >= 1.0 => &[p, b],
                 _ => &[p, a, b],
             };
-            if gap.abs() < THRESHOLD * reach && moves(touched, &found.normal) {
+            if gap.abs() < SWITCHING_DISTANCE * reach && moves(touched, &found.normal) {
                 return true;
             }
-            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
             if gap < 0.0 && found.unbounded.is_some_and(passing) {
                 let axis = points[b] - points[a];
                 if moves(&[p, a, b], &axis) || moves(&[p, a, b], &found.normal) {

@@ -71,7 +71,7 @@ pub struct FibreRodDescription {
 }
 
 /// A material: its constants are parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Material {
     pub law: Law,
     pub wound: bool,
@@ -82,7 +82,7 @@ pub(super) struct Material {
 pub(super) const NUMBERS: usize = 12;
 
 /// A section: the places of its parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct FibreSection {
     /// Material of each fibre, sorted.
     pub materials: Vec<usize>,
@@ -98,7 +98,7 @@ pub(super) struct FibreSection {
 type Pairs = Vec<Vec<(usize, usize, usize)>>;
 
 /// A rod with its sections.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct FibreRod {
     pub rod: usize,
     pub sections: Vec<FibreSection>,

@@ -10,6 +10,7 @@ mod evaluation;
 mod jet;
 mod law;
 mod sensitivity;
+mod single;
 
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
@@ -27,7 +28,7 @@ pub use law::Law;
 pub(crate) use sensitivity::FibreSensitivity;
 
 /// All rods with sections of fibres.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FibreSections {
     materials: Vec<Material>,
     rods: Vec<FibreRod>,

@@ -1,5 +1,5 @@
-//! Derivatives of the fibres' virtual work: λᵀ∂g/∂p = Σ w A w′(λ) b·ê, with b = (L, z, −y) and ê the virtual
-//! ε, θ_y and θ_z.
+//! Derivatives of the fibres' virtual work: λᵀ∂g/∂p = Σ w A w′(λ) b·ê, with b = (L, z, −y) and ê the
+//! virtual ε, θ_y and θ_z.
 
 use super::description::{Fibre, symmetric};
 use super::jet::{Constant, MixedJet};
@@ -7,7 +7,7 @@ use super::{FibreSections, Law, NUMBERS, length_power, numbers, strains};
 use crate::forces::state::State;
 use crate::lie::LieGroup;
 
-/// A fibre in the state at hand.
+/// A fibre in the current state.
 #[derive(Clone, Copy, Debug)]
 struct FibreForce {
     fibre: Fibre,

@@ -1,4 +1,4 @@
-//! What a potential of a rod's point in the frame of a link adds: forces, tangent and derivatives.
+//! Forces, tangent and derivatives of a potential that depends on a rod's point in the frame of a link.
 
 use super::super::element::{Velocities, VirtualMotion};
 use super::super::magnitudes::Magnitudes;
@@ -89,7 +89,7 @@ pub(super) fn add_tangent<G: LieGroup<D, P>, const D: usize, const P: usize>(
     out.couplings.push(Coupling { row: rod, column: link, form: (pulled + back * turned) * -1.0 });
 }
 
-/// Adds how large the forces are.
+/// Adds the magnitudes of the forces.
 pub(super) fn add_magnitudes<G: LieGroup<D, P>, const D: usize, const P: usize>(
     at: &State<G, D, P>,
     touch: &Touch<P>,

@@ -15,7 +15,8 @@ pub struct FoundationDescription {
     pub name: String,
     /// Spheres of a rod, at the points at which the contact is integrated along it.
     pub first: String,
-    /// Share of the rod's length of each of these; where it is zero, only overlap and pressure are told.
+    /// Share of the rod's length of each of these; where it is zero, only overlap and pressure are
+    /// reported.
     pub weights: Vec<f64>,
     /// Share of each of these that belongs to the tip.
     pub tip: Vec<f64>,
@@ -38,7 +39,7 @@ pub struct FoundationDescription {
 }
 
 /// An elastic foundation: the places of its parameters, and its constants.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Foundation {
     pub first: Range<usize>,
     pub weights: Vec<f64>,
@@ -141,7 +142,7 @@ impl Foundation {
         cone.ends.map(|end| self.stiffness + end - self.second.start)
     }
 
-    /// Whether its parameters make physical sense.
+    /// Whether its parameters are physically meaningful.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
         let stiffness = &parameters[self.stiffness..][..self.second.len()];
         let width = |(point, radius): (usize, &usize)| {
@@ -151,7 +152,7 @@ impl Foundation {
         stiffness.iter().all(|k| *k >= 0.0) && self.radii.iter().enumerate().map(width).all(|b| b > 0.0)
     }
 
-    /// The most couplings that it can report at once.
+    /// Largest number of couplings that it can report at once.
     pub fn most_couplings(&self) -> usize {
         self.first.len() * 2 * self.cones.len()
     }

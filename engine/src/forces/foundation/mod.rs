@@ -21,20 +21,18 @@ use super::terms::Terms;
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
 use attached::{moved, points, relative};
 use definition::Foundation;
 use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
 /// All elastic foundations.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Foundations(Vec<Foundation>);
 
-/// Position on a cone's axis, as a share of it, to which a point counts as being at its end.
-const THRESHOLD: f64 = 1e-7;
-
-/// Depth, as a share of S, at which the stiffness of a contact that closes is predicted.
-const USUAL_DEPTH: f64 = 0.05;
+/// Depth, as a fraction of S, at which the stiffness of a closing contact is predicted.
+const TYPICAL_DEPTH: f64 = 0.05;
 
 impl Foundations {
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -44,8 +42,8 @@ impl Foundations {
         foundations.iter().map(|d| Foundation::build(tree, d)).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Visits the round cones that points of the rods touch, or lack less than `margin` of touching, and,
-    /// with negative weight, the spheres that two of them share.
+    /// Visits the round cones whose gap to a point of the rods is below `margin` and, with negative
+    /// weight, the spheres that two of these share.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
@@ -98,7 +96,7 @@ impl Foundations {
 
     /// Adds to the summary, and to the force on the tip, without allocating.
     ///
-    /// Points without weight only tell overlap and pressure.
+    /// Points without weight only count for overlap and pressure.
     pub fn summarise<const P: usize>(
         &self,
         state: &[Touch<P>],
@@ -224,8 +222,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
-    /// For the predictor, contacts that open and close with the stiffness that they have or, before they
-    /// touch, at a depth that is usual.
+    /// For the predictor, contacts that open and close with their current stiffness or, before they touch,
+    /// with that at a typical depth.
     fn for_each_switch(
         &self,
         at: &State<G, D, P>,
@@ -239,7 +237,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             }
             let foundation = &self.0[near.foundation];
             let Near { first, depth, found, .. } = &near;
-            let usual = USUAL_DEPTH * near.surface;
+            let usual = TYPICAL_DEPTH * near.surface;
             let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
             let touch = Touch::new(foundation, at.parameters(), &expected);
             let [a, b] = touch.ends;
@@ -296,7 +294,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         let mut found = false;
         self.for_each_near(at, 0.0, |near| {
-            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < THRESHOLD;
+            let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
             if near.found.unbounded.is_some_and(passing) {
                 let [a, b] = self.0[near.foundation].cones[near.cone].ends;
                 let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
@@ -311,7 +309,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for touch in state {
             let force = -touch.gradient();
             let same = |f: &ContactForce<P>| {
-                f.first == touch.first && (f.force + force).norm() <= 1e-9 * force.norm()
+                f.first == touch.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
             if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
                 out.remove(i);

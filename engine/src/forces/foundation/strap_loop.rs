@@ -29,7 +29,7 @@ pub struct StrapLoopDescription {
 }
 
 /// A strap around a link: its spheres, and parameters holding k and ℓ₀.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct StrapLoop {
     spheres: [usize; 3],
     stiffness: usize,
@@ -37,7 +37,7 @@ struct StrapLoop {
 }
 
 /// All straps around links.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StrapLoops(Vec<StrapLoop>);
 
 impl StrapLoops {

@@ -10,6 +10,7 @@ use super::super::{
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::strain::Mode;
+use crate::tolerances::UNIT_NORM;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     pub(super) fn add_body(&mut self, body: &BodyDescription) -> Result<(), ModelError> {
@@ -228,7 +229,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     fn axis_twist(&self, field: &str, axis: [f64; 3], angular: bool) -> Result<Vector<D>, ModelError> {
         finite(field, &axis)?;
         let norm = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
-        if (norm - 1.0).abs() > 1e-9 {
+        if (norm - 1.0).abs() > UNIT_NORM {
             return Err(ModelError::new(
                 field,
                 format!("found {axis:?} of norm {norm}, must be a unit vector"),

@@ -84,8 +84,8 @@ class Actuator(Force):
     """A chamber (u > 0 elongates it) or a cable (u > 0 is its tension) along a rod.
 
     Its offset from the axis is ``path`` + ``lever`` S(X). A scalar lever is along z, so that 1 is
-    on the dorsal surface. Controlled by its ``length``, its loads are changes of that: of a chamber
-    how much longer, of a cable how much shorter it is than in the reference state.
+    on the dorsal surface. With ``control = "length"`` its loads are changes of length from the
+    reference state: the elongation of a chamber, the shortening of a cable.
     """
 
     description: ClassVar[str] = "actuators"
@@ -100,14 +100,14 @@ class Actuator(Force):
 
     @property
     def loads(self) -> units.Dimension:
-        """What its loads are."""
+        """Dimension of its loads."""
         if self.control == "force":
             return self.applied
         return units.LENGTHENING if self.kind == "chamber" else units.SHORTENING
 
     @property
     def applied(self) -> units.Dimension:
-        """What it acts with."""
+        """Dimension of the force with which it acts."""
         return units.FORCE
 
     def check(self, path: str, system: BodySystem) -> None:

@@ -1,4 +1,4 @@
-"""What a pressure in the cavity of a rod acts on."""
+"""Areas and moments on which the pressure in a cavity acts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _rule(points: int) -> tuple[Array, Array]:
 def lower_cavity(
     rod: Rod, cavity: str, span: tuple[float, float], materials: Materials
 ) -> dict[str, Any]:
-    """Describe to the engine what a pressure in a cavity acts on.
+    """Describe the area on which the pressure in a cavity acts to the engine.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How rods touch links through their skins."""
+"""Contact of rods with links through their skins."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def touching(system: BodySystem) -> tuple[list[str], list[str]]:
 
 
 def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict[str, Any]]]:
-    """Describe to the engine how rods touch links through their skins.
+    """Describe the contact of rods with links through their skins to the engine.
 
     Yields
     ------
@@ -70,7 +70,7 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
     cones = [{"ends": [2 * i, 2 * i + 1], "joined": bool(j)} for i, j in enumerate(joined)]
     for name in rods:
         rod = system.rod(name)
-        # Ends of elements have no weight: there pressure is only told.
+        # Ends of elements have no weight: only the pressure is reported there.
         points, shares = rod.gauss_rule
         weights, tip = np.zeros((2, rod.sample_count))
         weights[points], tip[points] = shares, _tip_shares(rod, shares)
@@ -95,7 +95,7 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
 
 
 def lower_self_contact(system: BodySystem) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Describe to the engine how rods with a skin touch themselves.
+    """Describe the self-contact of rods with a skin to the engine.
 
     Unless told, those do that close to a ring while their surface is strained by less than one
     half, L > 4 π S. Points nearer than π S along the rod do not touch.

@@ -10,24 +10,17 @@ from pydantic import Field, model_validator
 
 from flexor import materials
 from flexor.errors import InputError
+from flexor.materials.laws import engine_name
 from flexor.model import units
 from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table
 from flexor.model.units import Density, Modulus, PositiveModulus
 from flexor.model.validation import describe, field_error
 
-_LAWS = {
-    "linear": "linear",
-    "neo-hookean": "neo_hookean",
-    "mooney-rivlin": "mooney_rivlin",
-    "yeoh": "yeoh",
-    "ogden": "ogden",
-}
-
 
 class Material(Table):
     """A constitutive law with its constants; see `flexor.materials.laws`.
 
-    With ``library`` it is that material of the library, but for the keys that are given.
+    With ``library``, keys that are not given are those of that material of the library.
     """
 
     library: Name | None = None
@@ -53,7 +46,7 @@ class Material(Table):
     @model_validator(mode="before")
     @classmethod
     def _complete(cls, data: object) -> object:
-        """Take what is not given from the library."""
+        """Take keys that are not given from the library."""
         if not isinstance(data, Mapping) or not isinstance(data.get("library"), str):
             return data
         try:
@@ -110,16 +103,10 @@ class Material(Table):
             Its name.
         """
         material = self.material(name)
-        constants: list[float] = []
-        if self.kind == "ogden":
-            for mu, alpha in zip(self.mu or (), self.alpha or (), strict=True):
-                constants += [float(mu), float(alpha)]
-        else:
-            constants = [float(material[key]) for key in materials.KINDS[self.kind]]  # type: ignore[arg-type]
         return {
             "name": name,
-            "law": _LAWS[self.kind],
-            "constants": constants,
+            "law": engine_name(self.kind),
+            "constants": material.numbers,
             "wound": self.winding == "hoop",
         }
 

@@ -1,4 +1,4 @@
-"""Obstacles: what is fixed in the world and stops contact spheres."""
+"""Obstacles: planes fixed in the world that contact spheres press on."""
 
 from __future__ import annotations
 

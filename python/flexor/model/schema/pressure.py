@@ -22,7 +22,7 @@ Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 class Pressure(Force):
     """A pressure in a cavity of a rod, from ``span[0]`` to ``span[1]`` of its length.
 
-    Controlled by the ``volume`` of the cavity, its loads are what is added to that of the reference
+    With ``control = "volume"`` its loads are changes of the volume of the cavity from the reference
     state.
     """
 
@@ -36,12 +36,12 @@ class Pressure(Force):
 
     @property
     def loads(self) -> units.Dimension:
-        """What its loads are."""
+        """Dimension of its loads."""
         return self.applied if self.control == "pressure" else units.VOLUME
 
     @property
     def applied(self) -> units.Dimension:
-        """What it acts with."""
+        """Dimension of the pressure with which it acts."""
         return units.PRESSURE
 
     @model_validator(mode="after")

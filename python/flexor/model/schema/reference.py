@@ -1,4 +1,4 @@
-"""Where bodies are in the reference state, all coordinates being zero."""
+"""Poses of bodies in the reference state, in which all coordinates are zero."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
 class Piece(Table):
-    """What all sections have in common: where a rod has it, if it has several."""
+    """Base class of sections: the span of a rod that has the section."""
 
     span: tuple[Fraction, Fraction] | None = None
 
@@ -79,7 +79,7 @@ class Layer(Table):
 
 
 class Hollow(Piece):
-    """What sections with one cavity have in common."""
+    """Base class of sections with one cavity."""
 
     wall: Size
     material: Name | None = None

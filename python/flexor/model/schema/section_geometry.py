@@ -35,7 +35,7 @@ Materials = Mapping[str, Material]
 
 
 def is_made_of_fibres(rod: Rod) -> bool:
-    """Whether a rod's section is more than a solid shape of its own modulus."""
+    """Whether the engine needs the fibres of a rod's section."""
     return rod.material is not None or not isinstance(rod.section, Solid)
 
 

@@ -160,7 +160,7 @@ class Strap(Force):
         return float(np.hypot(along - x, across)) - base - x / length * taper - surface_here
 
     def fraction(self, system: BodySystem) -> float:
-        """Return where on the body it is sewn, as a fraction of its length."""
+        """Return the place on the body where it is sewn, as a fraction of the length."""
         assert isinstance(self.to, Station)
         body = system.bodies[self.to.body]
         if self.to.point is not None and isinstance(body, Rod):

@@ -29,7 +29,7 @@ class Wrench(Attachment, Force):
 
     @property
     def load(self) -> Dimension:
-        """What the load of the path is: a force or moment itself where the vector has length 1."""
+        """Dimension of its load: a force or moment if the vector has length one, else a factor."""
         force, moment = (math.hypot(*each.components) for each in (self.force, self.moment))
         return {(1.0, 0.0): FORCE, (0.0, 1.0): MOMENT}.get((force, moment), LOAD_FACTOR)
 

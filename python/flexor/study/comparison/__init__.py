@@ -5,7 +5,7 @@ from __future__ import annotations
 from flexor.study.comparison.profiles import Profile, data_profiles, performance_profiles
 from flexor.study.comparison.result import MethodComparison, SearchRun, Summary
 from flexor.study.comparison.run import (
-    PAPER_SETS,
+    BUILT_IN_SETS,
     compare,
     open_comparison,
     resume_comparison,
@@ -13,7 +13,7 @@ from flexor.study.comparison.run import (
 from flexor.study.comparison.work import ComparisonCallback, ComparisonProgress
 
 __all__ = [
-    "PAPER_SETS",
+    "BUILT_IN_SETS",
     "ComparisonCallback",
     "ComparisonProgress",
     "MethodComparison",

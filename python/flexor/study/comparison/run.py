@@ -32,7 +32,7 @@ from flexor.study.settings import (
 if TYPE_CHECKING:
     from flexor.model import Model
 
-PAPER_SETS = ("L", "R01", "L+R01", "Rsc", "L+Rsc", "RLP", "L+RLP")
+BUILT_IN_SETS = ("L", "R01", "L+R01", "Rsc", "L+Rsc", "RLP", "L+RLP")
 # Not compared unless asked for: a grid does not search, and a surrogate's own work for a design
 # takes longer than evaluating hundreds of them.
 _ASKED_FOR = ("grid", "surrogate")
@@ -40,7 +40,7 @@ _ASKED_FOR = ("grid", "surrogate")
 
 def compare(
     model: Model,
-    parameters: str | Sequence[str | ParameterSet] = PAPER_SETS,
+    parameters: str | Sequence[str | ParameterSet] = BUILT_IN_SETS,
     objective: str | Objective = "bending",
     *,
     methods: str | Sequence[str] | Mapping[str, Search] | None = None,
@@ -63,7 +63,8 @@ def compare(
     model, objective : Model, str or Objective
         As for `flexor.optimize`.
     parameters : str or sequence
-        Parameter sets; a text lists them with commas: ``"L,R01"``. The paper's seven by default.
+        Parameter sets; a text lists them with commas: ``"L,R01"``. By default the built-in ones
+        and their unions with the length.
     methods : str, sequence of str, or mapping of Search, optional
         Methods by name with their default options, or ready ones by label; by default all whose
         libraries are installed, without grid and surrogate.

@@ -54,7 +54,7 @@ class DesignEvaluator(ABC):
 
     def call(
         self,
-        problem: Problem,
+        problem: object,
         function: Callable[..., Result],
         *arguments: Any,
         stopped: Callable[[], bool] | None = None,

@@ -53,7 +53,7 @@ class Pool(DesignEvaluator):
     def __init__(self, executor: Executor, name: str = "the executor") -> None:
         self._executor, self._name = executor, name
         self._here = isinstance(executor, ThreadPoolExecutor)
-        self._pickled: WeakKeyDictionary[Problem, PickledProblem] = WeakKeyDictionary()
+        self._pickled: WeakKeyDictionary[object, PickledProblem] = WeakKeyDictionary()
         self._spent: WeakKeyDictionary[Problem, tuple[int, float]] = WeakKeyDictionary()
         self._lock = threading.Lock()
 
@@ -96,7 +96,7 @@ class Pool(DesignEvaluator):
 
     def call(
         self,
-        problem: Problem,
+        problem: object,
         function: Callable[..., Result],
         *arguments: Any,
         stopped: Callable[[], bool] | None = None,
@@ -106,7 +106,7 @@ class Pool(DesignEvaluator):
         return result
 
     def _submit(
-        self, problem: Problem, function: Callable[..., Any], *arguments: Any
+        self, problem: object, function: Callable[..., Any], *arguments: Any
     ) -> Future[Reply]:
         work: tuple[Any, ...] = (task.call, problem, function, arguments)
         if not self._here:

@@ -27,14 +27,13 @@ class PickledProblem:
     versions: tuple[tuple[str, str], ...]  # Flexor and engine of the sender
 
     @classmethod
-    def of(cls, problem: Problem) -> PickledProblem:
+    def of(cls, problem: object) -> PickledProblem:
         """Pickle a problem."""
         try:
             content = dumps(problem)
         except Exception as error:
             raise InputError(
-                f'parameter set "{problem.parameters.name}" or objective '
-                f'"{problem.objective.name}" cannot be sent to other processes: {one_line(error)}.'
+                f"{problem} cannot be sent to other processes: {one_line(error)}."
             ) from error
         return cls(content, tuple(decisive().items()))
 
@@ -62,7 +61,7 @@ def run(problem: PickledProblem, work: bytes) -> Reply:
         return Reply(error=InputError(f"a worker cannot load the problem: {one_line(error)}."))
 
 
-def call(problem: Problem, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Reply:
+def call(problem: object, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Reply:
     """Call a function of a problem."""
     began = time.perf_counter()
     try:
@@ -102,10 +101,10 @@ def one_line(error: BaseException) -> str:
 
 
 @lru_cache(maxsize=64)  # a process may serve many studies before it ends
-def _unpickled(pickled: PickledProblem) -> Problem:
+def _unpickled(pickled: PickledProblem) -> object:
     if differs := check(dict(pickled.versions)):
         raise InputError(f"a worker {differs}.")
-    problem: Problem = pickle.loads(pickled.content)
+    problem: object = pickle.loads(pickled.content)
     return problem
 
 

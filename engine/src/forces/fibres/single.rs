@@ -1,0 +1,30 @@
+//! A single fibre of a material, for stress–stretch curves and fits.
+
+use super::evaluation::Energies;
+use super::law::Law;
+
+impl Law {
+    /// Energy per volume [J/m³] and its first and second derivative with respect to the stretch [Pa], of a
+    /// fibre that contracts freely or, if `wound`, keeps its hoop stretch at one.
+    ///
+    /// NaN where a law other than the linear one is given a stretch that is not positive. `None` if the law
+    /// has another number of constants.
+    pub fn fibre_energy(self, constants: &[f64], wound: bool, stretch: &[f64]) -> Option<[Vec<f64>; 3]> {
+        if !self.accepts(constants.len()) {
+            return None;
+        }
+        let n = stretch.len();
+        let modulus = (self == Law::Linear).then(|| [Self::modulus(constants, wound)[0]]);
+        let ratio = (wound && modulus.is_none()).then(|| vec![1.0; n]);
+        let constants = modulus.as_ref().map_or(constants, |modulus| &modulus[..]);
+        let mut out = Energies { stretch: stretch.to_vec(), ..Energies::default() };
+        for values in [&mut out.value, &mut out.first, &mut out.second] {
+            values.resize(n, 0.0);
+        }
+        self.evaluate(constants, &vec![1.0; n], ratio.as_ref(), &mut out);
+        for i in (0..n).filter(|i| self != Law::Linear && !(stretch[*i] > 0.0)) {
+            (out.value[i], out.first[i], out.second[i]) = (f64::NAN, f64::NAN, f64::NAN);
+        }
+        Some([out.value, out.first, out.second])
+    }
+}

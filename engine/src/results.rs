@@ -1,0 +1,196 @@
+//! Results of paths, collected step by step into arrays.
+
+use crate::equilibrium::{Event, EventKind, Stability, Status, StepReport, System};
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// Results of the steps of one or several designs: row-major arrays over (design, step).
+///
+/// Missing states and energies are NaN, missing contacts zero; the status gives the reason.
+#[derive(Clone, Debug, Default)]
+pub struct PathResults {
+    /// States, `dof` numbers per step.
+    pub q: Vec<f64>,
+    /// Status codes.
+    pub status: Vec<u8>,
+    /// [`Stability`] codes.
+    pub stability: Vec<u8>,
+    /// Iterations used.
+    pub iterations: Vec<u32>,
+    /// Largest residuals, as fractions of the forces that are their units.
+    pub residual: Vec<f64>,
+    /// Their bounds: the tolerance plus the rounding of the terms that balance.
+    pub tolerance: Vec<f64>,
+    /// Π [J], without the work of controlled inputs.
+    pub energy: Vec<f64>,
+    /// Touching sphere pairs.
+    pub pairs: Vec<u32>,
+    /// Spheres of first groups that touch.
+    pub touching: Vec<u32>,
+    /// Resultant contact force on the tip [N].
+    pub tip_force: Vec<f64>,
+    /// Load of each input, as found for one that is controlled by its conjugate.
+    pub applied: Vec<f64>,
+    /// Largest overlap of a contact [m].
+    pub overlap: Vec<f64>,
+    /// Largest pressure on an elastic foundation [Pa].
+    pub pressure: Vec<f64>,
+    /// Volume of each pressurised cavity [m³].
+    pub volume: Vec<f64>,
+    /// Least and greatest stretch of the fibres of each material.
+    pub stretch: Vec<f64>,
+    /// Derivatives at the last step, if asked for: per design, a row for every joint coordinate and one for
+    /// the tip force, over the parameters asked for; NaN where there is no equilibrium.
+    pub gradient: Vec<f64>,
+    /// Their validity, per design: [`Regularity`](crate::sensitivity::Regularity) codes.
+    pub regularity: Vec<u8>,
+    /// (design, step, coordinate) of free motions, in order.
+    pub free: Vec<[usize; 3]>,
+    /// Events of all designs, in order.
+    pub events: Vec<PathEvent>,
+}
+
+/// An event of one design.
+#[derive(Clone, Debug)]
+pub struct PathEvent {
+    /// Index of the design.
+    pub design: usize,
+    /// Index of the load step being approached.
+    pub step: usize,
+    /// What happened.
+    pub kind: EventKind,
+    /// Load at which it happened.
+    pub load: Vec<f64>,
+    /// State before.
+    pub before: Vec<f64>,
+    /// State after.
+    pub after: Vec<f64>,
+}
+
+impl PathResults {
+    /// Appends a step of a design.
+    pub(crate) fn push<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        [design, step]: [usize; 2],
+        report: &StepReport,
+        system: &System<G, D, P>,
+    ) {
+        let (model, data) = (system.model(), system.data());
+        let row = self.status.len();
+        self.push_missing(model, report.status, 1);
+        self.stability[row] = report.stability as u8;
+        self.iterations[row] = report.iterations as u32;
+        self.free.extend(report.free.iter().map(|coordinate| [design, step, *coordinate]));
+        let found = report.status.is_equilibrium();
+        if found || report.status == Status::Stalled {
+            self.residual[row] = report.accuracy.residual;
+            self.tolerance[row] = report.accuracy.tolerance;
+        }
+        if !found {
+            return;
+        }
+        let contact = data.contact_summary(model);
+        self.energy[row] = data.potential(model);
+        self.pairs[row] = contact.pairs;
+        self.touching[row] = contact.touching;
+        self.tip_force[row] = contact.tip_force;
+        self.overlap[row] = contact.overlap;
+        self.pressure[row] = contact.pressure;
+        last(&mut self.q, report.q.len()).copy_from_slice(report.q);
+        let applied = system.applied_load();
+        last(&mut self.applied, applied.len()).copy_from_slice(applied);
+        data.volumes(model, report.q, last(&mut self.volume, model.pressure_count()));
+        data.stretches(model, report.q, last(&mut self.stretch, 2 * model.material_count()));
+    }
+
+    /// Appends steps without equilibrium.
+    pub(crate) fn push_missing<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+        status: Status,
+        steps: usize,
+    ) {
+        self.status.resize(self.status.len() + steps, status as u8);
+        self.stability.resize(self.stability.len() + steps, Stability::Unknown as u8);
+        for counts in [&mut self.iterations, &mut self.pairs, &mut self.touching] {
+            counts.resize(counts.len() + steps, 0);
+        }
+        for zero in [&mut self.tip_force, &mut self.overlap, &mut self.pressure] {
+            zero.resize(zero.len() + steps, 0.0);
+        }
+        for (values, width) in self.missing_as_nan(model) {
+            values.resize(values.len() + steps * width, f64::NAN);
+        }
+    }
+
+    /// Results with memory for so many steps.
+    pub(crate) fn with_capacity<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        model: &Model<G, D, P>,
+        steps: usize,
+    ) -> Self {
+        let mut results = Self::default();
+        results.status.reserve_exact(steps);
+        results.stability.reserve_exact(steps);
+        for counts in [&mut results.iterations, &mut results.pairs, &mut results.touching] {
+            counts.reserve_exact(steps);
+        }
+        for zero in [&mut results.tip_force, &mut results.overlap, &mut results.pressure] {
+            zero.reserve_exact(steps);
+        }
+        for (values, width) in results.missing_as_nan(model) {
+            values.reserve_exact(steps * width);
+        }
+        results
+    }
+
+    /// The arrays whose missing numbers are NaN, with the count of numbers per step.
+    fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        model: &Model<G, D, P>,
+    ) -> [(&mut Vec<f64>, usize); 7] {
+        [
+            (&mut self.q, model.dof()),
+            (&mut self.residual, 1),
+            (&mut self.tolerance, 1),
+            (&mut self.energy, 1),
+            (&mut self.applied, model.inputs().len()),
+            (&mut self.volume, model.pressure_count()),
+            (&mut self.stretch, 2 * model.material_count()),
+        ]
+    }
+
+    /// Appends an event of a design.
+    pub(crate) fn push_event(&mut self, design: usize, event: &Event) {
+        let (load, before, after) = (event.load.to_vec(), event.before.to_vec(), event.after.to_vec());
+        self.events.push(PathEvent { design, step: event.step, kind: event.kind, load, before, after });
+    }
+
+    /// Appends the results of further designs.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.q.extend(other.q);
+        self.status.extend(other.status);
+        self.stability.extend(other.stability);
+        self.iterations.extend(other.iterations);
+        self.residual.extend(other.residual);
+        self.tolerance.extend(other.tolerance);
+        self.energy.extend(other.energy);
+        self.pairs.extend(other.pairs);
+        self.touching.extend(other.touching);
+        self.tip_force.extend(other.tip_force);
+        self.applied.extend(other.applied);
+        self.overlap.extend(other.overlap);
+        self.pressure.extend(other.pressure);
+        self.volume.extend(other.volume);
+        self.stretch.extend(other.stretch);
+        self.gradient.extend(other.gradient);
+        self.regularity.extend(other.regularity);
+        self.free.extend(other.free);
+        self.events.extend(other.events);
+    }
+}
+
+/// The last `count` numbers.
+fn last(values: &mut [f64], count: usize) -> &mut [f64] {
+    let start = values.len() - count;
+    &mut values[start..]
+}

@@ -1,0 +1,45 @@
+//! Numerical tolerances that are not options of a solve.
+//!
+//! They separate rounding from mechanics and are relative to the quantities that they are compared with,
+//! so that no model needs other values. Tolerances of a solve are in
+//! [`ContinuationOptions`](crate::equilibrium::ContinuationOptions).
+
+/// Rounding of a residual, or of n ε for a sum of n terms, in units of ε times the size of its terms.
+pub(crate) const ROUNDING_FACTOR: f64 = 8.0;
+/// Largest rounding of a residual, as a fraction of the forces: beyond it no equilibrium is resolved.
+pub(crate) const MAX_ROUNDING: f64 = 1e-2;
+
+/// Dimensionless eigenvalues of the tangent within this of zero count as zero.
+pub(crate) const ZERO_EIGENVALUE: f64 = 1e-8;
+/// Dimensionless eigenvalue below which a state may drift before its residual grows.
+pub(crate) const DRIFT_EIGENVALUE: f64 = 1e-6;
+/// Imaginary parts of eigenvalues below this fraction of the matrix's norm count as zero: rounding splits
+/// equal real eigenvalues into complex pairs.
+pub(crate) const REAL_EIGENVALUE: f64 = 1e-6;
+/// Ratio of pivots above which a tangent is positive definite beyond doubt.
+pub(crate) const REGULAR_PIVOTS: f64 = 1e-7;
+/// Ratio of pivots below which a tangent counts as singular for derivatives.
+pub(crate) const SINGULAR_PIVOTS: f64 = 1e-9;
+
+/// Stiffness of an angle, relative to the stiffest angle of its component, below which it is not elastic.
+pub(crate) const MIN_ELASTIC_STIFFNESS: f64 = 1e-10;
+/// Smallest energy of a coordinate that is not elastic, relative to the largest of its component.
+pub(crate) const MIN_ENERGY: f64 = 1e-6;
+/// Rotation [rad] after which a coordinate that is not elastic has diverged.
+pub(crate) const MAX_ROTATION: f64 = 1e3;
+/// Displacement, in lengths of the longest body, after which such a coordinate has diverged.
+pub(crate) const MAX_DISPLACEMENT: f64 = 3e3;
+
+/// Distance from switching on or off below which a force has one-sided derivatives, relative to a contact's
+/// radii or to the length of a round cone's axis.
+pub(crate) const SWITCHING_DISTANCE: f64 = 1e-7;
+/// Distance below which two points count as coincident, relative to a rest length or to a sum of radii.
+pub(crate) const COINCIDENT: f64 = 1e-6;
+/// Relative difference below which two contact forces of joined round cones are that of their common
+/// sphere.
+pub(crate) const SAME_FORCE: f64 = 1e-9;
+
+/// Largest difference of the norm of a unit vector from one.
+pub(crate) const UNIT_NORM: f64 = 1e-9;
+/// Two vectors are parallel if cos² of the angle between them differs from one by less.
+pub(crate) const PARALLEL: f64 = 1e-12;
