@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.constraints.choice import chosen_constraints, excesses, violation, worst_values
+from flexor.constraints.choice import chosen_constraints, excesses, ranks, violation, worst_values
 from flexor.constraints.constraint import Constraint, constraint
 from flexor.constraints.defaults import default_constraints
 
@@ -12,6 +12,7 @@ __all__ = [
     "constraint",
     "default_constraints",
     "excesses",
+    "ranks",
     "violation",
     "worst_values",
 ]

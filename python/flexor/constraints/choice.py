@@ -72,6 +72,29 @@ def excesses(constraints: Sequence[Constraint], worst: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
+# Above every value of an objective, so that feasible designs come first; below +inf, for designs that
+# failed.
+INFEASIBLE = 1e9
+
+
+def ranks(value: Array, broken: Array) -> Array:
+    """Return numbers (n,) in the order of designs: feasibility first, then the objective.
+
+    Parameters
+    ----------
+    value, broken : (n,) arrays
+        Values of the objective, and violations.
+
+    Returns
+    -------
+    (n,) array
+        Values of feasible designs; larger than any of these and growing with the violation for
+        others, after Deb (2000); +inf where a design failed.
+    """
+    infeasible = np.isfinite(value) & (broken > 0.0)
+    return np.where(infeasible, INFEASIBLE * (1.0 + broken), value)
+
+
 def violation(excess: Array) -> Array:
     """Return the sum of what n designs exceed their constraints by, (n,); 0 if feasible."""
     total = np.zeros(len(excess))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexor.arrays import Array
 from flexor.design.profile import Fixed, Profile
+from flexor.design.start import parse_value
 from flexor.errors import InputError, unknown
 from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian, SlotValues
 
@@ -97,6 +98,10 @@ class ParameterSet:
     def scale(self) -> Array:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
+
+    def parse(self, label: str, text: str, option: str) -> float:
+        """Read the value of a parameter, SI; InputError, beginning with ``option``, if it is none."""
+        return parse_value(text, label, self.units[self.labels.index(label)], option)
 
     def geometry(self, p: ArrayLike, X: ArrayLike) -> Geometry:
         """Compute the geometry of n designs at m points.

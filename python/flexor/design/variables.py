@@ -48,6 +48,14 @@ class Variables(ParameterSet):
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([kind.factor for kind in self.kinds])
 
+    def parse(self, label: str, text: str, option: str) -> float:
+        """Read the value of a field, SI; see `ParameterSet.parse`."""
+        own = self.kinds[self.labels.index(label)]
+        value, unit = infer_quantity(text if own.si else _number(text), f"{option}: {label}")
+        if unit.si != own.si:
+            raise InputError(f'{option} has {label} = "{text}": expected {_wanted(own)}.')
+        return value
+
     def designs(self, p: Array, model: Structure) -> tuple[SlotValues, NDArray[np.bool_]]:
         """Return the engine's parameters of designs; see `ParameterSet.designs`."""
         p = self._designs(p)
@@ -178,8 +186,7 @@ def _ends(
         value = _number(end) if not with_unit and isinstance(end, str) else end
         number, unit = infer_quantity(value, f"{source}: {label}")
         if unit.si != own.si:
-            wanted = f"a value in {own.text}" if own.text else "a plain number"
-            raise InputError(f'{source}: {label} has the bound "{end}": expected {wanted}.')
+            raise InputError(f'{source}: {label} has the bound "{end}": expected {_wanted(own)}.')
         found.append((number, unit))
     (low, _), (high, shown) = found
     if not low < high:
@@ -187,6 +194,10 @@ def _ends(
             f"{source}: {label} = {_shown(pair)}: the lower bound must be below the upper one."
         )
     return (low, high), shown
+
+
+def _wanted(own: Unit) -> str:
+    return f"a value with its unit, such as {own.text}" if own.si else "a plain number"
 
 
 def _shown(pair: Sequence[object]) -> str:

@@ -116,6 +116,11 @@ class Results:
         The objective's quantity for display; NaN where the design failed.
     reason : (n,) array of str
         Empty, or why the design failed.
+    constraint_values : (n, c) array
+        Worst value along the path of what each constraint of a study bounds, SI.
+    violation : (n,) array
+        Sum of what constraints are exceeded by, each by its bound; 0 where all are kept, +inf where
+        the design failed.
     """
 
     axes: ClassVar[str] = ""
@@ -154,6 +159,8 @@ class Results:
     value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    constraint_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    violation: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
 
     @property
     def force(self) -> Array:
@@ -499,7 +506,13 @@ class Paths(Results):
 
     @classmethod
     def failed(
-        cls, count: int, steps: int, joints: int, reason: str, parameters: int | None = None
+        cls,
+        count: int,
+        steps: int,
+        joints: int,
+        reason: str,
+        parameters: int | None = None,
+        constraints: int = 0,
     ) -> Paths:
         """Paths of ``count`` designs that could not be evaluated, for this reason.
 
@@ -513,6 +526,8 @@ class Paths(Results):
             value=np.full(count, np.inf),
             shown=np.full(count, np.nan),
             reason=np.full(count, reason, dtype=object),
+            constraint_values=np.full((count, constraints), np.nan),
+            violation=np.full(count, np.inf),
             joint_angles=np.full((count, steps, joints), np.nan),
             tip_force=np.full((count, steps), np.nan),
             touching=np.zeros((count, steps), dtype=np.int32),

@@ -29,6 +29,8 @@ class Design:
     touching: FloatArray  # (steps,), spheres of the exosuit in contact
     events: int  # snaps along the path
     iterations: int  # Newton iterations along the path
+    constraint_values: FloatArray  # (c,), worst along the path, SI
+    violation: float  # how far constraints are exceeded; 0 if all are kept
 
     @classmethod
     def of(cls, problem: Problem, vector: FloatArray, paths: Paths, row: int = 0) -> Design:
@@ -44,6 +46,8 @@ class Design:
             touching=paths.touching[row].astype(np.float64),
             events=int(paths.event_count[row]),
             iterations=int(paths.total_iterations[row]),
+            constraint_values=paths.constraint_values[row],
+            violation=float(paths.violation[row]),
         )
 
     @property
@@ -65,6 +69,11 @@ class Design:
     def sensitivity(self) -> Sensitivity:
         """Exact derivatives with respect to its parameters, evaluated again."""
         return Sensitivity.of(self.problem, self.vector)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether it keeps all constraints."""
+        return self.violation == 0.0
 
     @property
     def text(self) -> str:
