@@ -111,6 +111,11 @@ class Model(Structure):
         batch, begin, loads = self._designs(geometry), self._begin(start), self._loads(force)
         return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
 
+    @property
+    def own_design(self) -> SlotValues:
+        """The model as it is, as one design for `evaluate`."""
+        return SlotValues(np.zeros(0, dtype=np.intp), np.zeros((1, 0)))
+
     def equilibrium(
         self,
         force: Force | None = None,

@@ -20,6 +20,7 @@ from flexor.study.rerun import Changed, Difference, Rerun, rerun
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study, StudyCallback, StudyProgress
+from flexor.study.verdict import Kept, Verdict
 
 __all__ = [
     "AnyExecutor",
@@ -31,6 +32,7 @@ __all__ = [
     "Difference",
     "ObjectiveFunction",
     "ObjectiveGradients",
+    "Kept",
     "Pool",
     "Problem",
     "Record",
@@ -42,6 +44,7 @@ __all__ = [
     "StudyCallback",
     "StudyProgress",
     "Threads",
+    "Verdict",
     "chosen_executor",
     "objective_function",
     "optimize",

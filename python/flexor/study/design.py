@@ -10,6 +10,7 @@ import numpy as np
 
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.sensitivity import Sensitivity
+from flexor.study.verdict import Verdict
 
 if TYPE_CHECKING:
     from flexor.model import Path, Paths
@@ -74,6 +75,11 @@ class Design:
     def feasible(self) -> bool:
         """Whether it keeps all constraints."""
         return self.violation == 0.0
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether it can be worn and made, and how far to trust it; evaluated again."""
+        return Verdict.of(self)
 
     @property
     def text(self) -> str:

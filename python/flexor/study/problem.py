@@ -145,6 +145,10 @@ class Problem:
         """How far each constraint is exceeded, (n, c), by its bound; kept where not above 0."""
         return excesses(self.constraints, paths.constraint_values)
 
+    def excesses_of(self, values: FloatArray) -> FloatArray:
+        """The same of the values (c,) of one design, (c,)."""
+        return excesses(self.constraints, values[None, :])[0]
+
     def residuals(self, paths: Paths) -> FloatArray:
         """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.
 
