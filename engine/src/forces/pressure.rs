@@ -113,7 +113,8 @@ impl Pressures {
             finite(field("enclosed"), &[pressure.enclosed])?;
             let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), None, section);
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
-            let enclosed = tree.slot(format!("{}.enclosed", pressure.name), "m^3", &[pressure.enclosed]).start;
+            let enclosed =
+                tree.slot(format!("{}.enclosed", pressure.name), "m^3", &[pressure.enclosed]).start;
             tree.inputs.push(pressure.name.clone());
             built.push(Pressure {
                 rod,

@@ -1,4 +1,4 @@
-"""Which constraints a design problem has: those asked for, and defaults that are not switched off."""
+"""The constraints of a design problem: those asked for, and defaults not switched off."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ def excesses(constraints: Sequence[Constraint], worst: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-# Above every value of an objective, so that feasible designs come first; below +inf, for designs that
-# failed.
+# Above every value of an objective, so that feasible designs come first, and below that of designs
+# that failed.
 INFEASIBLE = 1e9
 
 

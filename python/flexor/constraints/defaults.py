@@ -45,7 +45,8 @@ def _defaults(model: Structure) -> Iterator[Constraint]:
 
 def _overlap(model: Structure) -> float:
     """Return half of the least thickness of a rod's skin and a link's, or that of spheres."""
-    rods, links = [], []
+    rods: list[float] = []
+    links: list[float] = []
     for body in model.file.bodies.values():
         if body.skin is not None:
             thickness = sum(float(layer.thickness) for layer in body.skin)

@@ -100,7 +100,7 @@ class ParameterSet:
         return np.array([UNITS[unit] for unit in self.units])
 
     def parse(self, label: str, text: str, option: str) -> float:
-        """Read the value of a parameter, SI; InputError, beginning with ``option``, if it is none."""
+        """Read the value of a parameter, SI; InputError, beginning with ``option``, if none."""
         return parse_value(text, label, self.units[self.labels.index(label)], option)
 
     def geometry(self, p: ArrayLike, X: ArrayLike) -> Geometry:

@@ -30,8 +30,8 @@ from flexor.model.structure import Structure
 # Of a parameter, as a share of its largest value in the box.
 TOLERANCE = 1e-11
 MAX_DEGREE = 12
-# Of the largest number of the same parameter: what is smaller is what rounding leaves of a zero, such
-# as the moment about an axis of symmetry.
+# Of the largest number of the same parameter: what is smaller is what rounding leaves of a zero,
+# such as the moment about an axis of symmetry.
 ROUNDING = 1e-16
 _CHECKS = 8  # points at which the polynomials are checked
 

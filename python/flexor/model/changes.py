@@ -65,7 +65,13 @@ def resolve(document: Document, keys: list[str], source: str) -> list[str]:
     return keys
 
 
-def _with(table: object, keys: Sequence[str], value: object) -> dict[str, Any]:
+def _with(table: object, keys: Sequence[str], value: object) -> Any:
+    if isinstance(table, (list, tuple)):
+        # Entries are numbered from 0; the number may be left out where there is one.
+        place, rest = (keys[0], keys[1:]) if keys[0].isdigit() else ("0", keys)
+        if int(place) < len(table) and (keys[0].isdigit() or len(table) == 1):
+            changed = _with(table[int(place)], rest, value) if rest else value
+            return [*table[: int(place)], changed, *table[int(place) + 1 :]]
     result = dict(table) if isinstance(table, Mapping) else {}
     first, rest = keys[0], keys[1:]
     result[first] = _with(result.get(first), rest, value) if rest else value

@@ -38,16 +38,16 @@ class Extremum(Objective):
         return self.differentiable_observable
 
     def value(self, paths: Paths) -> Array:
-        """The observable with its sign, SI, (n,)."""
+        """Return the observable with its sign, SI, (n,)."""
         return self.sign * self._observable(paths.model).last(paths) + 0.0
 
     def shown(self, paths: Paths) -> Array:
-        """The observable in its unit, (n,)."""
+        """Return the observable in its unit, (n,)."""
         found = self._observable(paths.model)
         return found.last(paths) / found.unit[0]
 
     def gradient(self, paths: Paths) -> PathGradient:
-        """Derivative of the value at the last load; InputError if the engine has none."""
+        """Differentiate the value at the last load; InputError if the engine has none."""
         found = self._observable(paths.model)
         if not found.differentiable:
             raise InputError(f'objective "{self.name}" has no gradient.')

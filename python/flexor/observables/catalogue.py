@@ -80,6 +80,8 @@ def observable(name: str, model: Structure) -> Observable:
     if head not in kinds:
         raise InputError(f"{unknown_name('observable', name.strip(), kinds)}.")
     found = {each.name: each for each in _of(kinds[head], model)}
+    if not dot and len(found) == 1:
+        return next(iter(found.values()))
     wanted = f"{head}{dot}{member.strip()}"
     if wanted in found:
         return found[wanted]
@@ -155,9 +157,10 @@ def _volumes(model: Structure) -> dict[str, Values]:
 
 
 def _applied(names: tuple[str, ...], model: Structure) -> dict[str, Values]:
+    columns = {name: model.inputs.index(name) for name in names}
     return {
-        name: lambda paths, i=model.inputs.index(name): paths.applied[:, :, i]  # type: ignore[misc]
-        for name in names
+        name: lambda paths, i=i: paths.applied[:, :, i]  # type: ignore[misc]
+        for name, i in columns.items()
     }
 
 

@@ -146,8 +146,8 @@ class Problem:
         return excesses(self.constraints, paths.constraint_values)
 
     def excesses_of(self, values: FloatArray) -> FloatArray:
-        """The same of the values (c,) of one design, (c,)."""
-        return excesses(self.constraints, values[None, :])[0]
+        """Return the same for the values (c,) of one design, (c,)."""
+        return np.asarray(excesses(self.constraints, values[None, :])[0])
 
     def residuals(self, paths: Paths) -> FloatArray:
         """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.

@@ -50,7 +50,7 @@ class RecordedEvaluator(CachedEvaluator):
         return np.where((paths.violation > 0.0)[:, None], np.nan, found)
 
     def excesses(self, designs: FloatArray) -> FloatArray:
-        """Excesses (n, c) over the constraints at designs (n, k), from the record; NaN if failed."""
+        """Excesses (n, c) over constraints at designs (n, k), from the record; NaN if failed."""
         self(designs)
         rows = [self._record.outcomes(design) for design in normalized(designs)]
         found = [self._problem.excesses(row) for row in rows]

@@ -120,8 +120,8 @@ class Settings:
 
     They are ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
     system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels, units,
-    bounds), ``objective`` (name, forces), ``constraints`` (texts), ``method`` (name, options), ``start``, ``seed``,
-    ``engine`` (options) and ``budget``.
+    bounds), ``objective`` (name, forces), ``constraints`` (texts), ``method`` (name, options),
+    ``start``, ``seed``, ``engine`` (options) and ``budget``.
     """
 
     values: Mapping[str, Any]
@@ -221,9 +221,7 @@ def reopened(
         ) from error
     kept = tuple(constraint(each["text"], model, each["default"]) for each in values["constraints"])
     if isinstance(chosen, Variables):
-        return Problem(
-            model, chosen, at_loads(wanted, values, model), values["engine"], kept
-        )
+        return Problem(model, chosen, at_loads(wanted, values, model), values["engine"], kept)
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
     wanted = at_loads(wanted, values, model)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -146,5 +146,5 @@ def _finer(problem: Problem, x: FloatArray) -> float | None:
     for name in model.rods:
         changes[f"bodies.{name}.elements"] = 2 * model.file.rod(name).elements
     finer = load(model.file, changes=changes)
-    paths = finer.evaluate(finer.own_design, problem.loads, 1, **problem.options)
+    paths = finer.evaluate(finer.own_design, problem.loads, 1, **dict[str, Any](problem.options))
     return float(evaluate_objective(problem.objective, paths).shown[0])
