@@ -134,7 +134,9 @@ def test_start_is_the_models_own(model: Model) -> None:
         ({}, "at least one field"),
     ],
 )
-def test_bad_variables(bounds: dict[str, tuple[object, object]], message: str, model: Model) -> None:
+def test_bad_variables(
+    bounds: dict[str, tuple[object, object]], message: str, model: Model
+) -> None:
     """Each is one clear sentence."""
     with pytest.raises(InputError, match=message):
         variables(bounds, model)

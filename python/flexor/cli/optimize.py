@@ -111,6 +111,7 @@ def optimize(
     from flexor.cli.progress import SearchProgress
     from flexor.design import parameter_set, variables
     from flexor.design.start import starts
+    from flexor.model.schema import Design
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
@@ -121,9 +122,11 @@ def optimize(
         loaded = load_changed(model, constants, changes)
         given = {"--parameters": "parameters", "--objective": "objective"}
         stated = [option for option, name in given.items() if _is_given(context, name)]
+        stated_there = loaded.file.design or Design.model_construct()
+        varied = dict(ranges("--vary", vary or [])) or stated_there.varied
         chosen = (
-            variables(ranges("--vary", vary), loaded)
-            if vary
+            variables(varied, loaded, "--vary" if vary else f"{loaded.name}: design.variable")
+            if varied and "--parameters" not in stated
             else parameter_set(parameters, loaded.design)
         )
         if vary and "--parameters" in stated:
@@ -132,6 +135,8 @@ def optimize(
         if len(aims) + ("--objective" in stated) > 1:
             raise InputError("give one of --maximise, --minimise and --objective.")
         aim = aims[0] if aims else objective
+        if "--objective" not in stated and not aims:
+            aim = stated_there.aim or objective
         place = folder or new_folder(loaded.name, chosen.name, aim.replace(" ", "-"))
         work = partial(
             studies.optimize,
@@ -139,8 +144,8 @@ def optimize(
             chosen,
             aim,
             method,
-            subject_to=subject_to or [],
-            without=without or [],
+            subject_to=subject_to or stated_there.subject_to,
+            without=without or stated_there.without,
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),

@@ -39,7 +39,7 @@ def chosen_constraints(
         If a constraint cannot be read or there is no default of a name.
     """
     asked = tuple(constraint(text, model) for text in subject_to)
-    every = default_constraints(model)
+    every = default_constraints(model) if defaults or without else ()
     names = [each.default for each in every]
     for name in without:
         if name not in (*names, ALL):

@@ -20,6 +20,7 @@ from flexor.model.quantity import Unit, infer_quantity
 from flexor.model.units import Quantity
 
 if TYPE_CHECKING:
+    from flexor.model.results import Paths
     from flexor.model.structure import Structure
 
 NAME = "fields"
@@ -61,6 +62,10 @@ class Variables(ParameterSet):
         p = self._designs(p)
         found = self._map(model)
         return SlotValues(found.indices, found.values(p)), np.ones(len(p), dtype=bool)
+
+    def chained(self, paths: Paths, p: Array, model: Structure) -> Array:
+        """Return derivatives of paths by the fields; see `ParameterSet.chained`."""
+        return np.asarray(paths.gradient @ self.slot_jacobian(p, model))
 
     def slot_jacobian(self, p: Array, model: Structure) -> Array:
         """Differentiate the engine's parameters that `designs` changes, (n, m, k)."""

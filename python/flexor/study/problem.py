@@ -204,6 +204,5 @@ class Problem:
         evaluated = replace(evaluated, constraint_values=worst, violation=broken)
         evaluated.scatter(every, np.flatnonzero(valid))
         if gradient:
-            jacobian = self.parameters.slot_jacobian(designs[valid], self.model)
-            every.derivatives[valid] = paths.gradient @ jacobian
+            every.derivatives[valid] = self.parameters.chained(paths, designs[valid], self.model)
         return every

@@ -120,8 +120,7 @@ class Record:
             *(column.tolist() for column in (*values, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
             *_slopes(outcomes),
-            _blobs(outcomes.constraint_values, "<f8"),
-            np.where(good, outcomes.violation, np.nan).tolist(),
+            *_kept(outcomes, good),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
@@ -235,6 +234,14 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     whole = np.ascontiguousarray(array, dtype=kind).tobytes()
     size = len(whole) // max(len(array), 1)
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
+
+
+def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Sequence[float]]:
+    """Return values of constraints and violation of each design; of paths without, none and 0."""
+    if outcomes.constraint_values is None:
+        return [b""] * len(outcomes), np.where(good, 0.0, np.nan).tolist()
+    broken = np.where(good, outcomes.violation, np.nan).tolist()
+    return _blobs(outcomes.constraint_values, "<f8"), broken
 
 
 def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
