@@ -132,7 +132,7 @@ impl Controls {
         self.stiffness.iter().all(|stiffness| stiffness.is_finite())
     }
 
-    /// The loads at a state; for controlled inputs `load` holds the places w.
+    /// The loads at a state; for controlled inputs `load` holds the set points w.
     pub fn apply<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
@@ -219,7 +219,7 @@ impl Controls {
         each.map(|(control, (reference, change))| self.applied[control.input] * (reference + change)).sum()
     }
 
-    /// Passes on the change of the loads at a fixed state due to a change of the places w.
+    /// Passes on the change of the loads at a fixed state due to a change of the set points w.
     pub fn with_applied_rate(&self, controls: &[Control], rate: &[f64], visit: impl FnOnce(&[f64])) {
         let mut applied = self.rate.borrow_mut();
         applied.copy_from_slice(rate);
@@ -229,7 +229,7 @@ impl Controls {
         visit(&applied);
     }
 
-    /// Second derivative of the energy with the places w along a rate, at a fixed state.
+    /// Second derivative of the energy with the set points w along a rate, at a fixed state.
     pub fn curvature(&self, controls: &[Control], rate: &[f64]) -> f64 {
         let each = controls.iter().zip(&self.stiffness);
         each.map(|(control, stiffness)| stiffness * rate[control.input].powi(2)).sum()

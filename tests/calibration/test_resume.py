@@ -188,7 +188,7 @@ def test_other_settings_are_refused(flexor, folder, file) -> None:
 def test_a_folder_is_not_written_over(flexor, folder, file) -> None:
     ran = flexor("calibrate", "finger", file, "--out", folder, *COARSE)
     assert ran.code == 2
-    assert "holds a calibration already" in ran.err
+    assert "holds recorded work already" in ran.err
 
 
 def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:

@@ -43,4 +43,4 @@ def test_it_says_what_differs(flexor, tmp_path) -> None:
 def test_bad_input_gets_one_sentence(flexor) -> None:
     assert "is not a study" in flexor("rerun", "nowhere").error
     flexor(*STUDY)
-    assert "holds a study already" in flexor("rerun", "study", "--out", "study").error
+    assert "holds recorded work already" in flexor("rerun", "study", "--out", "study").error

@@ -134,8 +134,8 @@ def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: A
     worker = next(iter(cluster._client.run(str)))
     with pytest.raises(InputError, match=f'"{worker}" is the address of a worker, not of the'):
         Cluster(worker)
-    here = clusters.decisive()
-    monkeypatch.setattr(clusters, "decisive", lambda: {**here, "flexor": "9.9.9"})
+    here = clusters.decisive_versions()
+    monkeypatch.setattr(clusters, "decisive_versions", lambda: {**here, "flexor": "9.9.9"})
     with pytest.raises(InputError) as refusal:
         Cluster(address)
     said = str(refusal.value)
@@ -144,11 +144,11 @@ def test_another_version_on_a_worker_is_refused(cluster: Cluster, monkeypatch: A
         f'of the cluster "{address}" runs Flexor {flexor.__version__}, this is 9.9.9: '
         "install the same version."
     )
-    monkeypatch.setattr(clusters, "decisive", lambda: {**here, "engine": "0123"})
+    monkeypatch.setattr(clusters, "decisive_versions", lambda: {**here, "engine": "0123"})
     with pytest.raises(InputError, match="runs another build of the engine than this process"):
         Cluster(address)
     # Those that come later are refused at their first task.
-    monkeypatch.setattr(task, "decisive", lambda: {**here, "engine": "0123"})
+    monkeypatch.setattr(task, "decisive_versions", lambda: {**here, "engine": "0123"})
     with pytest.raises(InputError, match=r"a worker runs another build of the engine than this"):
         optimize(flexor.load("finger-2-links"), "L", executor=cluster, budget=3)
 

@@ -302,7 +302,7 @@ def test_folders_that_cannot_be_used(analytic: ModuleType, tmp_path: Path) -> No
     model, given = analytic.AnalyticModel(), {**GIVEN, "methods": "ps", "parameters": "L"}
     compare(model, **given, folder=tmp_path / "c")
     cases: list[tuple[dict[str, Any], str]] = [
-        ({"folder": tmp_path / "c"}, "holds a comparison already"),
+        ({"folder": tmp_path / "c"}, "holds recorded work already"),
         ({"folder": tmp_path / "d", "resume": True}, "is not a comparison: there is no such"),
         ({"folder": tmp_path, "resume": True}, "is not a comparison: it has no settings.json"),
         ({"folder": tmp_path}, "is not an empty folder"),

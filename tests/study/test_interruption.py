@@ -199,7 +199,7 @@ def test_of_two_processes_one_runs_the_study_and_the_other_is_told(tmp_path: Pat
     assert sorted(process.returncode for process in both) == [0, 2]
     (refused,) = [err for process, (_, err) in zip(both, said, strict=True) if process.returncode]
     assert refused.startswith("error: ")
-    assert "holds a study already" in refused or "cannot be made" in refused
+    assert "holds recorded work already" in refused or "cannot be made" in refused
     assert refused.count("\n") == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["s"]
     record = Record(tmp_path / "s" / "record.sqlite")

@@ -136,7 +136,7 @@ def test_a_killed_process_loses_nothing_that_was_recorded(
             reader.close()
         assert process.wait() == -signal.SIGKILL, process.stderr.read()  # type: ignore[union-attr]
         process.stderr.close()  # type: ignore[union-attr]
-    with pytest.raises(InputError, match="holds a study already"):
+    with pytest.raises(InputError, match="holds recorded work already"):
         optimize(analytic.AnalyticModel(), folder=tmp_path / "s", **OPTIONS)
     study = optimize(analytic.AnalyticModel(), folder=tmp_path / "s", resume=True, **OPTIONS)
     assert content(study) == content(optimize(analytic.AnalyticModel(), **OPTIONS))

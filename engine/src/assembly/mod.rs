@@ -62,7 +62,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             forces: model.forces.states(&model.tree),
             terms: Terms {
                 coordinates: CoordinateTerms::new(n),
-                frames: FrameTerms::new(frames, model.forces.most_couplings::<G, D>()),
+                frames: FrameTerms::new(frames, model.forces.max_couplings::<G, D>()),
             },
             energy: 0.0,
             tangent: vec![0.0; n * n],

@@ -92,7 +92,7 @@ impl Bordered {
             by_multiplier: vec![0.0; constraints],
             residual: DVector::zeros(size),
             matrix: DMatrix::zeros(size, size),
-            lu: DMatrix::identity(size, size).lu(),
+            lu: DMatrix::zeros(0, 0).lu(),
             step: DVector::zeros(size),
             probe: [vec![0.0; dof], vec![0.0; dof]],
         }

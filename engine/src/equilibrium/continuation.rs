@@ -1,7 +1,7 @@
 //! Continuation: following an equilibrium along a list of loads with predictor and corrector.
 
 use super::budget::{Budget, Cancel};
-use super::controlled::Places;
+use super::controlled::SetPoints;
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
@@ -46,7 +46,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
-    pub(super) places: Places,
+    pub(super) set_points: SetPoints,
 }
 
 /// The listed load that is being approached.
@@ -86,7 +86,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             energy: 0.0,
             unstable: false,
             work: zeros(),
-            places: Places::new(inputs),
+            set_points: SetPoints::new(inputs),
         }
     }
 
@@ -178,8 +178,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let to_end = self.predictor.branch_end();
             if control.is_at_end(to_end) && !control.is_rough() {
                 let next = (lambda + smallest).min(1.0);
-                let end = lambda + to_end;
-                lambda = match self.snap(lambda, end, next, step, sink, &mut control) {
+                self.go_to_predicted_end(to_end);
+                lambda = match self.snap(lambda, lambda + to_end, next, step, sink, &mut control) {
                     Ok(lambda) => lambda,
                     Err(status) => return status,
                 };
@@ -217,6 +217,14 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             }
         }
         if self.unstable { Status::Unstable } else { Status::Converged }
+    }
+
+    /// Moves `start` to the end of the branch, which is so near that the prediction is exact: energy released
+    /// from there is that of a jump alone.
+    fn go_to_predicted_end(&mut self, to_end: f64) {
+        self.predictor.displacement(to_end, &mut self.work);
+        self.system.advance_from(&self.start, &self.work, 1.0);
+        self.start.copy_from_slice(self.system.state());
     }
 
     /// Restarts the prediction at the current equilibrium, which was not predicted.

@@ -1,7 +1,7 @@
 //! Inputs that are controlled by their conjugates: the listed loads are changes v of the conjugates, and
 //! the loads required are found.
 //!
-//! Such an input acts on the conjugate c from a place w through a stiffness; see `control.rs`. Between
+//! Such an input acts on the conjugate c from a set point w through a stiffness; see `control.rs`. Between
 //! listed loads the branch is followed in w, which differs from c by a small fraction of its change. At a
 //! listed load, chord steps on state and w together solve c = v.
 
@@ -14,14 +14,14 @@ use crate::lie::LieGroup;
 
 /// Loads by input.
 #[derive(Clone, Debug)]
-pub(super) struct Places {
+pub(super) struct SetPoints {
     /// Next values of the inputs.
     aim: Vec<f64>,
     /// Lag w − c of each conjugate at the beginning of a segment.
     lag: Vec<f64>,
 }
 
-impl Places {
+impl SetPoints {
     pub fn new(inputs: usize) -> Self {
         Self { aim: vec![0.0; inputs], lag: vec![0.0; inputs] }
     }
@@ -78,12 +78,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
-        let mut places = std::mem::replace(&mut self.places, Places::new(0));
-        self.system.lag(&mut places.lag);
-        let Places { aim, lag } = &mut places;
+        let mut set_points = std::mem::replace(&mut self.set_points, SetPoints::new(0));
+        self.system.lag(&mut set_points.lag);
+        let SetPoints { aim, lag } = &mut set_points;
         aim.iter_mut().zip(target).zip(&*lag).for_each(|((aim, target), lag)| *aim = target + lag);
         let status = self.follow_segment(aim, step, &mut Lagging { sink, lag });
-        self.places = places;
+        self.set_points = set_points;
         status
     }
 
@@ -97,7 +97,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let mut last = f64::INFINITY;
         for chord in 0..self.options.controlled.max_chords {
             let size = self.system.evaluate();
-            let gap = self.system.gap(target, &mut self.places.aim);
+            let gap = self.system.gap(target, &mut self.set_points.aim);
             let settled = chord > 1 && size.max(gap) > 0.5 * last;
             if self.system.has_converged(size, tolerance) && (gap <= tolerance || settled && gap <= rounding)
             {
@@ -114,7 +114,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 break;
             }
             last = size.max(gap);
-            self.system.load_gradient(&self.places.aim, &mut self.work);
+            self.system.load_gradient(&self.set_points.aim, &mut self.work);
             for (step, residual) in self.work.iter_mut().zip(self.system.residual()) {
                 *step = -*step - residual;
             }
@@ -123,7 +123,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 break;
             }
             self.system.advance(&self.work);
-            self.system.add_load(&self.places.aim);
+            self.system.add_load(&self.set_points.aim);
         }
         self.system.set_state(&self.start);
         self.system.set_load(&self.start_load);
@@ -134,7 +134,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 }
 
-/// Forwards events, with the conjugates of controlled inputs in place of the places w.
+/// Forwards events, with the conjugates of controlled inputs in place of the set points w.
 struct Lagging<'s, S> {
     sink: &'s mut S,
     lag: &'s [f64],

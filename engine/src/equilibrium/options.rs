@@ -161,11 +161,11 @@ options! {
     pub struct LocateOptions {
         /// Accuracy of the load at a limit point, as a fraction of the range of each input over the path.
         located: f64 = 1e-8, Interval::above(0.0).to(1.0);
-        /// Distance from which the end of a branch in a corner is located to that accuracy, as the same
+        /// Distance from which the end of a branch in a corner is where it is predicted, as the same
         /// fraction.
-        end_distance: f64 = 3e-5, Interval::above(0.0).to(1.0);
+        end_distance: f64 = 3e-4, Interval::above(0.0).to(1.0);
         /// How far beyond the limit point the next equilibrium is sought, as the same fraction.
-        beyond: f64 = 1e-6, Interval::above(0.0).to(1.0);
+        beyond: f64 = 1e-5, Interval::above(0.0).to(1.0);
         /// Largest number of states computed on the way to a limit point.
         max_points: usize = 30, Interval::from(1.0).to(1e3);
         /// Largest dimensionless residual of each of these states.
@@ -220,7 +220,7 @@ options! {
         /// Largest displacement of these chord steps together, as a fraction of the predicted displacement.
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
-        rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
+        rejection_ratio: f64 = 0.7, Interval::from(0.0).to(100.0);
         /// With a dimensionless residual below this, a negative stiffness of at most the same size counts
         /// as zero.
         soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
@@ -296,7 +296,7 @@ options! {
         /// Radius of the first step.
         initial_radius: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Largest radius.
-        max_radius: f64 = 4.0, Interval::above(0.0).to(1e3);
+        max_radius: f64 = 8.0, Interval::above(0.0).to(1e3);
         /// Radius below which the iteration has stalled.
         min_radius: f64 = 1e-13, Interval::from(0.0).to(1.0);
         /// Smallest ratio of the actual to the predicted decrease of an accepted step.

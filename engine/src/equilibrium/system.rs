@@ -235,7 +235,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         largest
     }
 
-    /// Difference between the place w from which each input acts and its conjugate; zero for other inputs.
+    /// Difference between the set point w of each input and its conjugate; zero for other inputs.
     pub(super) fn lag(&self, out: &mut [f64]) {
         let load = &self.load;
         self.gap(load, out);
@@ -494,7 +494,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             // Coordinates, positions and distances are rounded too.
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
-            let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.places[i]);
+            let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.positions[i]);
             let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
             let unit = force.max(elastic);
             let allowed = tolerance * unit + rounding;

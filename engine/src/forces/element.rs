@@ -171,7 +171,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     }
 
     /// Largest number of couplings between frames, or of terms without a potential, in one tangent.
-    fn most_couplings(&self) -> usize {
+    fn max_couplings(&self) -> usize {
         0
     }
 

@@ -12,10 +12,10 @@ use crate::linalg::Vector;
 pub(crate) struct Magnitudes<const P: usize> {
     pub coordinates: Vec<f64>,
     /// Forces computed from positions in place of distances, to which rounding is relative.
-    pub places: Vec<f64>,
+    pub positions: Vec<f64>,
     /// Sums of magnitudes of stiffnesses, likewise.
     pub stiffness: Vec<f64>,
-    /// (frame, world position, magnitudes of the force, of that with places, of the stiffness).
+    /// (frame, world position, magnitudes of the force, of that with positions, of the stiffness).
     points: Vec<(usize, Vector<P>, [f64; 3])>,
     /// (frame, magnitude of the moment).
     moments: Vec<(usize, f64)>,
@@ -25,8 +25,8 @@ impl<const P: usize> Magnitudes<P> {
     pub fn clear(&mut self, dof: usize) {
         self.coordinates.clear();
         self.coordinates.resize(dof, 0.0);
-        self.places.clear();
-        self.places.resize(dof, 0.0);
+        self.positions.clear();
+        self.positions.resize(dof, 0.0);
         self.stiffness.clear();
         self.stiffness.resize(dof, 0.0);
         self.points.clear();
@@ -62,9 +62,9 @@ impl<const P: usize> Magnitudes<P> {
         at: &State<G, D, P>,
         point: usize,
         force: f64,
-        [stiffness, places]: [f64; 2],
+        [stiffness, positions]: [f64; 2],
     ) {
-        let magnitudes = [force.abs(), (stiffness * places).abs(), stiffness.abs()];
+        let magnitudes = [force.abs(), (stiffness * positions).abs(), stiffness.abs()];
         self.points.push((at.frame(point), *at.point(point), magnitudes));
     }
 
@@ -92,13 +92,13 @@ impl<const P: usize> Magnitudes<P> {
             touched.sort_unstable();
             touched.dedup();
         };
-        for (frame, point, [force, places, stiffness]) in &self.points {
+        for (frame, point, [force, positions, stiffness]) in &self.points {
             sum(*frame, &mut twists, &mut touched);
             let jacobian = G::point_jacobian(point);
             for i in &touched {
                 let speed = (jacobian * twists[*i]).norm();
                 self.coordinates[*i] += force * speed;
-                self.places[*i] += places * speed;
+                self.positions[*i] += positions * speed;
                 self.stiffness[*i] += stiffness * speed * speed;
             }
         }

@@ -132,7 +132,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.0.iter().all(Wrench::is_conservative)
     }
 
-    fn most_couplings(&self) -> usize {
+    fn max_couplings(&self) -> usize {
         self.0.len()
     }
 

@@ -145,8 +145,8 @@ macro_rules! registry {
                 true $(&& ForceElement::<G, D, P>::is_admissible(&self.$name, parameters))*
             }
 
-            pub fn most_couplings<G: LieGroup<D, P>, const D: usize>(&self) -> usize {
-                0 $(+ ForceElement::<G, D, P>::most_couplings(&self.$name))*
+            pub fn max_couplings<G: LieGroup<D, P>, const D: usize>(&self) -> usize {
+                0 $(+ ForceElement::<G, D, P>::max_couplings(&self.$name))*
             }
 
             pub fn have_switches<G: LieGroup<D, P>, const D: usize>(&self) -> bool {

@@ -42,7 +42,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let controls = Control::all(description, &tree.inputs)?;
         // A control couples all coordinates of its rod.
         let chained = forces.is_conservative::<G, D>() && controls.is_empty();
-        let chain = Chain::of(&tree).filter(|chain| chained && chain.pays());
+        let chain = Chain::of(&tree).filter(|chain| chained && chain.is_efficient());
         let components = Components::of(&tree, description);
         Ok(Self { tree, forces, components, controls, chain })
     }

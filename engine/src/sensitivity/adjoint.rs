@@ -1,7 +1,7 @@
 //! λᵀ ∂g/∂p for all wanted parameters at once.
 
 use super::design_velocity::DesignVelocity;
-use super::held::Held;
+use super::held::HeldConjugates;
 use super::tip_force;
 use crate::data::Data;
 use crate::equilibrium::System;
@@ -120,7 +120,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
         self.prepare(model, data, q, load);
-        let mut held = Held::new(model, system);
+        let mut held = HeldConjugates::new(model, system);
         for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
             let explicit = output == model.joints.len();
             if explicit {

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// The constraints at one equilibrium.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Held {
+pub(super) struct HeldConjugates {
     /// ∂c/∂p of each, of all parameters.
     by_parameters: Vec<Vec<f64>>,
     /// K⁻ᵀ ∇c of each.
@@ -21,7 +21,7 @@ pub(super) struct Held {
     multipliers: DVector<f64>,
 }
 
-impl Held {
+impl HeldConjugates {
     /// The constraints of the equilibrium that the system is in.
     pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,

@@ -81,7 +81,7 @@ impl Chain {
     }
 
     /// Whether the recursion over the nodes is faster than a dense factorisation.
-    pub fn pays(&self) -> bool {
+    pub fn is_efficient(&self) -> bool {
         let chain = self.starts[self.starts.len() - 1];
         chain >= MIN_CHAIN && (self.order.len() - chain) as f64 <= MAX_BORDER * chain as f64
     }

@@ -67,7 +67,7 @@ def _least_squares(
         found = evaluator.residuals(point(v)[None, :], runs, threads=1)[0]
         found = np.asarray(np.nan_to_num(found, nan=_FAILED_RESIDUAL))
         if with_optima and float(found @ found) < _TARGET_MISFIT:
-            raise _GoodEnough(point(v))
+            raise _TargetMisfitReached(point(v))
         return found
 
     if not free:
@@ -83,12 +83,12 @@ def _least_squares(
             gtol=1e-12,
             max_nfev=evaluations,
         )
-    except _GoodEnough as good:
+    except _TargetMisfitReached as good:
         return good.u
     return point(ended.x)
 
 
-class _GoodEnough(Exception):
+class _TargetMisfitReached(Exception):
     """Leaves a fit at a point that is good enough."""
 
     def __init__(self, u: Array) -> None:

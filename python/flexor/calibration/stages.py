@@ -22,7 +22,7 @@ from flexor.calibration.problem import Problem
 from flexor.calibration.record import Record
 from flexor.calibration.result import Fit
 from flexor.calibration.screening import screen
-from flexor.model.interruption import end_all
+from flexor.model.interruption import cancel_solves
 from flexor.study.executors import DesignEvaluator, Threads
 
 Item = TypeVar("Item")
@@ -136,7 +136,7 @@ class Stages:
             except BaseException as error:
                 self._evaluator.stopped.set()
                 if isinstance(error, KeyboardInterrupt):
-                    end_all(futures)
+                    cancel_solves(futures)
                 pool.shutdown(cancel_futures=True)
                 raise
         return results

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
-from flexor.cli.console import print_error, print_warnings, spell_what_streams_lack
+from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
 
@@ -107,7 +107,7 @@ def main(arguments: list[str] | None = None) -> None:
     Exit codes: 0 success; 1 completed with failures (such as a load step without equilibrium);
     2 invalid input; 3 cluster lost; 130 interrupted.
     """
-    spell_what_streams_lack()
+    replace_unencodable_characters()
     try:
         with warnings.catch_warnings():
             print_warnings()

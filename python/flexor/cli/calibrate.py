@@ -168,7 +168,7 @@ def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:
                 row.unit,
                 number(row.wanted),
                 number(row.found) if math.isfinite(row.found) else "-",
-                _off(row),
+                _deviation_text(row),
                 number(row.tolerance, 2) if math.isfinite(row.tolerance) else "",
                 verdict[row.weight],
             )
@@ -178,20 +178,20 @@ def _show(found: Calibration, seconds: float, files: list[FilePath]) -> None:
     say("Combinations of constants, the best identified first:")
     for direction in identifiability.directions:
         say(f"  {identifiability.describe(direction)}")
-    _show_others(found)
+    _print_other_fits(found)
     say(_sentence(found, seconds))
     for file in files:
         say(str(file))
 
 
-def _off(row: Row) -> str:
+def _deviation_text(row: Row) -> str:
     if not math.isfinite(row.off):
         return ""
     nothing = 1e-3 * (row.tolerance if math.isfinite(row.tolerance) else abs(row.wanted))
     return "0" if abs(row.off) < nothing else number(row.off, 2)
 
 
-def _show_others(found: Calibration) -> None:
+def _print_other_fits(found: Calibration) -> None:
     others = found.fits[1:]
     if not others:
         return

@@ -17,7 +17,16 @@ from rich.text import Text
 
 from flexor.errors import ModelWarning, one_line
 
-_SPELT = {"°": "deg", "−": "-", "×": "x", "·": "-", "…": "...", "“": '"', "”": '"', "→": "->"}
+_REPLACEMENTS = {
+    "°": "deg",
+    "−": "-",
+    "×": "x",
+    "·": "-",
+    "…": "...",
+    "“": '"',
+    "”": '"',
+    "→": "->",
+}
 
 
 class _PlainConsole(Console):
@@ -38,19 +47,19 @@ def plain(text: str) -> Text:
     return Text("\n".join(one_line(line) for line in text.split("\n")))
 
 
-def spell_what_streams_lack() -> None:
-    """Let streams of few characters (``LANG=C``) spell others instead of raising errors."""
-    codecs.register_error("flexor", _spelt)
+def replace_unencodable_characters() -> None:
+    """Replace characters that a stream cannot encode (``LANG=C``) instead of raising errors."""
+    codecs.register_error("flexor", _replacement)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="flexor")
 
 
-def _spelt(error: UnicodeError) -> tuple[str, int]:
+def _replacement(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     missing = error.object[error.start : error.end]
-    return "".join(_SPELT.get(each, "?") for each in missing), error.end
+    return "".join(_REPLACEMENTS.get(each, "?") for each in missing), error.end
 
 
 def say(text: str) -> None:

@@ -64,7 +64,7 @@ def follow(
     if model.controlled and count == 1:
         check_controlled(model, _parameters(model, geometry), loads)
     whole: dict[str, Any] = {}
-    _ask_for_memory(count, len(steps), model.engine.dof, threads)
+    _check_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = _slots(model, geometry[chunk])
@@ -98,7 +98,7 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     return arrays
 
 
-def _ask_for_memory(count: int, steps: int, dof: int, threads: int) -> None:
+def _check_memory(count: int, steps: int, dof: int, threads: int) -> None:
     """Raise MemoryError if the results do not fit, where the engine would abort the process."""
     workers = min(count, threads or os.cpu_count() or 1)
     chunk = min(count, SIZE)

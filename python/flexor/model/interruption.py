@@ -12,7 +12,7 @@ from flexor._engine import cancel
 _AGAIN = 0.05
 
 
-def end_all(futures: Collection[Future[Any]]) -> None:
+def cancel_solves(futures: Collection[Future[Any]]) -> None:
     """Cancel pending futures, end all running solves (they raise KeyboardInterrupt), and wait.
 
     The futures are work of threads of this process, which stops by itself between solves.

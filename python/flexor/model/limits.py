@@ -99,7 +99,7 @@ def joints_exceeded(path: Path) -> list[str]:
     return found
 
 
-def balloons(path: Path) -> list[str]:
+def ballooning_cavities(path: Path) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
     for name, rod, along in hoop_strains(path):

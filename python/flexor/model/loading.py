@@ -9,7 +9,7 @@ from flexor.errors import InputError
 from flexor.model.model import Model
 from flexor.model.reading import check, locate, read
 from flexor.model.schema import ModelFile
-from flexor.model.tunnelling import warn_of_gaps
+from flexor.model.tunnelling import warn_about_gaps
 from flexor.model.validation import describe
 
 
@@ -54,7 +54,7 @@ def load(
         loaded = Model(read(path, use=constants, changes=changes), source=str(path))
     else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
-    warn_of_gaps(loaded)
+    warn_about_gaps(loaded)
     return loaded
 
 

@@ -38,7 +38,8 @@ def locate(model: str | os.PathLike[str]) -> pathlib.Path:
     if path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped:
         return _FOLDER / path.name
     if path.suffix == ".toml" or path.exists() or path.name != text:
-        why = "it is a folder" if path.is_dir() else "no such file"
+        kinds = {path.is_dir(): "it is a folder", not path.exists(): "no such file"}
+        why = kinds.get(True, "it is not a regular file")
         raise InputError(f'cannot read the model file "{text}": {why}.')
     raise InputError(f"{unknown_name('preset', text, shipped)}, or the path of a model file.")
 

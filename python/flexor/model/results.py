@@ -18,7 +18,7 @@ from flexor.model.extremes import Extreme, contact_pressure, extremes
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
 from flexor.model.limits import (
-    balloons,
+    ballooning_cavities,
     joints_exceeded,
     materials_exceeded,
     straps_exceeded,
@@ -217,7 +217,7 @@ class Results:
         if len(keys) > len(self.axes):
             raise IndexError(f"{type(self).__name__} has {len(self.axes)} axes, got {len(keys)}.")
         index = dict(zip(self.axes, keys, strict=False))
-        left = "".join(axis for axis in self.axes if not _is_one(index.get(axis)))
+        left = "".join(axis for axis in self.axes if not _is_integer(index.get(axis)))
         taken: dict[str, Any] = {}
         for each in fields(self):
             value, place = getattr(self, each.name), 0
@@ -386,7 +386,7 @@ class Path(Results):
             "stable": self.stable.tolist(),
             "contacts": self.touching.tolist(),
             "tip_force": _plain(self.tip_force),
-            **self._of_device(),
+            **self._device_quantities(),
             "events": by_step,
             "coordinates": self.model.engine.coordinates,
             "q": _plain(self.q),
@@ -437,7 +437,7 @@ class Path(Results):
     @property
     def warnings(self) -> list[str]:
         """Materials, straps, joints and hoop strains beyond their limits, one sentence each."""
-        checks = (materials_exceeded, straps_exceeded, joints_exceeded, balloons)
+        checks = (materials_exceeded, straps_exceeded, joints_exceeded, ballooning_cavities)
         return [sentence for check in checks for sentence in check(self)]
 
     def hoop_strain(self) -> dict[str, Array]:
@@ -467,7 +467,7 @@ class Path(Results):
                 row[step] = {"body": each.body, "X": each.X, "on": each.on}
         return found
 
-    def _of_device(self) -> dict[str, Any]:
+    def _device_quantities(self) -> dict[str, Any]:
         shown: dict[str, Any] = {}
         pressures = self.model.pressures
         if pressures and self.volume is not None:
@@ -622,7 +622,7 @@ class Paths(Results):
 _LEVELS: dict[str, type[Results]] = {each.axes: each for each in (State, States, Path, Paths)}
 
 
-def _is_one(index: Any) -> bool:
+def _is_integer(index: Any) -> bool:
     return isinstance(index, (int, np.integer))
 
 

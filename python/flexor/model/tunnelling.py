@@ -14,7 +14,7 @@ from flexor.model.schema import ModelFile, Rod
 from flexor.model.structure import Structure
 
 
-def warn_of_gaps(model: Structure) -> None:
+def warn_about_gaps(model: Structure) -> None:
     """Warn, in one sentence for each contact, where it may be missed.
 
     That is, if in the reference state the gap between neighbouring spheres of a rod exceeds their

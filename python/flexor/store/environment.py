@@ -34,7 +34,7 @@ def environment() -> dict[str, str]:
     }
 
 
-def decisive() -> dict[str, str]:
+def decisive_versions() -> dict[str, str]:
     """Return what must be the same for the same bits: the version of Flexor and its engine."""
     here = environment()
     return {"flexor": installed("flexor"), **{key: here[key] for key in DECISIVE}}

@@ -144,7 +144,7 @@ def _create(
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             if (folder / SETTINGS).exists():
                 raise InputError(
-                    f'"{folder}" holds a {kind.name} already: resume it or choose another folder.'
+                    f'"{folder}" holds recorded work already: resume it or choose another folder.'
                 )
             raise InputError(f'"{folder}" is not an empty folder: choose another.')
         folder.parent.mkdir(parents=True, exist_ok=True)

@@ -166,7 +166,7 @@ impl Contact {
     }
 
     /// Largest number of couplings that the contact can report at once.
-    pub fn most_couplings(&self) -> usize {
+    pub fn max_couplings(&self) -> usize {
         // A round cone couples three frames, and the sphere shared with the one before it two.
         let solids = if self.cones.is_empty() { self.second.len() } else { 4 * self.cones.len() };
         self.first.len() * solids

@@ -170,7 +170,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn state(&self, _: &Tree<G, D, P>) -> ContactState<P> {
         ContactState {
             balls: vec![Ball::POINT; self.0.last().map_or(0, |c| c.balls.end)],
-            pairs: Vec::with_capacity(self.0.iter().map(Contact::most_couplings).sum()),
+            pairs: Vec::with_capacity(self.0.iter().map(Contact::max_couplings).sum()),
             kept: vec![],
         }
     }
@@ -179,8 +179,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.0.iter().all(|contact| parameters[contact.stiffness] >= 0.0)
     }
 
-    fn most_couplings(&self) -> usize {
-        self.0.iter().map(Contact::most_couplings).sum()
+    fn max_couplings(&self) -> usize {
+        self.0.iter().map(Contact::max_couplings).sum()
     }
 
     fn has_switches(&self) -> bool {

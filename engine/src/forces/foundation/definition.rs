@@ -153,7 +153,7 @@ impl Foundation {
     }
 
     /// Largest number of couplings that it can report at once.
-    pub fn most_couplings(&self) -> usize {
+    pub fn max_couplings(&self) -> usize {
         self.first.len() * 2 * self.cones.len()
     }
 }

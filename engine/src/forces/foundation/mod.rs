@@ -207,15 +207,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn design(&self, _: &Tree<G, D, P>) {}
 
     fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
-        Vec::with_capacity(self.0.iter().map(Foundation::most_couplings).sum())
+        Vec::with_capacity(self.0.iter().map(Foundation::max_couplings).sum())
     }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
         self.0.iter().all(|foundation| foundation.is_admissible(parameters))
     }
 
-    fn most_couplings(&self) -> usize {
-        self.0.iter().map(Foundation::most_couplings).sum()
+    fn max_couplings(&self) -> usize {
+        self.0.iter().map(Foundation::max_couplings).sum()
     }
 
     fn has_switches(&self) -> bool {

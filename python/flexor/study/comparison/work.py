@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flexor.model.interruption import end_all
+from flexor.model.interruption import cancel_solves
 from flexor.optimizers import (
     Budget,
     LevenbergMarquardt,
@@ -208,7 +208,7 @@ def carry_out(
         except BaseException as error:
             tally.stopped = True
             if isinstance(error, KeyboardInterrupt):
-                end_all(waiting)
+                cancel_solves(waiting)
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return MethodComparison(

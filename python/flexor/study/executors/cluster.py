@@ -12,7 +12,7 @@ from typing import Any
 
 from flexor.errors import ClusterError, InputError
 from flexor.installing import install_command
-from flexor.store.environment import decisive
+from flexor.store.environment import decisive_versions
 from flexor.study.executors import task
 from flexor.study.executors.local_cluster import LocalCluster
 from flexor.study.executors.pool import Pool
@@ -137,7 +137,7 @@ class Cluster(Pool):
                 raise InputError(f"{name} could not be started: {one_line(error)}.") from error
             self._opened.callback(lambda: local.close(self._close_timeout))
             target = local.address
-        elif (kind := _kind_of_server(distributed, self.address)) != "Scheduler":
+        elif (kind := _server_kind(distributed, self.address)) != "Scheduler":
             raise InputError(f"{name} is the address of a {kind.lower()}, not of the scheduler.")
         try:
             self._client = distributed.Client(
@@ -159,7 +159,7 @@ class Cluster(Pool):
     def _check_workers(self) -> None:
         """Refuse workers of another version before their first task."""
         run = self._client.run
-        found = self._guarded(lambda: run(task.check, decisive(), on_error="return"))
+        found = self._guarded(lambda: run(task.check, decisive_versions(), on_error="return"))
         for worker, why in found.items():
             # A worker that dies meanwhile is not an error.
             if why and not isinstance(why, OSError):
@@ -205,7 +205,7 @@ def _library() -> Any:
     return distributed
 
 
-def _kind_of_server(distributed: Any, address: str) -> str:
+def _server_kind(distributed: Any, address: str) -> str:
     """Ask what answers at an address, with a timeout, which a client does not have."""
 
     async def ask() -> str:

@@ -32,7 +32,7 @@ class LocalCluster:
         self._cluster = distributed.LocalCluster.__new__(distributed.LocalCluster)
         place = self._scratch.name
         try:
-            with _interrupts_blocked():
+            with _interrupts_ignored():
                 self._loop.start()
             with dask.config.set({**_WITHOUT_DASHBOARDS, "temporary-directory": place}):
                 self._cluster.__init__(
@@ -73,7 +73,7 @@ class LocalCluster:
 
 
 @contextmanager
-def _interrupts_blocked() -> Iterator[None]:
+def _interrupts_ignored() -> Iterator[None]:
     """Start a thread whose processes ignore Ctrl-C: this process stops them."""
     if not hasattr(signal, "pthread_sigmask"):  # on Windows
         yield

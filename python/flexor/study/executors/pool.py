@@ -14,7 +14,7 @@ import numpy as np
 
 from flexor.errors import ClusterError, InputError
 from flexor.model import chunks
-from flexor.model.interruption import end_all
+from flexor.model.interruption import cancel_solves
 from flexor.model.results import Paths
 from flexor.study.executors import task
 from flexor.study.executors.interface import DesignEvaluator
@@ -83,7 +83,7 @@ class Pool(DesignEvaluator):
                 yield outcomes
         except KeyboardInterrupt:
             if self._here:
-                end_all(running)
+                cancel_solves(running)
             raise
         finally:
             for future in running:

@@ -11,7 +11,7 @@ from typing import Any
 
 from flexor.errors import InputError
 from flexor.model.results import Paths
-from flexor.store.environment import decisive
+from flexor.store.environment import decisive_versions
 from flexor.study.problem import FloatArray, Problem
 
 
@@ -35,7 +35,7 @@ class PickledProblem:
             raise InputError(
                 f"{problem} cannot be sent to other processes: {one_line(error)}."
             ) from error
-        return cls(content, tuple(decisive().items()))
+        return cls(content, tuple(decisive_versions().items()))
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def evaluate(problem: Problem, designs: FloatArray, gradient: bool) -> Paths:
 
 def check(wanted: Mapping[str, str]) -> str:
     """Return how Flexor differs here from the version that asks; empty if it does not."""
-    here = decisive()
+    here = decisive_versions()
     if here["flexor"] != wanted["flexor"]:
         return f"runs Flexor {here['flexor']}, this is {wanted['flexor']}: install the same version"
     if here != dict(wanted):
