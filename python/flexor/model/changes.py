@@ -32,7 +32,7 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
         raise InputError(f"{source}: {describe(path)} has more than {MAX_DEPTH} parts.")
     keys = resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
-    result = _with(document, keys, value)
+    result: dict[str, Any] = _with(document, keys, value)
     for table in constants.TABLES:
         sets = document.get(table)
         if not isinstance(sets, Mapping):
