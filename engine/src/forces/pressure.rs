@@ -5,6 +5,7 @@
 
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::moments::{MOMENTS, Moments};
 use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
@@ -33,9 +34,6 @@ pub struct PressureDescription {
     pub enclosed: f64,
 }
 
-/// Coefficients of a section.
-const MOMENTS: usize = 11;
-
 #[derive(Clone, Debug, PartialEq)]
 struct Pressure {
     rod: usize,
@@ -43,7 +41,8 @@ struct Pressure {
     sections: Vec<Range<usize>>,
     of_gauss: Vec<usize>,
     share: Vec<f64>,
-    enclosed: f64,
+    /// Slot of the volume of what is enclosed with it.
+    enclosed: usize,
 }
 
 /// All pressures.
@@ -56,25 +55,6 @@ pub(crate) struct Volumes {
     /// One for each pressure: reference volume and number of its columns.
     fixed: Vec<(f64, usize)>,
     columns: Vec<(usize, f64)>,
-}
-
-/// Area and first moments at a Gauss point, with their derivatives with respect to S.
-struct Moments {
-    value: [f64; 3],
-    by_radius: [f64; 3],
-}
-
-impl Moments {
-    /// Area, ∫ y dA and ∫ z dA from their coefficients.
-    fn new(c: &[f64], s: f64) -> Self {
-        let cubic = |c: &[f64]| {
-            let value = c.iter().rev().fold(0.0, |sum, c| sum * s + c);
-            let slope = c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * s + k as f64 * c);
-            [value, slope]
-        };
-        let all = [cubic(&c[..3]), cubic(&c[3..7]), cubic(&c[7..])];
-        Self { value: all.map(|[value, _]| value), by_radius: all.map(|[_, slope]| slope) }
-    }
 }
 
 /// Area or moment that a strain mode multiplies in the volume, with the power of L; none for torsion
@@ -112,6 +92,8 @@ impl Pressures {
             finite(field("enclosed"), &[pressure.enclosed])?;
             let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), None, section);
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
+            let enclosed =
+                tree.slot(format!("{}.enclosed", pressure.name), "m^3", &[pressure.enclosed]).start;
             tree.inputs.push(pressure.name.clone());
             built.push(Pressure {
                 rod,
@@ -119,7 +101,7 @@ impl Pressures {
                 sections,
                 of_gauss: pressure.of_gauss.clone(),
                 share: pressure.share.clone(),
-                enclosed: pressure.enclosed,
+                enclosed,
             });
         }
         Ok(Self(built))
@@ -227,7 +209,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let length = p[rod.length];
             let first = volumes.columns.len();
             volumes.columns.extend(rod.dofs.clone().map(|dof| (dof, 0.0)));
-            let mut fixed = -pressure.enclosed;
+            let mut fixed = -p[pressure.enclosed];
             for (g, gauss) in rod.gauss.iter().enumerate() {
                 let s = p[rod.radius.start + gauss.point];
                 let moments = Moments::new(&p[pressure.sections[pressure.of_gauss[g]].clone()], s).value;
