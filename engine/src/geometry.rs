@@ -143,6 +143,7 @@ pub(crate) fn link_fraction<'a, G: LieGroup<D, P>, const D: usize, const P: usiz
     match place {
         Place::Frame => (None, 0.0),
         Place::Fraction(body, f) => (Some(&tree.bodies[body].shape), f),
+        Place::Along(body, slot) => (Some(&tree.bodies[body].shape), parameters[slot]),
         Place::Centroid(body) => {
             let shape = &tree.bodies[body].shape;
             let Shape::Link(link) = shape else { return (None, 0.0) };
@@ -177,6 +178,9 @@ pub(crate) fn add_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize
             let (_, f) = link_fraction(tree, parameters, place);
             gradient[link.radius_base] += weight * (1.0 - f);
             gradient[link.radius_tip] += weight * f;
+            if let Place::Along(_, slot) = place {
+                gradient[slot] += weight * (parameters[link.radius_tip] - parameters[link.radius_base]);
+            }
             // The centroid's fraction depends on the radii too.
             let taper = parameters[link.radius_tip] - parameters[link.radius_base];
             let [by_base, by_tip] = link_fraction_slope(parameters, link, place);

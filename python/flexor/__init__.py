@@ -58,11 +58,13 @@ _HOME = {
 _PACKAGES = (
     "calibration",
     "cli",
+    "constraints",
     "design",
     "errors",
     "materials",
     "model",
     "objectives",
+    "observables",
     "plot",
     "optimizers",
     "sections",

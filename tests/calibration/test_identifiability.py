@@ -13,9 +13,9 @@ from flexor.calibration.identifiability import (
     profile_likelihood,
 )
 from flexor.calibration.local_fit import Minimum, distinct, fit_locally
-from flexor.calibration.quantity import Unit
 from flexor.calibration.screening import screen
 from flexor.errors import InputError
+from flexor.model.quantity import Unit
 
 
 def constant(name: str, low: float = 1.0, high: float = 100.0, log: bool = True) -> Constant:

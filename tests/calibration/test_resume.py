@@ -197,7 +197,7 @@ def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:
     (folder / "settings.json").write_text("{")
     assert "is damaged" in flexor(*words).err
     (folder / "settings.json").write_text(json.dumps({**json.loads(settings), "format": 9}))
-    assert "reads format 2" in flexor(*words).err
+    assert "reads format 3" in flexor(*words).err
     old = json.loads(settings)
     old["flexor"] = "0.1.9"
     (folder / "settings.json").write_text(json.dumps(old))

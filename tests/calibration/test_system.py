@@ -8,10 +8,10 @@ import pytest
 import flexor as package
 from flexor.calibration.constants import Constant
 from flexor.calibration.problem import bind_problem
-from flexor.calibration.quantity import infer_quantity
 from flexor.calibration.reading import parse
 from flexor.calibration.system import System
 from flexor.design import parameter_set
+from flexor.model.quantity import infer_quantity
 
 RANGES = {
     "exosuit.young_modulus": ("1 MPa", "4 MPa"),

@@ -336,7 +336,7 @@ def test_a_damaged_search_is_one_sentence(
     "values",
     [
         [],
-        {"format": 2},
+        {"format": 3},
         {"seeds": [10**400, "a"]},
         {"budget": "many"},
         {"sets": {"L": {"labels": ["L"], "lower": [], "upper": [1.0]}}},
@@ -387,7 +387,7 @@ def test_a_comparison_that_no_longer_reproduces_is_refused(
 
 def test_a_folder_of_the_first_format_is_refused(tmp_path: Path) -> None:
     (tmp_path / "comparison.json").write_text('{"format": 1}')
-    with pytest.raises(InputError, match=r"has format 1; this version of Flexor reads format 2"):
+    with pytest.raises(InputError, match=r"has format 1; this version of Flexor reads format 3"):
         resume_comparison(tmp_path)
 
 

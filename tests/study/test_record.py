@@ -36,6 +36,8 @@ def outcomes(n: int, seed: int) -> Paths:
         stable=random.uniform(size=(n, STEPS)) < 0.9,
         event_count=random.integers(0, 3, n),
         total_iterations=random.integers(10, 60, n),
+        constraint_values=random.normal(size=(n, 2)),
+        violation=np.where(np.isfinite(value), 0.0, np.inf),
     )
 
 
@@ -56,7 +58,7 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
     recorded = [field for field in fields(Paths) if field.metadata["recorded"]]
-    assert len(recorded) == 12
+    assert len(recorded) == 14
     for field in recorded:
         if getattr(back, field.name) is None:
             assert field.name in ("derivatives", "regularity")

@@ -214,7 +214,7 @@ def test_own_functions_must_be_given_and_be_the_same(analytic: ModuleType, tmp_p
 
 
 CHANGES: dict[str, dict[str, Any]] = {
-    "future": {"format": 3},
+    "future": {"format": 4},
     "one bound": {
         "parameters": {"name": "L", "labels": ["L"], "units": ["cm"], "lower": [], "upper": [1.0]}
     },
@@ -245,13 +245,13 @@ def break_folder(folder: Path, kind: str) -> None:
     elif kind == "list":
         settings.write_text("[1, 2]")
     elif kind == "half":
-        settings.write_text('{"format": 2, "model": {"name": "x"}}')
+        settings.write_text('{"format": 3, "model": {"name": "x"}}')
     elif kind in CHANGES:
         settings.write_text(json.dumps({**json.loads(settings.read_text()), **CHANGES[kind]}))
     elif kind == "first":
         settings.write_text('{"format": 1, "flexor": "0.1.0"}')
     elif kind == "comparison":
-        settings.write_text('{"format": 2, "kind": "comparison"}')
+        settings.write_text('{"format": 3, "kind": "comparison"}')
     elif kind == "linked":
         settings.rename(folder / "elsewhere.json")
         settings.symlink_to("elsewhere.json")
@@ -283,8 +283,8 @@ def break_folder(folder: Path, kind: str) -> None:
         ("no budget", "is damaged: it is not the settings of a study"),
         ("odd start", "is damaged: it is not the settings of a study"),
         ("odd options", "is damaged: it is not the settings of a study"),
-        ("future", "has format 3; this version of Flexor reads format 2"),
-        ("first", "has format 1; this version of Flexor reads format 2: use the version that"),
+        ("future", "has format 4; this version of Flexor reads format 3"),
+        ("first", "has format 1; this version of Flexor reads format 3: use the version that"),
         ("comparison", '" is not a study: it is a comparison.'),
         ("linked", 'settings.json" is not a regular file: it is a link'),
         ("pipe", 'settings.json" is not a regular file: it is a special file'),

@@ -43,7 +43,8 @@ struct Pressure {
     sections: Vec<Range<usize>>,
     of_gauss: Vec<usize>,
     share: Vec<f64>,
-    enclosed: f64,
+    /// Slot of the volume of what is enclosed with it.
+    enclosed: usize,
 }
 
 /// All pressures.
@@ -112,6 +113,8 @@ impl Pressures {
             finite(field("enclosed"), &[pressure.enclosed])?;
             let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), None, section);
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
+            let enclosed =
+                tree.slot(format!("{}.enclosed", pressure.name), "m^3", &[pressure.enclosed]).start;
             tree.inputs.push(pressure.name.clone());
             built.push(Pressure {
                 rod,
@@ -119,7 +122,7 @@ impl Pressures {
                 sections,
                 of_gauss: pressure.of_gauss.clone(),
                 share: pressure.share.clone(),
-                enclosed: pressure.enclosed,
+                enclosed,
             });
         }
         Ok(Self(built))
@@ -227,7 +230,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let length = p[rod.length];
             let first = volumes.columns.len();
             volumes.columns.extend(rod.dofs.clone().map(|dof| (dof, 0.0)));
-            let mut fixed = -pressure.enclosed;
+            let mut fixed = -p[pressure.enclosed];
             for (g, gauss) in rod.gauss.iter().enumerate() {
                 let s = p[rod.radius.start + gauss.point];
                 let moments = Moments::new(&p[pressure.sections[pressure.of_gauss[g]].clone()], s).value;

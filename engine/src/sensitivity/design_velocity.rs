@@ -35,6 +35,8 @@ enum Geometric {
     LinkRadius(usize, bool),
     /// The radius of a rod at a point on whose surface something is attached.
     RodRadius(usize),
+    /// The fraction of a link's length at which something is attached.
+    Along(usize),
     /// A component of a body's translation.
     Translation(usize, usize),
     /// A component of a body's rotation vector.
@@ -62,6 +64,11 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         surfaces.dedup();
         for radius in surfaces {
             push(radius, Geometric::RodRadius(radius));
+        }
+        for point in &model.points {
+            if let Place::Along(_, slot) = point.place {
+                push(slot, Geometric::Along(slot));
+            }
         }
         for (b, body) in model.bodies.iter().enumerate() {
             for k in 0..3 {
@@ -93,6 +100,11 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             let mut velocity = G::point_jacobian(world) * self.twists[point.frame];
             let along = match (point.place, kind) {
                 (Place::Fraction(b, f), Geometric::LinkLength(body)) if b == body => f,
+                (Place::Along(b, slot), Geometric::LinkLength(body)) if b == body => p[slot],
+                (Place::Along(b, slot), Geometric::Along(moved)) if slot == moved => {
+                    let Shape::Link(link) = &model.bodies[b].shape else { continue };
+                    p[link.length]
+                }
                 (Place::Centroid(b), Geometric::LinkLength(body)) if b == body => {
                     link_fraction(&model.tree, p, point.place).1
                 }
@@ -163,6 +175,10 @@ fn radius_rate<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let wanted = match (radius, kind) {
         (SphereRadius::Parameter(k), Geometric::RodRadius(wanted)) if k == wanted => return 1.0,
         (SphereRadius::Link(b, _), Geometric::LinkRadius(body, tip)) if b == body => tip,
+        (SphereRadius::Link(b, Place::Along(_, slot)), Geometric::Along(moved)) if slot == moved => {
+            let Shape::Link(link) = &model.bodies[b].shape else { return 0.0 };
+            return p[link.radius_tip] - p[link.radius_base];
+        }
         _ => return 0.0,
     };
     let SphereRadius::Link(body, place) = radius else { return 0.0 };

@@ -22,6 +22,8 @@ pub(crate) enum Place {
     Fraction(usize, f64),
     /// The centroid of the link (body index).
     Centroid(usize),
+    /// A fraction of the link's length along x (body index), which is this parameter.
+    Along(usize, usize),
 }
 
 /// A contact sphere.

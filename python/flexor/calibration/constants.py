@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.calibration.quantity import Unit, infer_quantity
 from flexor.calibration.schema import Constant as Table
 from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
+from flexor.model.quantity import Unit, infer_quantity
 
 _NAMED = tuple(ModelFile.named_tables())
 

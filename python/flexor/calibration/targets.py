@@ -13,12 +13,12 @@ from flexor.arrays import Array
 from flexor.calibration.observable import observable
 from flexor.calibration.optimum_run import BENDING, OptimumRun
 from flexor.calibration.path_run import PathRun, check_design
-from flexor.calibration.quantity import Unit, parse_quantity
 from flexor.calibration.schema import Target
 from flexor.calibration.system import System
 from flexor.design import ParameterSet, parameter_set
 from flexor.errors import InputError, unknown_name
 from flexor.model.loads import loads as read_loads
+from flexor.model.quantity import Unit, parse_quantity
 from flexor.model.units import ANGLE, LENGTH, Dimension
 from flexor.objectives import objective
 from flexor.optimizers import method

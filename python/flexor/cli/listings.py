@@ -33,11 +33,11 @@ def sets(
         ),
     ] = None,
 ) -> None:
-    """List the parameter sets with their bounds, the objectives and the methods.
+    """List the parameter sets with their bounds, the objectives, the observables and the methods.
 
     Combine sets with `+`: `flexor optimize finger --parameters L+R01`.
     """
-    from flexor import design, objectives, optimizers
+    from flexor import design, objectives, observables, optimizers
 
     space: design.DesignSpace = design.DesignSpace()
     if model is not None:
@@ -58,6 +58,7 @@ def sets(
     available = [(name, objectives.objective(name)) for name in objectives.names()]
     cells = [(name, f"{objective.quantity} / {objective.unit}") for name, objective in available]
     show(("objective", "displayed as"), cells, left=2)
+    show(("observable", "what it is"), list(observables.kinds().items()), left=2)
     out.print(f"methods: {', '.join(optimizers.names())}")
 
 

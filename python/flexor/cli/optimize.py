@@ -10,7 +10,8 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import print_json
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import load_changed, numbers, one_or_assignments
+from flexor.cli.values import load_changed, numbers, one_or_assignments, ranges
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -21,6 +22,36 @@ def optimize(
     model: options.OptionalModel = None,
     parameters: options.Parameters = "L+R01",
     objective: options.Objective = "bending",
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FIELD=LOW:HIGH",
+            help="Vary a numeric field of the model file instead of `--parameters`, such as "
+            "`exosuit.length=8 cm:11 cm`; may be repeated.",
+        ),
+    ] = None,
+    maximise: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Maximise an observable (see `flexor sets`)."),
+    ] = None,
+    minimise: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Minimise an observable.")
+    ] = None,
+    subject_to: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="CONSTRAINT",
+            help="Constraint along the whole path, such as `overlap <= 0.5 mm`; may be repeated.",
+        ),
+    ] = None,
+    without: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Switch off a default constraint: `overlap`, `strain`, `stress`, `stretch` or "
+            "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
+        ),
+    ] = None,
     method: Annotated[
         str, typer.Option(help="Search method (see `flexor methods`).")
     ] = "pattern-search",
@@ -68,6 +99,8 @@ def optimize(
     * `flexor optimize finger --parameters L+R01 --objective bending`
     * `flexor optimize finger -p RLP --option starts=8 --budget 5000`
     * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
+    * `flexor optimize pneumatic-finger --vary "exosuit.section.wall=1.5 mm:3 mm" --maximise
+      range-of-motion --subject-to "overlap <= 1.5 mm"`
     * `flexor optimize --resume studies/press`
 
     The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
@@ -76,8 +109,9 @@ def optimize(
     from flexor import study as studies
     from flexor.cli import outcome
     from flexor.cli.progress import SearchProgress
-    from flexor.design import parameter_set
+    from flexor.design import parameter_set, variables
     from flexor.design.start import starts
+    from flexor.model.schema import Design
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
@@ -86,14 +120,32 @@ def optimize(
     else:
         assert model is not None
         loaded = load_changed(model, constants, changes)
-        chosen = parameter_set(parameters, loaded.design)
-        place = folder or new_folder(loaded.name, chosen.name, objective)
+        given = {"--parameters": "parameters", "--objective": "objective"}
+        stated = [option for option, name in given.items() if _is_given(context, name)]
+        stated_there = loaded.file.design or Design.model_construct()
+        varied = dict(ranges("--vary", vary or [])) or stated_there.varied
+        chosen = (
+            variables(varied, loaded, "--vary" if vary else f"{loaded.name}: design.variable")
+            if varied and "--parameters" not in stated
+            else parameter_set(parameters, loaded.design)
+        )
+        if vary and "--parameters" in stated:
+            raise InputError("--vary and --parameters are two statements of what varies: give one.")
+        aims = [f"{sense} {name}" for sense, name in _aims(maximise, minimise) if name]
+        if len(aims) + ("--objective" in stated) > 1:
+            raise InputError("give one of --maximise, --minimise and --objective.")
+        aim = aims[0] if aims else objective
+        if "--objective" not in stated and not aims:
+            aim = stated_there.aim or objective
+        place = folder or new_folder(loaded.name, chosen.name, aim.replace(" ", "-"))
         work = partial(
             studies.optimize,
             loaded,
             chosen,
-            objective,
+            aim,
             method,
+            subject_to=subject_to or stated_there.subject_to,
+            without=without or stated_there.without,
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),
@@ -116,6 +168,15 @@ def optimize(
 
     where = executor_for(threads, cluster)
     return carry_out("flexor optimize --resume", place, where, SearchProgress(), work, report)
+
+
+def _aims(maximise: str | None, minimise: str | None) -> list[tuple[str, str | None]]:
+    return [("maximise", maximise), ("minimise", minimise)]
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
 
 
 def _open(study: Study) -> None:

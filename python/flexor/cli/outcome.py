@@ -6,10 +6,12 @@ import math
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
+from flexor.cli import verdict
 from flexor.cli.console import err, say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show
+from flexor.objectives import Extremum
 
 if TYPE_CHECKING:
     from flexor.study import Sensitivity, Study
@@ -36,9 +38,13 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
+    if isinstance(study.problem.objective, Extremum):
+        verdict.print_verdict(study.best)
     show(("", start_title(study), "optimum", "change"), rows)
     say(_improvement(study))
-    if math.isfinite(study.best.value) and study.problem.model.joints:
+    if isinstance(study.problem.objective, Extremum):
+        verdict.print_tolerances(study.best)
+    elif math.isfinite(study.best.value) and study.problem.model.joints:
         _print_sensitivity(study.best.sensitivity)
     cost = f"{'in total, resumed for' if resumed else 'in'} {duration(seconds)}"
     say(f"{study.evaluations:,} designs {cost}: {study.finished}.")
@@ -87,6 +93,8 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
             for name, design in (("start", study.start), ("best", study.best))
         },
         "sensitivity": _sensitivity(study.best.sensitivity),
+        "feasible": study.best.feasible,
+        "constraints": verdict.constraints_as_json(study.best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,

@@ -34,6 +34,18 @@ def one_or_assignments(
     return dict(assignments(option, texts, example))
 
 
+def ranges(option: str, pairs: list[str]) -> dict[str, tuple[str, str]]:
+    """Parse `field=low:high` pairs."""
+    result: dict[str, tuple[str, str]] = {}
+    example = "exosuit.length=8 cm:12 cm"
+    for key, text in assignments(option, pairs, example).items():
+        low, colon, high = (part.strip() for part in text.partition(":"))
+        if not (low and colon and high):
+            raise InputError(f'{option} has {key} = "{text}": give bounds, such as "{example}".')
+        result[key] = (low, high)
+    return result
+
+
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     """Parse `key=number` pairs into integers and floats."""
     result: dict[str, int | float] = {}

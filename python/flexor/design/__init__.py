@@ -8,6 +8,7 @@ from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped, Profile
 from flexor.design.published import Legendre, Linear, SineCosine
 from flexor.design.union import union
+from flexor.design.variables import Variables, variables
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 
 __all__ = [
@@ -20,9 +21,11 @@ __all__ = [
     "ParameterSet",
     "Profile",
     "SineCosine",
+    "Variables",
     "custom",
     "names",
     "parameter_set",
     "register",
     "union",
+    "variables",
 ]

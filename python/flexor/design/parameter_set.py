@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexor.arrays import Array
 from flexor.design.profile import Fixed, Profile
+from flexor.design.start import parse_value
 from flexor.errors import InputError, unknown
-from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian
+from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian, SlotValues
+
+if TYPE_CHECKING:
+    from flexor.model.results import Paths
+    from flexor.model.structure import Structure
 
 # Display units of design parameters, in SI.
 UNITS = {"1": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "rad": 1.0, "deg": np.pi / 180.0}
@@ -69,9 +75,7 @@ class ParameterSet:
             raise InputError(
                 f"parameter set {self.name}: {len(self.units)} units for {count} labels."
             )
-        for unit in self.units:
-            if unit not in UNITS:
-                raise unknown("unit", unit, UNITS)
+        self._check_units()
         if len(set(self.labels)) != count:
             raise InputError(f"parameter set {self.name}: a label appears twice in {self.labels}.")
         for label, low, high in zip(self.labels, self.lower, self.upper, strict=True):
@@ -80,6 +84,11 @@ class ParameterSet:
                     f"parameter set {self.name}: the lower bound of {label}, {low:g}, "
                     f"is not below its upper bound, {high:g}."
                 )
+
+    def _check_units(self) -> None:
+        for unit in self.units:
+            if unit not in UNITS:
+                raise unknown("unit", unit, UNITS)
 
     @property
     def size(self) -> int:
@@ -90,6 +99,10 @@ class ParameterSet:
     def scale(self) -> Array:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
+
+    def parse(self, label: str, text: str, option: str) -> float:
+        """Read the value of a parameter, SI; InputError, beginning with ``option``, if none."""
+        return parse_value(text, label, self.units[self.labels.index(label)], option)
 
     def geometry(self, p: ArrayLike, X: ArrayLike) -> Geometry:
         """Compute the geometry of n designs at m points.
@@ -130,6 +143,36 @@ class ParameterSet:
             length[:, self.length_column] = 1.0
         radius, slope = self._surface.jacobian(p, X)
         return GeometryJacobian(length, radius, slope)
+
+    def designs(
+        self, p: Array, model: Structure
+    ) -> tuple[Geometry | SlotValues, NDArray[np.bool_]]:
+        """Return what a model is to be evaluated for, and which of n designs can be, (n,).
+
+        Parameters
+        ----------
+        p : (n, k) array
+            Designs, SI.
+        model : Model
+            The model.
+
+        Returns
+        -------
+        designs : Geometry or SlotValues
+            Of those that can be evaluated.
+        valid : (n,) array
+            Which these are.
+        """
+        geometry = self.geometry(p, model.design.points)
+        valid = np.isfinite(geometry.length) & (geometry.length > 0.0)
+        valid &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
+        valid &= np.all(np.isfinite(geometry.slope), axis=1)
+        chosen = (geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
+        return Geometry(*chosen), valid
+
+    def chained(self, paths: Paths, p: Array, model: Structure) -> Array:
+        """Return derivatives of the paths of n designs by the parameters, (n, joints + 1, k)."""
+        return paths.chained(self.jacobian(p, model.design.points))
 
     def on(self, rod: DesignSpace) -> ParameterSet:
         """Return the same set for another exosuit."""

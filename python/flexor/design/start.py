@@ -45,7 +45,7 @@ def bounds_in_si(
         if isinstance(pair, str) or not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
             raise InputError(f"bounds has {label} = {pair!r}: expected a lower and an upper bound.")
         low, high = (
-            _si(end, label, chosen, "bounds") if isinstance(end, str) else _number(end, label)
+            chosen.parse(label, end, "bounds") if isinstance(end, str) else _number(end, label)
             for end in pair
         )
         converted[label] = (low, high)
@@ -67,20 +67,20 @@ def _design(text: str, chosen: ParameterSet, option: str) -> list[float]:
             label, _, value = (side.strip() for side in part.partition("="))
             if label not in labels:
                 raise unknown(f"parameter of {chosen.name}", label, labels)
-            design[labels.index(label)] = _si(value, label, chosen, option)
+            design[labels.index(label)] = chosen.parse(label, value, option)
         return design
     if len(parts) != len(labels):
         raise InputError(
             f'{option} is "{text}": {chosen.name} needs {len(labels)} values '
             f'({", ".join(labels)}), label=value pairs, or "random".'
         )
-    return [_si(part, label, chosen, option) for part, label in zip(parts, labels, strict=True)]
+    return [chosen.parse(label, part, option) for part, label in zip(parts, labels, strict=True)]
 
 
-def _si(text: str, label: str, chosen: ParameterSet, option: str) -> float:
+def parse_value(text: str, label: str, own: str, option: str) -> float:
+    """Read the value of a parameter with a unit of `UNITS`, SI; see `ParameterSet.parse`."""
     from flexor.design.parameter_set import UNITS
 
-    own = chosen.units[chosen.labels.index(label)]
     match = _VALUE.fullmatch(text)
     unit = (match["unit"] if match else "") or ("1" if own == "1" else "")
     allowed = next(units for units in _COMPATIBLE if own in units)

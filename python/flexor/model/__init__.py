@@ -9,7 +9,7 @@ from __future__ import annotations
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import Event
 from flexor.model.extremes import Extreme
-from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
+from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian, SlotValues
 from flexor.model.loading import load
 from flexor.model.loads import forces
 from flexor.model.model import Model
@@ -30,6 +30,7 @@ __all__ = [
     "ModelFile",
     "Path",
     "Paths",
+    "SlotValues",
     "State",
     "explained",
     "forces",

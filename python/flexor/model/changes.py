@@ -30,9 +30,9 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     keys = path.split(".")
     if len(keys) > MAX_DEPTH:
         raise InputError(f"{source}: {describe(path)} has more than {MAX_DEPTH} parts.")
-    keys = _resolve(document, keys, source)
+    keys = resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
-    result = _with(document, keys, value)
+    result: dict[str, Any] = _with(document, keys, value)
     for table in constants.TABLES:
         sets = document.get(table)
         if not isinstance(sets, Mapping):
@@ -44,7 +44,8 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     return result
 
 
-def _resolve(document: Document, keys: list[str], source: str) -> list[str]:
+def resolve(document: Document, keys: list[str], source: str) -> list[str]:
+    """Return the keys of a field with its table in front; InputError if there is no such entry."""
     tables: dict[str, str] = {}
     for table in _NAMED:
         for name in document.get(table, {}):
@@ -64,7 +65,13 @@ def _resolve(document: Document, keys: list[str], source: str) -> list[str]:
     return keys
 
 
-def _with(table: object, keys: Sequence[str], value: object) -> dict[str, Any]:
+def _with(table: object, keys: Sequence[str], value: object) -> Any:
+    if isinstance(table, (list, tuple)):
+        # Entries are numbered from 0; the number may be left out where there is one.
+        place, rest = (keys[0], keys[1:]) if keys[0].isdigit() else ("0", keys)
+        if int(place) < len(table) and (keys[0].isdigit() or len(table) == 1):
+            changed = _with(table[int(place)], rest, value) if rest else value
+            return [*table[: int(place)], changed, *table[int(place) + 1 :]]
     result = dict(table) if isinstance(table, Mapping) else {}
     first, rest = keys[0], keys[1:]
     result[first] = _with(result.get(first), rest, value) if rest else value

@@ -16,7 +16,7 @@ from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
 from flexor.model.events import event_table
-from flexor.model.geometry import Geometry
+from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
@@ -45,7 +45,7 @@ _CONVERGED, _UNSTABLE = STATUS.index("converged"), STATUS.index("unstable")
 
 def follow(
     model: Structure,
-    geometry: Geometry | None,
+    geometry: Geometry | SlotValues | None,
     loads: Array,
     threads: int,
     options: Mapping[str, float],
@@ -67,7 +67,7 @@ def follow(
     _check_memory(count, len(steps), model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
-            indices, values = model.geometry_slots(geometry[chunk])
+            indices, values = _slots(model, geometry[chunk])
         if gradient:
             settings["gradient"] = indices.astype(np.int64)
         with _input_errors():
@@ -77,7 +77,7 @@ def follow(
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    return Paths(model=model, loads=loads, **whole, **_geometry(geometry))
+    return Paths(model=model, loads=loads, **whole, **_geometry(model, geometry))
 
 
 def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, NDArray[Any]]:
@@ -122,7 +122,7 @@ def _free(
 
 def follow_branch(
     model: Structure,
-    geometry: Geometry | None,
+    geometry: Geometry | SlotValues | None,
     loads: Array,
     options: Mapping[str, float],
     start: Start | None = None,
@@ -141,14 +141,21 @@ def follow_branch(
         branch = model.engine.branch(_parameters(model, geometry), steps, **settings)
     reached = np.isin(branch["status"], [_CONVERGED, _UNSTABLE])
     arrays = {**_arrays(model, branch, 0), "converged": reached}
-    return Paths(model=model, loads=branch["loads"], **arrays, **_geometry(geometry))
+    return Paths(model=model, loads=branch["loads"], **arrays, **_geometry(model, geometry))
 
 
-def _parameters(model: Structure, geometry: Geometry | None) -> Array:
+def _slots(model: Structure, design: Geometry | SlotValues) -> tuple[NDArray[np.intp], Array]:
+    """Return which of the engine's parameters designs change, and to what."""
+    if isinstance(design, SlotValues):
+        return design.indices, design.values
+    return model.geometry_slots(design)
+
+
+def _parameters(model: Structure, geometry: Geometry | SlotValues | None) -> Array:
     """Return the engine's parameters of one design, (P,)."""
     parameters = model.parameters.copy()
     if geometry is not None:
-        indices, values = model.geometry_slots(geometry)
+        indices, values = _slots(model, geometry)
         parameters[indices] = values[0]
     return parameters
 
@@ -166,9 +173,13 @@ def _from_start(
     return settings, loads
 
 
-def _geometry(geometry: Geometry | None) -> dict[str, Any]:
+def _geometry(model: Structure, geometry: Geometry | SlotValues | None) -> dict[str, Any]:
     if geometry is None:
         return {}
+    if isinstance(geometry, SlotValues):
+        slots = np.repeat(model.parameters[None, :], len(geometry), axis=0)
+        slots[:, geometry.indices] = geometry.values
+        return {"slots": slots}
     return {"rod_length": geometry.length, "radius": geometry.radius, "slope": geometry.slope}
 
 

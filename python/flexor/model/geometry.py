@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
 from flexor.errors import InputError
@@ -27,6 +28,20 @@ class Geometry:
 
     def __getitem__(self, which: slice) -> Geometry:
         return Geometry(self.length[which], self.radius[which], self.slope[which])
+
+
+@dataclass(frozen=True)
+class SlotValues:
+    """Values of some of the engine's parameters for n designs; the others are the model's own."""
+
+    indices: NDArray[np.intp]  # (m,), which parameters
+    values: Array  # (n, m), SI
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, which: slice) -> SlotValues:
+        return SlotValues(self.indices, self.values[which])
 
 
 @dataclass(frozen=True)
@@ -63,18 +78,25 @@ class DesignSpace:
         """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
             raise InputError(f'the model "{file.name}" has no [design] table.')
-        rod = file.rod(file.design.rod)
+        design = file.design
+        if design.rod is None or design.length_bounds is None or design.radius_bounds is None:
+            raise InputError(
+                f'the [design] of the model "{file.name}" has variables and no rod: parameter sets '
+                "need rod, length_bounds, radius_bounds and minimum_radius there."
+            )
+        assert design.minimum_radius is not None
+        rod = file.rod(design.rod)
         ends, _ = surface(rod.radius, np.array([0.0, 1.0]))
-        shortest, longest = file.design.length_bounds
-        thinnest, thickest = file.design.radius_bounds
+        shortest, longest = design.length_bounds
+        thinnest, thickest = design.radius_bounds
         return cls(
             length=float(rod.length),
             radius_base=float(ends[0]),
             radius_tip=float(ends[1]),
             length_bounds=(float(shortest), float(longest)),
             radius_bounds=(float(thinnest), float(thickest)),
-            minimum_radius=float(file.design.minimum_radius),
-            rod=file.design.rod,
+            minimum_radius=float(design.minimum_radius),
+            rod=design.rod,
             points=rod.sample_points,
         )
 

@@ -14,7 +14,7 @@ from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
-from flexor.model.geometry import Geometry
+from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.loads import Forces, loads
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
@@ -72,7 +72,7 @@ class Model(Structure):
 
     def evaluate(
         self,
-        geometry: Geometry,
+        geometry: Geometry | SlotValues,
         force: Force | None = None,
         threads: int = 0,
         *,
@@ -88,7 +88,7 @@ class Model(Structure):
         Parameters
         ----------
         geometry
-            Geometry of n designs at the points `X`.
+            Geometry of n designs at the points `X`, or values of the engine's parameters.
         force
             As for `equilibrium`.
         threads
@@ -108,13 +108,18 @@ class Model(Structure):
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch, begin, loads = self.design.checked(geometry), self._begin(start), self._loads(force)
+        batch, begin, loads = self._designs(geometry), self._begin(start), self._loads(force)
         return follow_loads(self, batch, loads, threads, self._options(options), gradient, begin)
+
+    @property
+    def own_design(self) -> SlotValues:
+        """The model as it is, as one design for `evaluate`."""
+        return SlotValues(np.zeros(0, dtype=np.intp), np.zeros((1, 0)))
 
     def equilibrium(
         self,
         force: Force | None = None,
-        design: Geometry | None = None,
+        design: Geometry | SlotValues | None = None,
         *,
         start: Any = None,
         follow: Literal["load", "arc-length"] = "load",
@@ -130,7 +135,8 @@ class Model(Structure):
             starts without load even if its first force is not zero. Unless given, those of the
             file's ``[evaluation]``; no load if it has none for several inputs.
         design
-            Geometry of the designed rod (n = 1); the file's own unless given.
+            Geometry of the designed rod (n = 1), or values of the engine's parameters; the file's
+            own unless given.
         start
             Where the path begins: a `State` or a `Path` (its last step), under the loads of that
             state; the name of a file that ``flexor simulate --json`` printed, likewise; or, without
@@ -151,7 +157,7 @@ class Model(Structure):
         InputError
             If forces, geometry or options cannot be used.
         """
-        batch = None if design is None else self.design.checked(design)
+        batch = None if design is None else self._designs(design)
         if batch is not None and len(batch) != 1:
             raise InputError(f"design has {len(batch)} designs: give one, or use Model.evaluate.")
         begin, loads = self._begin(start), self._loads(force)
@@ -160,6 +166,9 @@ class Model(Structure):
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
         return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
+
+    def _designs(self, given: Geometry | SlotValues) -> Geometry | SlotValues:
+        return given if isinstance(given, SlotValues) else self.design.checked(given)
 
     def _begin(self, start: Any) -> Start | None:
         return self._start if start is None else read_start(start, self)

@@ -52,6 +52,8 @@ class Results:
         The model.
     rod_length, radius, slope : (n,), (n, m) and (n, m) arrays
         Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
+    slots : (n, P) array
+        All of the engine's parameters, of designs that were not given by a geometry.
     loads : (s, inputs) array
         Loads of every input [N or Pa; m or m³ of one that is controlled by its length or volume].
     applied : (n, s, inputs) array
@@ -114,6 +116,11 @@ class Results:
         The objective's quantity for display; NaN where the design failed.
     reason : (n,) array of str
         Empty, or why the design failed.
+    constraint_values : (n, c) array
+        Worst value along the path of what each constraint of a study bounds, SI.
+    violation : (n,) array
+        Sum of what constraints are exceeded by, each by its bound; 0 where all are kept, +inf where
+        the design failed.
     """
 
     axes: ClassVar[str] = ""
@@ -142,6 +149,7 @@ class Results:
     max_contact_pressure: Array = field(default=_NONE, metadata=_PATH)
     volume: Array = field(default=_NONE, metadata=_PATH)
     stretch: Array = field(default=_NONE, metadata=_PATH)
+    slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     total_iterations: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -151,6 +159,8 @@ class Results:
     value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    constraint_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    violation: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
 
     @property
     def force(self) -> Array:
@@ -173,6 +183,8 @@ class Results:
     @property
     def parameters(self) -> Array:
         """The engine's parameters, (n, P)."""
+        if self.slots is not None:
+            return self.slots
         every = np.broadcast_to(self.model.parameters, (*self._count, self.model.parameters.size))
         every = every.copy()
         if self.radius is not None:
@@ -494,7 +506,13 @@ class Paths(Results):
 
     @classmethod
     def failed(
-        cls, count: int, steps: int, joints: int, reason: str, parameters: int | None = None
+        cls,
+        count: int,
+        steps: int,
+        joints: int,
+        reason: str,
+        parameters: int | None = None,
+        constraints: int = 0,
     ) -> Paths:
         """Paths of ``count`` designs that could not be evaluated, for this reason.
 
@@ -508,6 +526,8 @@ class Paths(Results):
             value=np.full(count, np.inf),
             shown=np.full(count, np.nan),
             reason=np.full(count, reason, dtype=object),
+            constraint_values=np.full((count, constraints), np.nan),
+            violation=np.full(count, np.inf),
             joint_angles=np.full((count, steps, joints), np.nan),
             tip_force=np.full((count, steps), np.nan),
             touching=np.zeros((count, steps), dtype=np.int32),

@@ -162,6 +162,17 @@ class Structure:
         found: list[dict[str, Any]] = self._described.get("foundations", [])
         return found
 
+    def fibre_sections(self, rod: str) -> list[int]:
+        """Return which of its sections a rod of fibres has at each Gauss point."""
+        described = {each["rod"]: each["of_gauss"] for each in self._described.get("fibres", ())}
+        found: list[int] = described[rod]
+        return found
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """What it is to the engine: SI numbers, every list explicit. Not to be changed."""
+        return self._described
+
     @cached_property
     def sphere_places(self) -> tuple[tuple[str, float | None], ...]:
         """Body of each sphere, and X if it is a rod."""

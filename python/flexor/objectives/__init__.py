@@ -7,6 +7,7 @@ from flexor.objectives.bending import Bending, BendingContact, BendingContactPri
 from flexor.objectives.catalogue import names, objective
 from flexor.objectives.custom import custom
 from flexor.objectives.evaluate import evaluate_objective
+from flexor.objectives.extremum import Extremum, extremum
 from flexor.objectives.gradient import PathGradient
 from flexor.objectives.tip_force import TipForce
 
@@ -14,11 +15,13 @@ __all__ = [
     "Bending",
     "BendingContact",
     "BendingContactPrinted",
+    "Extremum",
     "Objective",
     "PathGradient",
     "TipForce",
     "custom",
     "evaluate_objective",
+    "extremum",
     "names",
     "objective",
 ]

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from flexor.arrays import Array
+
+# S at one place or at several.
+Value = TypeVar("Value", float, Array)
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Linear:
     def __mul__(self, factor: float) -> Linear:
         return Linear(self.constant * factor, self.multiple * factor)
 
-    def at(self, s: float) -> float:
+    def at(self, s: Value) -> Value:
         """Return the length where the surface is at S = `s` [m]."""
         return self.constant + self.multiple * s
 

@@ -7,13 +7,13 @@ quadratic in S: a shape is cut up once for every S.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import pi, sin, sqrt
 
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.sections.linear import ZERO, Linear
+from flexor.sections.linear import ZERO, Linear, Value
 
 # Quadrature points: across a wall, along the radius of a disc, over the height of an arc, and along
 # a side. With three over an arc, polynomials of y and z up to the fifth degree are exact.
@@ -109,8 +109,8 @@ class Sector:
             return False
         return self.inner.at(s) + margin < float(np.hypot(dy, dz)) < self.outer.at(s) - margin
 
-    def extent(self, s: float) -> tuple[float, float, float, float]:
-        """Return the lowest and highest y, and z [m]."""
+    def extent(self, s: Value) -> tuple[Value, Value, Value, Value]:
+        """Return the lowest and highest y, and z [m]; of an array S, arrays."""
         y, z, r = self.y.at(s), self.z.at(s), self.outer.at(s)
         return y - r * self.ratio, y + r * self.ratio, z if self.half else z - r, z + r
 
@@ -151,8 +151,8 @@ class Rectangle:
         half = [0.5 * (1.0 - 1e-9) * side.at(s) for side in (self.width, self.height)]
         return abs(y - self.y.at(s)) < half[0] and abs(z - self.z.at(s)) < half[1]
 
-    def extent(self, s: float) -> tuple[float, float, float, float]:
-        """Return the lowest and highest y, and z [m]."""
+    def extent(self, s: Value) -> tuple[Value, Value, Value, Value]:
+        """Return the lowest and highest y, and z [m]; of an array S, arrays."""
         y, z, b, h = (side.at(s) for side in (self.y, self.z, self.width, self.height))
         return y - 0.5 * b, y + 0.5 * b, z - 0.5 * h, z + 0.5 * h
 
@@ -186,6 +186,7 @@ def _arc(points: int) -> list[tuple[float, float]]:
     return list(zip(nodes.tolist(), weights.tolist(), strict=True))
 
 
+@lru_cache(maxsize=1024)
 def moments(shapes: tuple[Shape, ...]) -> Array:
     """Return area and first moments as polynomials of S.
 
@@ -205,4 +206,5 @@ def moments(shapes: tuple[Shape, ...]) -> Array:
             total[:3] += cell.area
             total[3:7] += np.convolve(cell.area, cell.y.coefficients)
             total[7:] += np.convolve(cell.area, cell.z.coefficients)
+    total.setflags(write=False)
     return total

@@ -15,7 +15,7 @@ from flexor.errors import InputError, shortened
 from flexor.store.environment import DECISIVE, MINOR, environment, installed
 from flexor.store.files import check_regular, reason, write_text
 
-FORMAT = 2
+FORMAT = 3
 SETTINGS = "settings.json"
 # May differ when work is resumed; `check_versions` compares the versions.
 _FREE = ("created", "flexor", "environment")

@@ -20,6 +20,7 @@ from flexor.study.rerun import Changed, Difference, Rerun, rerun
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study, StudyCallback, StudyProgress
+from flexor.study.verdict import Kept, Verdict
 
 __all__ = [
     "AnyExecutor",
@@ -29,6 +30,7 @@ __all__ = [
     "Design",
     "DesignEvaluator",
     "Difference",
+    "Kept",
     "ObjectiveFunction",
     "ObjectiveGradients",
     "Pool",
@@ -42,6 +44,7 @@ __all__ = [
     "StudyCallback",
     "StudyProgress",
     "Threads",
+    "Verdict",
     "chosen_executor",
     "objective_function",
     "optimize",

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.sensitivity import Sensitivity
+from flexor.study.verdict import Verdict
 
 if TYPE_CHECKING:
     from flexor.model import Path, Paths
@@ -29,6 +30,8 @@ class Design:
     touching: FloatArray  # (steps,), spheres of the exosuit in contact
     events: int  # snaps along the path
     iterations: int  # Newton iterations along the path
+    constraint_values: FloatArray  # (c,), worst along the path, SI
+    violation: float  # how far constraints are exceeded; 0 if all are kept
 
     @classmethod
     def of(cls, problem: Problem, vector: FloatArray, paths: Paths, row: int = 0) -> Design:
@@ -44,6 +47,8 @@ class Design:
             touching=paths.touching[row].astype(np.float64),
             events=int(paths.event_count[row]),
             iterations=int(paths.total_iterations[row]),
+            constraint_values=paths.constraint_values[row],
+            violation=float(paths.violation[row]),
         )
 
     @property
@@ -65,6 +70,16 @@ class Design:
     def sensitivity(self) -> Sensitivity:
         """Exact derivatives with respect to its parameters, evaluated again."""
         return Sensitivity.of(self.problem, self.vector)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether it keeps all constraints."""
+        return self.violation == 0.0
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether it can be worn and made, and how far to trust it; evaluated again."""
+        return Verdict.of(self)
 
     @property
     def text(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,10 +31,12 @@ if TYPE_CHECKING:
 
 def optimize(
     model: Model,
-    parameters: str | ParameterSet = "L+R01",
+    parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "L+R01",
     objective: str | Objective = "bending",
     method: str | Search = "pattern-search",
     *,
+    subject_to: Sequence[str] = (),
+    without: Sequence[str] = (),
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     force: Any = None,
@@ -54,12 +56,20 @@ def optimize(
     ----------
     model : Model
         The model, with a ``[design]``.
-    parameters : str or ParameterSet
-        Design parameters, for example ``"L+R01"``.
+    parameters : str, ParameterSet or dict
+        Design parameters: a set, for example ``"L+R01"``, or any numeric fields of the model file
+        with their bounds, ``{"exosuit.length": ("8 cm", "12 cm")}``; see `flexor.design.variables`.
     objective : str or Objective
-        The objective, for example ``"bending"`` (f_b).
+        The objective: ``"maximise NAME"`` or ``"minimise NAME"`` of an observable
+        (`flexor.observables`), or one of the paper's such as ``"bending"`` (f_b).
     method : str or Search
         Search method.
+    subject_to : sequence of str
+        Constraints on observables along the whole path, such as ``"overlap <= 0.5 mm"``. Designs
+        that keep them come before all others, and these are ordered by how far they exceed them.
+    without : sequence of str
+        Default constraints that are not to hold, of those of `flexor.constraints`; ``"defaults"``
+        for all. They hold when an observable is maximised or minimised.
     start : (k,) or (s, k) array, str or list of str, optional
         Where the search begins, SI, or texts such as ``"10 cm, 0.7 cm"`` or ``"R_0=0.7 cm"``;
         the parameter set's own start (the model's exosuit) by default, and drawn from the seed if
@@ -108,7 +118,9 @@ def optimize(
     with known designs answered from the record: a process that was killed loses the batch it was
     in. KeyboardInterrupt passes through and leaves a study that can be resumed.
     """
-    problem = Problem.of(model, parameters, objective, force, bounds, engine_options)
+    problem = Problem.of(
+        model, parameters, objective, force, bounds, engine_options, subject_to, without
+    )
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:

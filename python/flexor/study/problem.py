@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.design import Geometry, ParameterSet, parameter_set
+from flexor.constraints import (
+    Constraint,
+    chosen_constraints,
+    excesses,
+    ranks,
+    violation,
+    worst_values,
+)
+from flexor.design import Geometry, ParameterSet, Variables, parameter_set, variables
 from flexor.design.start import bounds_in_si
 from flexor.model.chunks import chunks
 from flexor.model.loading import require_model
 from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
 from flexor.model.solver import solver_options
-from flexor.objectives import Objective, evaluate_objective
+from flexor.objectives import Extremum, Objective, evaluate_objective
 from flexor.objectives import objective as named_objective
 
 if TYPE_CHECKING:
@@ -42,12 +50,15 @@ class Problem:
         The objective.
     options : dict
         Settings of the engine's solver.
+    constraints : tuple of Constraint
+        What a design has to keep along the whole path.
     """
 
     model: Model
     parameters: ParameterSet
     objective: Objective
     options: Mapping[str, float] = field(default_factory=dict)
+    constraints: tuple[Constraint, ...] = ()
 
     def __str__(self) -> str:
         return f'parameter set "{self.parameters.name}" or objective "{self.objective.name}"'
@@ -56,20 +67,30 @@ class Problem:
     def of(
         cls,
         model: Model,
-        parameters: str | ParameterSet,
+        parameters: str | ParameterSet | Mapping[str, Sequence[object]],
         objective: str | Objective,
         force: Any = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
         options: Mapping[str, float] | None = None,
+        subject_to: Sequence[str] = (),
+        without: Sequence[str] = (),
     ) -> Problem:
         """Make a problem of what users give; see `flexor.optimize`."""
-        chosen = parameter_set(parameters, require_model(model).design).on(model.design)
+        if isinstance(parameters, Mapping):
+            chosen: ParameterSet = variables(parameters, model, "parameters")
+        elif isinstance(parameters, Variables):
+            chosen = parameters
+        else:
+            chosen = parameter_set(parameters, require_model(model).design).on(model.design)
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
-        wanted = named_objective(objective)
+        wanted = named_objective(objective, model)
+        # The paper's objectives are stated without constraints, and so are users' own.
+        defaults = isinstance(wanted, Extremum)
+        kept = chosen_constraints(subject_to, without, model, defaults)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
-        return cls(model, chosen, wanted, solver_options(options or {}))
+        return cls(model, chosen, wanted, solver_options(options or {}), kept)
 
     @property
     def loads(self) -> FloatArray:
@@ -113,6 +134,21 @@ class Problem:
         parts = [self._evaluate(designs[c], threads, gradient) for c in chunks(len(designs))]
         return Paths.concatenate(parts)
 
+    def ranks(self, paths: Paths) -> FloatArray:
+        """Numbers (n,) that order designs: feasible ones by value, then others by violation.
+
+        Those of feasible designs are their values, those of designs that failed +inf.
+        """
+        return ranks(paths.value, paths.violation)
+
+    def excesses(self, paths: Paths) -> FloatArray:
+        """How far each constraint is exceeded, (n, c), by its bound; kept where not above 0."""
+        return excesses(self.constraints, paths.constraint_values)
+
+    def excesses_of(self, values: FloatArray) -> FloatArray:
+        """Return the same for the values (c,) of one design, (c,)."""
+        return np.asarray(excesses(self.constraints, values[None, :])[0])
+
     def residuals(self, paths: Paths) -> FloatArray:
         """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.
 
@@ -140,31 +176,33 @@ class Problem:
 
     def path(self, design: FloatArray) -> Path:
         """Follow the path of one design (k,) and keep all of it."""
-        geometry, options = self.geometry(design[None, :]), dict[str, Any](self.options)
-        return self.model.equilibrium(self.loads, design=geometry, **options)
+        designs, _ = self.parameters.designs(design[None, :], self.model)
+        options = dict[str, Any](self.options)
+        return self.model.equilibrium(self.loads, design=designs, **options)
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""
         return replace(paths, model=self.model, loads=self.loads)
 
     def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
-        geometry = self.geometry(designs)
-        valid = np.isfinite(geometry.length) & (geometry.length > 0.0)
-        valid &= np.all(np.isfinite(geometry.radius) & (geometry.radius > 0.0), axis=1)
-        valid &= np.all(np.isfinite(geometry.slope), axis=1)
+        chosen, valid = self.parameters.designs(designs, self.model)
         every = Paths.failed(
             len(designs),
             len(self.loads),
             len(self.model.joints),
             "has a length or radius that is not positive",
             self.parameters.size if gradient else None,
+            len(self.constraints),
         )
         if not valid.any():
             return every
-        chosen = Geometry(geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
         paths = self.model.evaluate(chosen, self.loads, threads, gradient=gradient, **self.options)
-        evaluate_objective(self.objective, paths).scatter(every, np.flatnonzero(valid))
+        worst = worst_values(self.constraints, paths)
+        broken = violation(excesses(self.constraints, worst))
+        evaluated = evaluate_objective(self.objective, paths)
+        broken[~np.isfinite(evaluated.value)] = np.inf
+        evaluated = replace(evaluated, constraint_values=worst, violation=broken)
+        evaluated.scatter(every, np.flatnonzero(valid))
         if gradient:
-            jacobian = self.parameters.jacobian(designs[valid], self.model.design.points)
-            every.derivatives[valid] = paths.chained(jacobian)
+            every.derivatives[valid] = self.parameters.chained(paths, designs[valid], self.model)
         return every

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.constraints import ranks
 from flexor.model.results import Paths
 from flexor.store import Database
 from flexor.study.problem import FloatArray
@@ -39,11 +40,13 @@ CREATE TABLE evaluations (
     {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
     derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
     regularity TEXT,             -- what they are worth; NULL in searches without gradients
+    constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
+    violation REAL,              -- how far constraints are exceeded; NULL if the design failed
     UNIQUE (search, design)
 );
 """
 _COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
-_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 6)})"
+_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 8)})"
 _DERIVATIVES = """
 UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND design = ?
 """
@@ -117,6 +120,7 @@ class Record:
             *(column.tolist() for column in (*values, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
             *_slopes(outcomes),
+            *_kept(outcomes, good),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
@@ -132,10 +136,12 @@ class Record:
         return None if found.derivatives is None else (found.derivatives[0], found.regularity[0])
 
     def known(self) -> dict[bytes, float]:
-        """Value of every design by its exact bytes; +inf for those that failed."""
-        rows = self._rows("design, value")
-        values = self._numbers([value for _, value in rows], np.inf)
-        return dict(zip((design for design, _ in rows), values.tolist(), strict=True))
+        """Rank of every design by its exact bytes; +inf for those that failed."""
+        rows = self._rows("design, value, violation")
+        values = self._numbers([value for _, value, _ in rows], np.inf)
+        broken = self._numbers([found for *_, found in rows], np.inf)
+        ordered = ranks(values, broken).tolist()
+        return dict(zip((design for design, *_ in rows), ordered, strict=True))
 
     def designs(self) -> FloatArray:
         """Every design in the order of evaluation, (n, k)."""
@@ -146,7 +152,8 @@ class Record:
 
         An unknown design gives outcomes of length zero.
         """
-        names = _COLUMNS if design is None else (*_COLUMNS, "derivatives", "regularity")
+        names = (*_COLUMNS, "constraints", "violation")
+        names = names if design is None else (*names, "derivatives", "regularity")
         rows = self._rows(", ".join(names), design=design)
         columns = zip(*rows, strict=True) if rows else [()] * len(names)
         found = {name: list(column) for name, column in zip(names, columns, strict=True)}
@@ -164,6 +171,8 @@ class Record:
                 value=self._numbers(found["value"], np.inf),
                 shown=self._numbers(found["shown"], np.nan),
                 reason=np.array(found["reason"], dtype=object),
+                constraint_values=self._constraints(found["constraints"]),
+                violation=self._numbers(found["violation"], np.inf),
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
                 **arrays,
@@ -173,8 +182,12 @@ class Record:
             raise self.database.damaged(str(error)) from error
 
     def best(self) -> FloatArray | None:
-        """Best design (k,), the earliest of equals; None if none succeeded."""
-        rows = self._rows("design", "value IS NOT NULL", order="ORDER BY value, id LIMIT 1")
+        """Best design (k,), the earliest of equals; None if none succeeded.
+
+        If none keeps the constraints, the one that exceeds them least.
+        """
+        order = "ORDER BY violation, value, id LIMIT 1"
+        rows = self._rows("design", "value IS NOT NULL", order=order)
         return self._decoded([rows[0][0]], "<f8", self.sizes[:1])[0] if rows else None
 
     def failures(self) -> dict[str, int]:
@@ -203,6 +216,12 @@ class Record:
             raise self.database.damaged("a value is not finite")
         return np.array([missing if value is None else value for value in column], dtype="f8")
 
+    def _constraints(self, blobs: list[bytes]) -> FloatArray:
+        """Values of constraints, whose number is that of the first row."""
+        first = blobs[0] if blobs else b""
+        size = len(first) // 8 if isinstance(first, bytes) else 0
+        return self._decoded(blobs, "<f8", (size,))
+
     def _decoded(self, blobs: list[bytes], kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
         size = np.dtype(kind).itemsize * math.prod(shape)
         if any(not isinstance(blob, bytes) or len(blob) != size for blob in blobs):
@@ -215,6 +234,14 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
     whole = np.ascontiguousarray(array, dtype=kind).tobytes()
     size = len(whole) // max(len(array), 1)
     return [whole[i * size : (i + 1) * size] for i in range(len(array))]
+
+
+def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Sequence[float]]:
+    """Return values of constraints and violation of each design; of paths without, none and 0."""
+    if outcomes.constraint_values is None:
+        return [b""] * len(outcomes), np.where(good, 0.0, np.nan).tolist()
+    broken = np.where(good, outcomes.violation, np.nan).tolist()
+    return _blobs(outcomes.constraint_values, "<f8"), broken
 
 
 def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:

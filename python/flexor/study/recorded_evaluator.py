@@ -15,7 +15,7 @@ from flexor.study.record import Record
 
 
 class RecordedEvaluator(CachedEvaluator):
-    """From designs (n, k) to values (n,), through the record.
+    """From designs (n, k) to ranks (n,), which are the values of feasible ones, through the record.
 
     Known designs are answered from the record, the others are evaluated and appended in one
     transaction for each chunk. A deterministic search that is simply run again therefore finds its
@@ -45,7 +45,17 @@ class RecordedEvaluator(CachedEvaluator):
         """
         if not self._gradients:
             return None
-        return self._problem.gradients(self._differentiated(designs))
+        paths = self._differentiated(designs)
+        found = self._problem.gradients(paths)
+        return np.where((paths.violation > 0.0)[:, None], np.nan, found)
+
+    def excesses(self, designs: FloatArray) -> FloatArray:
+        """Excesses (n, c) over constraints at designs (n, k), from the record; NaN if failed."""
+        self(designs)
+        rows = [self._record.outcomes(design) for design in normalized(designs)]
+        found = [self._problem.excesses(row) for row in rows]
+        failed = np.array([not np.isfinite(row.value[0]) for row in rows])
+        return np.where(failed[:, None], np.nan, np.concatenate(found))
 
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
@@ -61,7 +71,7 @@ class RecordedEvaluator(CachedEvaluator):
         with closing(self._parts(designs)) as parts:
             for chunk, paths in parts:
                 self._record.append(chunk, paths)
-                yield paths.value
+                yield self._problem.ranks(paths)
 
     def _parts(self, designs: FloatArray) -> Generator[tuple[FloatArray, Paths], None, None]:
         """Evaluate designs; yield those of each chunk with their paths."""

@@ -19,6 +19,11 @@ STEPS = {
 }
 
 
+def _step(unit: str, size: float) -> tuple[str, float]:
+    """Return the change of a parameter with a unit: the text, and SI."""
+    return STEPS.get(unit, (f"1 {unit}", size))
+
+
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
     """Exact derivatives at a design, and its performance if a parameter is off."""
@@ -41,7 +46,7 @@ class Sensitivity:
     def of(cls, problem: Problem, design: FloatArray) -> Sensitivity:
         """Evaluate a design (k,), SI, and those around it."""
         chosen = problem.parameters
-        texts, sizes = zip(*(STEPS[unit] for unit in chosen.units), strict=True)
+        texts, sizes = zip(*map(_step, chosen.units, chosen.scale), strict=True)
         step = np.array(sizes)
         here = problem.evaluate(design[None, :], gradient=True)
         # Manufacturing errors are not limited by the bounds of the search.

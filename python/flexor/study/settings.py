@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
 
-from flexor.design import ParameterSet, parameter_set
+from flexor.constraints import constraint
+from flexor.design import ParameterSet, Variables, parameter_set
+from flexor.design.variables import NAME as FIELDS
+from flexor.design.variables import recorded_variables
 from flexor.errors import InputError, shortened
 from flexor.model.loads import loads
 from flexor.objectives import Objective
@@ -42,6 +45,13 @@ class ObjectiveTable(_Table):
 
     name: str
     force: list[FiniteFloat] | list[list[FiniteFloat]]
+
+
+class ConstraintTable(_Table):
+    """What a design has to keep; ``default`` is what it is called among the defaults, or empty."""
+
+    text: str
+    default: str
 
 
 class MethodTable(_Table):
@@ -79,6 +89,7 @@ class _Shape(Header):
     model: ModelTable
     parameters: _Parameters
     objective: ObjectiveTable
+    constraints: list[ConstraintTable]
     method: MethodTable
     start: list[list[FiniteFloat]] | None
     seed: NonNegativeInt
@@ -109,8 +120,8 @@ class Settings:
 
     They are ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
     system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels, units,
-    bounds), ``objective`` (name, forces), ``method`` (name, options), ``start``, ``seed``,
-    ``engine`` (options) and ``budget``.
+    bounds), ``objective`` (name, forces), ``constraints`` (texts), ``method`` (name, options),
+    ``start``, ``seed``, ``engine`` (options) and ``budget``.
     """
 
     values: Mapping[str, Any]
@@ -133,6 +144,10 @@ def study_settings(
     chosen = problem.parameters
     return {
         **common_settings(problem),
+        "constraints": [
+            {"text": each.text(problem.model), "default": each.default}
+            for each in problem.constraints
+        ],
         "parameters": {
             "name": chosen.name,
             "units": list(chosen.units),
@@ -190,19 +205,32 @@ def reopened(
     model = model if model is not None else recorded_model(folder)
     try:
         kind, name = "parameters", values["parameters"]["name"]
-        chosen = parameter_set(name if parameters is None else parameters, model.design)
+        if parameters is None and name == FIELDS:
+            parameters = recorded_variables(values["parameters"], model)
+        if isinstance(parameters, Variables):
+            chosen: ParameterSet = parameters
+        else:
+            chosen = parameter_set(name if parameters is None else parameters, model.design)
         kind, name = "objective", values["objective"]["name"]
-        wanted = named_objective(name if objective is None else objective)
+        wanted = named_objective(name if objective is None else objective, model)
     except InputError as error:
         raise InputError(
             f'the {settings.kind.name} "{folder}" uses {kind} "{shortened(name)}", which Flexor '
             "does not know: "
             f"give it as {kind}=."
         ) from error
+    kept = tuple(constraint(each["text"], model, each["default"]) for each in values["constraints"])
+    if isinstance(chosen, Variables):
+        return Problem(model, chosen, at_loads(wanted, values, model), values["engine"], kept)
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
-    wanted = wanted.at(loads(values["objective"]["force"], model.input_dimensions))
-    return Problem(model, chosen.on(model.design), wanted, values["engine"])
+    wanted = at_loads(wanted, values, model)
+    return Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+
+
+def at_loads(wanted: Objective, values: Mapping[str, Any], model: Model) -> Objective:
+    """Return an objective at the recorded loads."""
+    return wanted.at(loads(values["objective"]["force"], model.input_dimensions))
 
 
 def recorded_model(folder: Path) -> Model:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError
-from flexor.objectives import Objective
+from flexor.objectives import Extremum, Objective
 from flexor.optimizers import SearchResult
 from flexor.store import open_record
 from flexor.study.design import Design
@@ -119,7 +119,8 @@ class Study:
         lines.append(Comparison("bending", "rad", start.bending, best.bending))
         if objective.quantity != "bending":
             lines.append(Comparison(objective.quantity, objective.unit, start.shown, best.shown))
-        lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
+        if not isinstance(objective, Extremum):
+            lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
         return lines
 
     def table(self) -> dict[str, NDArray[Any]]:

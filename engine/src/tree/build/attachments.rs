@@ -45,7 +45,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
                 Point { frame: 0, place: Place::Frame, offset: local(world)?, surface: None }
             }
             AttachmentDescription::Body { body, station, offset, surface } => {
-                let (frame, place) = self.locate(field, body, *station)?;
+                let (frame, mut place) = self.locate(field, body, *station)?;
+                if let Place::Fraction(link, f) = place {
+                    let owner = field.split_once('.').map_or(field, |(_, owner)| owner);
+                    place = Place::Along(link, self.slot(format!("{owner}.along"), "1", &[f]).start);
+                }
                 let direction = local(surface)?;
                 let radius = self.radius_at(field, body, *station, place)?;
                 let surface = (direction != Vector::ZERO).then_some((radius, direction));

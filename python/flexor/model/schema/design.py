@@ -1,4 +1,4 @@
-"""The design space and the load at which designs are evaluated."""
+"""The design problem and the load at which designs are evaluated."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Annotated
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexor.model import units
-from flexor.model.schema.table import Name, Table, Text
+from flexor.model.schema.table import Name, Number, Table, Text
 from flexor.model.units import PositiveForce, PositiveLength, PositivePressure
-from flexor.model.validation import describe, field_error
+from flexor.model.validation import describe, field_error, first_repeated
 
 MAX_STEPS = 10_000
 Pair = tuple[PositiveLength, PositiveLength]
@@ -31,16 +31,62 @@ def _two(value: object) -> object:
 Bounds = Annotated[Pair, BeforeValidator(_two), AfterValidator(_ordered)]
 
 
-class Design(Table):
-    """The rod that is designed and the bounds of the search."""
+End = Text | Number
 
-    rod: Name
-    length_bounds: Bounds
-    radius_bounds: Bounds
-    minimum_radius: PositiveLength
+
+class Variable(Table):
+    """A numeric field of the file that varies within bounds."""
+
+    field: Text
+    bounds: tuple[End, End]
+
+
+class Design(Table):
+    """What varies and what is wanted.
+
+    Parameter sets vary ``rod`` within the bounds of its length and radius; ``variable`` are any
+    numeric fields of the file.
+    """
+
+    rod: Name | None = None
+    length_bounds: Bounds | None = None
+    radius_bounds: Bounds | None = None
+    minimum_radius: PositiveLength | None = None
+    variable: tuple[Variable, ...] = ()
+    maximise: Text | None = None
+    minimise: Text | None = None
+    subject_to: tuple[Text, ...] = ()
+    without: tuple[Text, ...] = ()
+
+    @property
+    def aim(self) -> str | None:
+        """What is wanted, such as ``"maximise bending"``; None if the file does not say."""
+        if self.maximise is not None:
+            return f"maximise {self.maximise}"
+        return None if self.minimise is None else f"minimise {self.minimise}"
+
+    @property
+    def varied(self) -> dict[str, tuple[End, End]]:
+        """Bounds of the variables by field."""
+        return {each.field: each.bounds for each in self.variable}
 
     @model_validator(mode="after")
     def _check(self) -> Design:
+        if self.maximise is not None and self.minimise is not None:
+            raise field_error("is given as well as maximise: give one", path="minimise")
+        fields = [each.field for each in self.variable]
+        if (twice := first_repeated(fields)) is not None:
+            tail = f"is {describe(twice)}, as that of another variable"
+            raise field_error(
+                tail, f"variable[{len(fields) - 1 - fields[::-1].index(twice)}].field"
+            )
+        space = ("rod", "length_bounds", "radius_bounds", "minimum_radius")
+        missing = [key for key in space if getattr(self, key) is None]
+        if missing and (len(missing) < len(space) or not self.variable):
+            hint = f": {units.LENGTH.hint}" if missing[0] == "minimum_radius" else ""
+            raise field_error(f"is missing{hint}", path=missing[0])
+        if self.minimum_radius is None or self.radius_bounds is None:
+            return self
         if self.minimum_radius > self.radius_bounds[1]:
             tail = f"is {_original(self.minimum_radius)}: it must not be above the upper of "
             tail += f"radius_bounds, {_original(self.radius_bounds[1])}"

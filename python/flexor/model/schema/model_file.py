@@ -90,7 +90,7 @@ class ModelFile(BodySystem):
             group.check(f"spheres.{name}", self.bodies)
         for table, name, force in self.forces():
             force.check(f"{table}.{name}", self)
-        if self.design is not None:
+        if self.design is not None and self.design.rod is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
         known = skin_materials(self)
         for name, body in self.bodies.items():

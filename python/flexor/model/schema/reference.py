@@ -39,25 +39,29 @@ def reference_frames(bodies: Mapping[str, Body]) -> dict[str, Callable[[float], 
 
 
 def _along(body: Body, base: Array) -> Callable[[float], Array]:
-    from scipy.linalg import expm  # deferred: slow to import
-
     strain = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
     if isinstance(body, Rod):
         names = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
         strain = np.array([float(getattr(body.reference_strain, name)) for name in names])
     length = float(body.length)
-    return lambda fraction: np.asarray(base @ expm(_twist(strain * length * fraction)))
+    return lambda fraction: np.asarray(base @ _exponential(strain * length * fraction))
 
 
 def _placement(body: Body) -> Array:
-    from scipy.linalg import expm  # deferred: slow to import
-
     place = body.placement
-    frame = np.asarray(expm(_twist(np.array([*place.rotation.components, 0.0, 0.0, 0.0]))))
+    frame = _exponential(np.array([*place.rotation.components, 0.0, 0.0, 0.0]))
     frame[:3, 3] = [place.x, place.y, place.z]
     if isinstance(body, Rod) and place.reference == "underside":
         frame[:3, 3] += surface(body.radius, np.zeros(1))[0][0] * place.dorsal
     return frame
+
+
+def _exponential(twist: Array) -> Array:
+    if not twist[:3].any():
+        return np.eye(4) + _twist(twist)
+    from scipy.linalg import expm  # deferred: slow to import
+
+    return np.asarray(expm(_twist(twist)))
 
 
 def _twist(twist: Array) -> Array:

@@ -211,11 +211,17 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
         assert isinstance(rod.section, Solid)
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
-    for i, x in enumerate(points):
-        piece = rod.pieces[rod.piece_at(x)]
-        if not isinstance(piece, Stiffness):
-            parts = _geometry(piece, rod.material, materials, float(x)).parts
-            found[i] = max(part.shape.extent(float(radius[i]))[1] for part in parts)
+    places = np.array([rod.piece_at(x) for x in points])
+    for place, piece in enumerate(rod.pieces):
+        if isinstance(piece, Stiffness):
+            continue
+        varies = any(isinstance(size, tuple) for size in _sizes(piece))
+        rows = np.flatnonzero(places == place)
+        # Sections that are the same all along are evaluated at once.
+        for group in rows[:, None] if varies else [rows] if len(rows) else []:
+            parts = _geometry(piece, rod.material, materials, float(points[group[0]])).parts
+            each = [np.broadcast_to(p.shape.extent(radius[group])[1], group.shape) for p in parts]
+            found[group] = np.max(each, axis=0)
     return found
 
 

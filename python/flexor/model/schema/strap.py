@@ -100,7 +100,7 @@ class Strap(Force):
         self.to.check_point(f"{path}.to", system.bodies)
         if self._rest(system) < 0.0:
             tail = f"is {describe(getattr(self.pretension, 'text', self.pretension))}: it must not "
-            tail += f"stretch the strap to more than the {1e3 * self._distance(system):.4g} mm "
+            tail += f"stretch the strap to more than the {1e3 * self.distance(system):.4g} mm "
             raise field_error(f"{tail}between its ends", path=f"{path}.pretension")
 
     def listed(self) -> str:
@@ -135,9 +135,9 @@ class Strap(Force):
         }
 
     def _rest(self, system: BodySystem) -> float:
-        return self._distance(system) + self.slack - self.pretension / self.constant
+        return self.distance(system) + self.slack - self.pretension / self.constant
 
-    def _distance(self, system: BodySystem) -> float:
+    def distance(self, system: BodySystem) -> float:
         """Distance of the ends in the reference state [m]."""
         frames = reference_frames(system.bodies)
         if isinstance(self.to, Loop):

@@ -16,7 +16,8 @@ from flexor.model.validation import describe
 # In this order: N*m/rad and N*m are one dimension.
 _KINDS = (
     *(units.LENGTH, units.ANGLE, units.MODULUS, units.STIFFNESS, units.ANGULAR_STIFFNESS),
-    *(units.FORCE, units.DENSITY, units.CURVATURE, units.ACCELERATION),
+    *(units.FORCE, units.DENSITY, units.CURVATURE, units.ACCELERATION, units.VOLUME),
+    *(units.MOMENT, units.BENDING_STIFFNESS, units.LINE_DENSITY),
 )
 _UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?P<unit>.*?)\s*")
 

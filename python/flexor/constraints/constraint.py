@@ -1,0 +1,127 @@
+"""A bound that an observable has to keep along the whole path."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.errors import InputError
+from flexor.model.quantity import parse_quantity
+from flexor.model.results import Path, Paths
+from flexor.model.structure import Structure
+from flexor.observables import Observable, observable
+
+_TEXT = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=|>=)\s*(?P<bound>[^<>=]+?)\s*")
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """An observable that must not leave a bound at any load; made by `constraint`.
+
+    Attributes
+    ----------
+    name : str
+        The observable.
+    sense : str
+        ``"<="`` or ``">="``.
+    bound : float
+        SI.
+    scale : float
+        What counts as an excess of one, SI: the bound, or one display unit if that is zero.
+    default : str
+        What it is called among those that hold by default; empty if it was asked for.
+    """
+
+    name: str
+    sense: Literal["<=", ">="]
+    bound: float
+    scale: float
+    default: str = ""
+
+    def text(self, model: Structure) -> str:
+        """Return it as it is written, such as ``"overlap <= 0.5 mm"``."""
+        return f"{self.name} {self.sense} {self.observable(model).shown(self.bound, 12)}"
+
+    def observable(self, model: Structure) -> Observable:
+        """Return what it bounds."""
+        return observable(self.name, model)
+
+    def worst(self, paths: Paths) -> Array:
+        """Return the value nearest to the bound or farthest beyond it along each path, (n,).
+
+        NaN where the observable has no value at any load.
+        """
+        values = self.observable(paths.model).values(paths)
+        reduce = np.fmax if self.sense == "<=" else np.fmin
+        return np.asarray(reduce.reduce(values, axis=1))
+
+    def excess(self, worst: Array) -> Array:
+        """Return how far values are beyond the bound, in units of `scale`; not above 0 is kept."""
+        beyond = worst - self.bound if self.sense == "<=" else self.bound - worst
+        # What does not exist, such as a strain without fibres, breaks nothing.
+        return np.where(np.isnan(worst), -1.0, beyond / self.scale)
+
+    def place(self, path: Path) -> str:
+        """Return where along a path and on which body the worst value is, for display."""
+        found = self.observable(path.model)
+        values = found.values(_one(path))[0]
+        if np.isnan(values).all():
+            return ""
+        step = int(np.nanargmax(values) if self.sense == "<=" else np.nanargmin(values))
+        load = path.model.show_loads(path.loads[step])
+        where = found.place(path[step]) if found.place is not None else ""
+        return f"{where} at {load}" if where else f"at {load}"
+
+
+def constraint(text: str, model: Structure, default: str = "") -> Constraint:
+    """Read a constraint.
+
+    Parameters
+    ----------
+    text
+        Such as ``"overlap <= 0.5 mm"`` or ``"min-stretch >= 0.2"``.
+    model
+        The model.
+    default
+        What it is called among those that hold by default.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, the model has no such observable, or the bound has another unit.
+    """
+    match = _TEXT.fullmatch(text) if isinstance(text, str) else None
+    if match is None:
+        raise InputError(
+            f'constraint "{text}": write an observable, <= or >=, and a bound, such as '
+            '"overlap <= 0.5 mm".'
+        )
+    found, bound = observable(match["name"], model), match["bound"]
+    place = f'constraint "{text}": the bound'
+    value: object = bound
+    if found.dimension is None:
+        try:
+            value = float(bound)
+        except ValueError:
+            value = bound
+    number, _ = parse_quantity(value, found.dimension, place)
+    scale = abs(number) or found.unit[0]
+    sense: Literal["<=", ">="] = "<=" if match["sense"] == "<=" else ">="
+    return Constraint(found.name, sense, number, scale, default)
+
+
+def _one(path: Path) -> Paths:
+    """Return a path as paths of one design."""
+    from dataclasses import fields
+
+    arrays = {}
+    for each in fields(path):
+        value = getattr(path, each.name)
+        if value is not None and each.metadata["axes"].startswith("n"):
+            value = np.asarray(value)[None] if each.name != "event_table" else None
+        arrays[each.name] = value
+    return Paths(**arrays)

@@ -1,0 +1,56 @@
+"""Constraints that hold by default: what a device must keep to be worn and made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from flexor.constraints.constraint import Constraint, constraint
+from flexor.model.schema import Rod
+from flexor.model.structure import Structure
+
+# Of spheres, which have no thickness: overlaps that follow from materials stay below.
+SPHERES = 1e-3
+# Of what the layers of a skin are thick in all.
+SKIN = 0.5
+
+
+def default_constraints(model: Structure) -> tuple[Constraint, ...]:
+    """Return the constraints that hold by default for a model.
+
+    Parameters
+    ----------
+    model
+        The model.
+
+    Returns
+    -------
+    tuple of Constraint
+        ``overlap``: at most half of the thickness of the skins that touch, 1 mm for spheres;
+        ``strain`` and ``stress``: within the limits of the materials that have them;
+        ``stretch``: no fibre shorter than a tenth of its length.
+    """
+    return tuple(_defaults(model))
+
+
+def _defaults(model: Structure) -> Iterator[Constraint]:
+    if model.first_spheres:
+        yield constraint(f"overlap <= {_overlap(model)!r} m", model, "overlap")
+    limits = model.file.materials.values()
+    for key in ("strain", "stress"):
+        if any(getattr(each, f"{key}_limit") is not None for each in limits):
+            yield constraint(f"{key}-use <= 1", model, key)
+    if any(slot.endswith(".fibres[0]") for slot in model.engine.slots):
+        yield constraint("min-stretch >= 0.1", model, "stretch")
+
+
+def _overlap(model: Structure) -> float:
+    """Return half of the least thickness of a rod's skin and a link's, or that of spheres."""
+    rods: list[float] = []
+    links: list[float] = []
+    for body in model.file.bodies.values():
+        if body.skin is not None:
+            thickness = sum(float(layer.thickness) for layer in body.skin)
+            (rods if isinstance(body, Rod) else links).append(thickness)
+    if not rods or model.file.contacts:
+        return SPHERES
+    return SKIN * (min(rods) + min(links, default=0.0))

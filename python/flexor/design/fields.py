@@ -1,0 +1,99 @@
+"""Numeric fields of a model file: finding one by its dotted path, and replacing its value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flexor.errors import InputError, unknown_name
+from flexor.model.changes import resolve
+from flexor.model.schema import ModelFile
+from flexor.model.units import Quantity
+from flexor.model.validation import describe
+
+
+def keys_of(path: str, file: ModelFile) -> tuple[str, ...]:
+    """Return the keys of a field, with its table in front.
+
+    Parameters
+    ----------
+    path
+        Dotted, such as ``"exosuit.length"``, ``"bodies.exosuit.section.wall"`` or
+        ``"exosuit.radius.1"``; entries of lists are numbered from 0, and the number may be left out
+        where there is one entry.
+    file
+        The model file.
+
+    Raises
+    ------
+    InputError
+        If there is no such field, the nearest name being said, or its value is not a number.
+    """
+    keys = resolve(file.to_document(), path.strip().split("."), f'field "{path}"')
+    node: Any = file
+    walked: list[str] = []
+    for key in keys:
+        if isinstance(node, tuple) and not key.isdigit() and len(node) == 1:
+            node = node[0]
+            walked.append("0")
+        node = _child(node, key, path)
+        walked.append(key)
+    if isinstance(node, bool) or not isinstance(node, float):
+        what = "which is not given in the file" if node is None else "which is not a number"
+        raise InputError(f'field "{path}" cannot be varied: its value is {_said(node)}, {what}.')
+    return tuple(walked)
+
+
+def value_of(keys: Sequence[str], file: ModelFile) -> float:
+    """Return the value of a field, SI; a `Quantity` where it has a unit."""
+    node: Any = file
+    for key in keys:
+        node = _child(node, key, ".".join(keys))
+    found: float = node
+    return found
+
+
+def replaced(file: ModelFile, values: Mapping[tuple[str, ...], float]) -> ModelFile:
+    """Return a file with other values of some fields, SI, which are not checked.
+
+    Parameters
+    ----------
+    file
+        The model file.
+    values
+        By the keys of a field.
+    """
+    for keys, value in values.items():
+        file = _replaced(file, keys, value)
+    return file
+
+
+def _replaced(node: Any, keys: Sequence[str], value: float) -> Any:
+    if not keys:
+        return Quantity(value, node.text) if isinstance(node, Quantity) else value
+    key, rest = keys[0], keys[1:]
+    changed = _replaced(_child(node, key, key), rest, value)
+    if isinstance(node, tuple):
+        return (*node[: int(key)], changed, *node[int(key) + 1 :])
+    if isinstance(node, dict):
+        return {**node, key: changed}
+    return node.model_copy(update={key: changed})
+
+
+def _child(node: Any, key: str, path: str) -> Any:
+    if isinstance(node, tuple):
+        if key.isdigit() and int(key) < len(node):
+            return node[int(key)]
+        raise InputError(f'field "{path}": the list has no entry "{key}", but {len(node)} entries.')
+    names = node if isinstance(node, dict) else getattr(type(node), "model_fields", None)
+    if names is None:
+        raise InputError(f'field "{path}": there is no "{key}" in a single value.')
+    if key not in names:
+        raise InputError(f'field "{path}": {unknown_name("key", key, names)}.')
+    return node[key] if isinstance(node, dict) else getattr(node, key)
+
+
+def _said(node: Any) -> str:
+    if node is None:
+        return "missing"
+    return describe(node) if isinstance(node, (str, bool, int, tuple)) else "a table"

@@ -1,0 +1,335 @@
+"""The engine's parameters as polynomials of fields of the model file.
+
+Lowering a model file makes each of the engine's parameters a function of its fields: the numbers of
+a fibre are polynomials of the thicknesses of a section, a stiffness in series is one over a
+polynomial, the square of the distance of a strap's ends is a polynomial of whatever moves them.
+These polynomials are found by lowering the file at points of the box and are checked at others, to
+rounding. With them a thousand designs, and their exact derivatives, cost less than one file.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor import _engine
+from flexor.arrays import Array
+from flexor.design.fields import replaced
+from flexor.errors import InputError
+from flexor.model.lowering import lower
+from flexor.model.schema import ModelFile
+from flexor.model.schema.strap import Loop
+from flexor.model.structure import Structure
+
+# Of a parameter, as a share of its largest value in the box.
+TOLERANCE = 1e-11
+MAX_DEGREE = 12
+# Of the largest number of the same parameter: what is smaller is what rounding leaves of a zero,
+# such as the moment about an axis of symmetry.
+ROUNDING = 1e-16
+_CHECKS = 8  # points at which the polynomials are checked
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """Parameters that are the same function of polynomials in some of the variables."""
+
+    columns: NDArray[np.intp]  # (m,), which of the varied parameters
+    powers: NDArray[np.intp]  # (c, k), degrees of the Legendre polynomials of each term
+    coefficients: Array  # (c, m)
+    form: str  # of `_FORMS`
+
+
+# From a polynomial to the parameter: the inverse, the function and its derivative by its value.
+_FORMS: dict[str, tuple[Callable[[Array], Array], Callable[[Array], Array], Callable]] = {  # type: ignore[type-arg]
+    "polynomial": (lambda y: y, lambda z: z, lambda y: np.ones_like(y)),
+    "root": (lambda y: y * y, lambda z: np.sqrt(z), lambda y: 0.5 / y),
+    "reciprocal": (lambda y: 1.0 / y, lambda z: 1.0 / z, lambda y: -y * y),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class SlotMap:
+    """Parameters of the engine as functions of k fields in a box; made by `slot_map`.
+
+    Attributes
+    ----------
+    indices : (m,) array
+        Which of the engine's parameters vary.
+    """
+
+    indices: NDArray[np.intp]
+    _middle: Array  # (k,)
+    _half: Array  # (k,)
+    _fits: tuple[_Fit, ...]
+    # Rest lengths: their column, and that of the offset which is to be added to the distance.
+    _offsets: tuple[tuple[int, int], ...]
+
+    def values(self, x: Array) -> Array:
+        """Return the parameters (n, m) of designs (n, k), SI."""
+        found = self._evaluate(x)
+        for rest, offset in self._offsets:
+            found[:, rest] += found[:, offset]
+        return found[:, : len(self.indices)]
+
+    def jacobian(self, x: Array) -> Array:
+        """Return the derivatives (n, m, k) of the parameters of designs (n, k)."""
+        values, slopes = self._legendre((x - self._middle) / self._half)
+        n, k = x.shape
+        width = self._width
+        found = np.zeros((n, width, k))
+        here = self._evaluate(x)
+        for fit in self._fits:
+            outer = _FORMS[fit.form][2](here[:, fit.columns])
+            for variable in np.flatnonzero(fit.powers.any(axis=0)):
+                total = np.zeros((n, len(fit.columns)))
+                for powers, row in zip(fit.powers, fit.coefficients, strict=True):
+                    if powers[variable]:
+                        term = slopes[:, variable, powers[variable]].copy()
+                        for other in np.flatnonzero(powers):
+                            if other != variable:
+                                term *= values[:, other, powers[other]]
+                        total += term[:, None] * row
+                found[:, fit.columns, variable] = outer * total / self._half[variable]
+        for rest, offset in self._offsets:
+            found[:, rest] += found[:, offset]
+        return found[:, : len(self.indices)]
+
+    @property
+    def _width(self) -> int:
+        return len(self.indices) + len(self._offsets)
+
+    def _evaluate(self, x: Array) -> Array:
+        values, _ = self._legendre((x - self._middle) / self._half)
+        found = np.zeros((len(x), self._width))
+        for fit in self._fits:
+            total = np.zeros((len(x), len(fit.columns)))
+            # Term by term: a design must not depend on its neighbours in the batch.
+            for powers, row in zip(fit.powers, fit.coefficients, strict=True):
+                term = np.ones(len(x))
+                for variable in np.flatnonzero(powers):
+                    term *= values[:, variable, powers[variable]]
+                total += term[:, None] * row
+            found[:, fit.columns] = _FORMS[fit.form][1](total)
+        return found
+
+    def _legendre(self, u: Array) -> tuple[Array, Array]:
+        """Return Legendre polynomials and their slopes at u (n, k), each (n, k, degrees)."""
+        top = max((int(fit.powers.max(initial=0)) for fit in self._fits), default=0)
+        return _legendre(u, top)
+
+
+def slot_map(
+    model: Structure,
+    fields: Sequence[tuple[str, ...]],
+    names: Sequence[str],
+    lower_bounds: Array,
+    upper_bounds: Array,
+) -> SlotMap:
+    """Find how the engine's parameters depend on fields of a model file.
+
+    Parameters
+    ----------
+    model
+        The model.
+    fields
+        Keys of the k fields; see `flexor.design.fields`.
+    names
+        What they are called, for messages.
+    lower_bounds, upper_bounds : (k,) arrays
+        The box, SI.
+
+    Raises
+    ------
+    InputError
+        If a field has no effect, or changes what the model is made of.
+    """
+    middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
+    lowered = _Lowered(model, tuple(fields))
+    k = len(fields)
+    centre = lowered.at(middle)
+    moved = np.zeros((k, centre.size), dtype=bool)
+    noise = np.zeros(centre.size)
+    for start, stop in lowered.ranges:
+        noise[start:stop] = ROUNDING * np.abs(centre[start:stop]).max(initial=0.0)
+    for i, name in enumerate(names):
+        for end in (-1.0, 1.0):
+            x = middle.copy()
+            x[i] += end * half[i]
+            there = lowered.at(x, name)
+            moved[i] |= (there != centre) & (np.maximum(np.abs(there), np.abs(centre)) > noise)
+        if not moved[i].any():
+            raise InputError(f'"{name}" cannot be varied: it has no effect on the model.')
+    varied = np.flatnonzero(moved.any(axis=0))
+    # The entries of one parameter, such as the numbers of all fibres, have the same variables.
+    patterns: dict[tuple[int, ...], list[int]] = {}
+    for start, stop in lowered.ranges:
+        inside = varied[(varied >= start) & (varied < stop)]
+        if inside.size:
+            pattern = tuple(np.flatnonzero(moved[:, start:stop].any(axis=1)).tolist())
+            patterns.setdefault(pattern, []).extend(inside.tolist())
+    size = model.parameters.size
+    straps = [
+        (rest, size + i) for i, rest in enumerate(lowered.rests) if moved[:, [rest, size + i]].any()
+    ]
+    constant = sorted({column for pair in straps for column in pair} - set(varied.tolist()))
+    every = sorted({*varied.tolist(), *constant})
+    position = {column: i for i, column in enumerate(every)}
+    fits: list[_Fit] = []
+    if constant:
+        places = np.array([position[column] for column in constant])
+        powers = np.zeros((1, k), dtype=np.intp)
+        fits.append(_Fit(places, powers, centre[None, constant], "polynomial"))
+    most = max(len(pattern) for pattern in patterns)
+    left = {pattern: np.array(members) for pattern, members in patterns.items()}
+    # A few points suffice for most files.
+    for count in (2 * max(comb(most + 2, 2), 7), 2 * max(comb(most + 3, 3), MAX_DEGREE + 1)):
+        u = np.concatenate([_points(count, k), 0.999 * _points(count + _CHECKS, k)[count:]])
+        samples = np.array([lowered.at(middle + half * row) for row in u])
+        for pattern in left:
+            for form, degree in _attempts(len(pattern), count):
+                columns = left[pattern]
+                if not columns.size:
+                    break
+                powers = _powers(pattern, degree, k)
+                coefficients, good = _fitted(u, samples[:, columns], powers, form)
+                if good.any():
+                    placed = np.array([position[int(column)] for column in columns[good]])
+                    fits.append(_Fit(placed, *_trimmed(powers, coefficients[:, good]), form))
+                    left[pattern] = columns[~good]
+        left = {pattern: columns for pattern, columns in left.items() if columns.size}
+        if not left:
+            break
+    for pattern, columns in left.items():
+        which = ", ".join(f'"{names[i]}"' for i in pattern)
+        raise InputError(
+            f"{which} cannot be varied together over these ranges: "
+            f"{lowered.name(int(columns[0]))} is no polynomial of degree {MAX_DEGREE} of them; "
+            "make the ranges smaller."
+        )
+    # Offsets follow the parameters.
+    indices = np.array([column for column in every if column < size], dtype=np.intp)
+    offsets = tuple((position[rest], position[offset]) for rest, offset in straps)
+    return SlotMap(indices, middle, half, tuple(fits), offsets)
+
+
+class _Lowered:
+    """The engine's parameters, and offsets of straps, by lowering the file."""
+
+    def __init__(self, model: Structure, fields: tuple[tuple[str, ...], ...]) -> None:
+        self._model, self._fields = model, fields
+        self._slots = model.engine.slots
+        self._straps = [n for n, s in model.file.straps.items() if not isinstance(s.to, Loop)]
+        self.rests = [self._slots[f"{name}.rest_length"][0] for name in self._straps]
+        size = model.parameters.size
+        extra = [(size + i, size + i + 1) for i in range(len(self._straps))]
+        self.ranges = [*self._slots.values(), *extra]
+
+    def at(self, x: Array, name: str = "") -> Array:
+        """Return them for values (k,) of the fields; with a name, demand the same structure."""
+        changes = dict(zip(self._fields, x.tolist(), strict=True))
+        file: ModelFile = replaced(self._model.file, changes)
+        described = lower(file)
+        _keep(described, self._model.description)
+        try:
+            engine = _engine.Model(json.dumps(described))
+        except ValueError as error:
+            raise InputError(f'"{name}" cannot be varied so far: {error}.') from None
+        if not engine.has_structure_of(self._model.engine):
+            raise InputError(
+                f'"{name}" cannot be varied: it changes what the model is made of; give models '
+                "with other values, such as by --set."
+            )
+        offsets = []
+        found = engine.parameters.copy()
+        for strap, rest in zip(self._straps, self.rests, strict=True):
+            table = file.straps[strap]
+            distance = table.distance(file)
+            offsets.append(float(table.slack) - float(table.pretension) / table.constant)
+            found[rest] = distance
+        return np.concatenate([found, offsets])
+
+    def name(self, column: int) -> str:
+        """Return which parameter a column is."""
+        for name, (start, stop) in self._slots.items():
+            if start <= column < stop:
+                return name
+        return "the offset of a strap"
+
+
+def _keep(described: dict[str, object], own: dict[str, object]) -> None:
+    """Keep what is made once for the model: shares of the tip, and which rods touch themselves."""
+    for key in ("spheres", "contacts"):
+        mine = own.get(key, [])
+        if key in described or mine:
+            described[key] = mine
+    for new, old in zip(described.get("foundations", ()), own.get("foundations", ()), strict=False):  # type: ignore[call-overload]
+        new["tip"], new["alignment"] = old["tip"], old["alignment"]
+
+
+def _attempts(variables: int, points: int) -> list[tuple[str, int]]:
+    """Return forms and degrees in the order in which they are tried."""
+    degrees = [d for d in range(1, MAX_DEGREE + 1) if 1.5 * comb(variables + d, d) <= points]
+    low = [(form, degree) for degree in degrees[:4] for form in _FORMS]
+    return low + [("polynomial", degree) for degree in degrees[4:]]
+
+
+def _fitted(
+    u: Array, samples: Array, powers: NDArray[np.intp], form: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Fit columns; return their coefficients, and which hold at the points left out."""
+    inverse, forward, _ = _FORMS[form]
+    values, _ = _legendre(u, int(powers.max()))
+    basis = np.prod([values[:, i, powers[:, i]] for i in range(u.shape[1])], axis=0)
+    count = len(u) - _CHECKS
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wanted = inverse(samples)
+        usable = np.isfinite(wanted).all(axis=0)
+        if form != "polynomial":
+            usable &= (samples > 0.0).all(axis=0)
+        wanted = np.where(usable, wanted, 0.0)
+        scale = np.abs(wanted).max(axis=0)
+        scale[scale == 0.0] = 1.0
+        coefficients = np.linalg.lstsq(basis[:count], wanted[:count] / scale, rcond=None)[0]
+        coefficients[np.abs(coefficients) < 1e-14] = 0.0
+        found = forward(basis @ coefficients * scale)
+    largest = np.abs(samples).max(axis=0)
+    good = usable & (np.abs(found - samples).max(axis=0) <= TOLERANCE * largest)
+    return coefficients * scale, np.asarray(good)
+
+
+def _trimmed(powers: NDArray[np.intp], coefficients: Array) -> tuple[NDArray[np.intp], Array]:
+    used = coefficients.any(axis=1)
+    return powers[used], coefficients[used]
+
+
+def _powers(pattern: tuple[int, ...], degree: int, k: int) -> NDArray[np.intp]:
+    """Return the degrees of all terms in some of k variables up to a total degree, (c, k)."""
+    terms = [p for p in product(range(degree + 1), repeat=len(pattern)) if sum(p) <= degree]
+    powers = np.zeros((len(terms), k), dtype=np.intp)
+    powers[:, list(pattern)] = terms
+    return powers
+
+
+def _legendre(u: Array, top: int) -> tuple[Array, Array]:
+    values, slopes = np.ones((*u.shape, top + 1)), np.zeros((*u.shape, top + 1))
+    if top:
+        values[..., 1], slopes[..., 1] = u, 1.0
+    for n in range(1, top):
+        values[..., n + 1] = ((2 * n + 1) * u * values[..., n] - n * values[..., n - 1]) / (n + 1)
+        slopes[..., n + 1] = slopes[..., n - 1] + (2 * n + 1) * values[..., n]
+    return values, slopes
+
+
+def _points(count: int, k: int) -> Array:
+    """Return the first points of a Sobol sequence in [-1, 1]^k."""
+    from scipy.stats import qmc  # deferred: slow to import
+
+    size = 1 << (count - 1).bit_length()
+    return np.asarray(2.0 * qmc.Sobol(k, scramble=True, seed=1).random(size)[:count] - 1.0)

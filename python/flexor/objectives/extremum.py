@@ -1,0 +1,89 @@
+"""Objectives that maximise or minimise an observable at the last load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.errors import InputError
+from flexor.model.results import Paths
+from flexor.model.structure import Structure
+from flexor.objectives.base import Objective
+from flexor.objectives.gradient import PathGradient
+from flexor.observables import Observable, observable
+
+SENSES = {"maximise": -1.0, "minimise": 1.0}
+
+
+@dataclass(frozen=True)
+class Extremum(Objective):
+    """The largest or smallest value of an observable; made by `extremum`.
+
+    Attributes
+    ----------
+    sign : float
+        -1 to maximise, 1 to minimise.
+    differentiable_observable : bool
+        Whether the engine gives its gradient.
+    """
+
+    sign: float = 1.0
+    differentiable_observable: bool = False
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether it has a `gradient`."""
+        return self.differentiable_observable
+
+    def value(self, paths: Paths) -> Array:
+        """Return the observable with its sign, SI, (n,)."""
+        return self.sign * self._observable(paths.model).last(paths) + 0.0
+
+    def shown(self, paths: Paths) -> Array:
+        """Return the observable in its unit, (n,)."""
+        found = self._observable(paths.model)
+        return found.last(paths) / found.unit[0]
+
+    def gradient(self, paths: Paths) -> PathGradient:
+        """Differentiate the value at the last load; InputError if the engine has none."""
+        found = self._observable(paths.model)
+        if not found.differentiable:
+            raise InputError(f'objective "{self.name}" has no gradient.')
+        angles, force = np.zeros(paths.joint_angles.shape), np.zeros(paths.tip_force.shape)
+        if found.of_tip:
+            force[:, -1] = self.sign
+        else:
+            angles[:, -1] = self.sign * np.array(found.joints)
+        return PathGradient(angles, force)
+
+    def _observable(self, model: Structure) -> Observable:
+        return observable(self.quantity, model)
+
+
+def extremum(sense: str, name: str, model: Structure) -> Extremum:
+    """Make the objective to maximise or minimise an observable of a model.
+
+    Parameters
+    ----------
+    sense
+        ``"maximise"`` or ``"minimise"``.
+    name
+        Name of the observable, such as ``"range-of-motion"``.
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        If the model has no such observable.
+    """
+    found = observable(name, model)
+    return Extremum(
+        name=f"{sense} {found.name}",
+        quantity=found.name,
+        unit=found.unit[1],
+        sign=SENSES[sense],
+        differentiable_observable=found.differentiable,
+    )

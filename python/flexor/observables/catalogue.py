@@ -1,0 +1,298 @@
+"""The observables of a model, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.errors import InputError, unknown_name
+from flexor.model.results import Paths, State
+from flexor.model.structure import Structure
+from flexor.model.units import ANGLE, FORCE, LENGTH, PRESSURE, VOLUME, Dimension
+from flexor.observables import quantities
+from flexor.observables.observable import Observable
+
+ENERGY = Dimension("an energy", "J", "10 mJ")
+MASS = Dimension("a mass", "kg", "20 g")
+_UNITS: dict[str, tuple[float, str]] = {
+    "rad": (np.pi / 180.0, "deg"),
+    "m": (1e-3, "mm"),
+    "Pa": (1e3, "kPa"),
+    "N": (1.0, "N"),
+    "m^3": (1e-6, "mL"),
+    "J": (1e-3, "mJ"),
+    "kg": (1e-3, "g"),
+}
+Values = Callable[[Paths], Array]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of observable: one, or one for each of the model's members such as its joints."""
+
+    name: str
+    dimension: Dimension | None
+    text: str
+    # From the model to the values of each member; the empty name is the observable without one.
+    members: Callable[[Structure], dict[str, Values]]
+    absent: str  # what a model without it lacks
+    key: str = ""  # of `State.extremes`, where its place is found
+
+
+def observables(model: Structure) -> dict[str, Observable]:
+    """Return every observable of a model by name.
+
+    Parameters
+    ----------
+    model
+        The model.
+
+    Returns
+    -------
+    dict
+        Those that concern one member are called such as ``"angle.ph_1"``.
+    """
+    return {each.name: each for kind in _KINDS for each in _of(kind, model)}
+
+
+def observable(name: str, model: Structure) -> Observable:
+    """Find an observable of a model.
+
+    Parameters
+    ----------
+    name
+        Such as ``"bending"``, ``"strap-force"`` or ``"strap-force.proximal"``; case and underscores
+        of the first part are ignored.
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        If the model has none of this name; the nearest name or what it lacks is said.
+    """
+    head, dot, member = name.strip().partition(".")
+    head = head.strip().casefold().replace("_", "-")
+    kinds = {kind.name: kind for kind in _KINDS}
+    if head not in kinds:
+        raise InputError(f"{unknown_name('observable', name.strip(), kinds)}.")
+    found = {each.name: each for each in _of(kinds[head], model)}
+    if not dot and len(found) == 1:
+        return next(iter(found.values()))
+    wanted = f"{head}{dot}{member.strip()}"
+    if wanted in found:
+        return found[wanted]
+    if not found:
+        raise InputError(f'"{head}" needs {kinds[head].absent}, but "{model.name}" has none.')
+    if not dot:
+        raise InputError(f'"{head}" is one of several: choose from {", ".join(found)}.')
+    raise InputError(f"{unknown_name('observable', wanted, found)}.")
+
+
+def kinds() -> dict[str, str]:
+    """Return what there is, by name: a line about each."""
+    return {kind.name: kind.text for kind in _KINDS}
+
+
+def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
+    for member, values in kind.members(model).items():
+        unit = (1.0, "") if kind.dimension is None else _UNITS[kind.dimension.unit]
+        dimension = kind.dimension
+        if kind.name == "angle" and member not in _angular(model):
+            dimension, unit = LENGTH, _UNITS["m"]
+        yield Observable(
+            name=f"{kind.name}.{member}" if member else kind.name,
+            dimension=dimension,
+            unit=unit,
+            text=kind.text,
+            values=values,
+            joints=_joints(kind.name, member, model),
+            of_tip=kind.name == "tip-force",
+            place=_place(kind.key) if kind.key else None,
+        )
+
+
+def _joints(kind: str, member: str, model: Structure) -> tuple[float, ...] | None:
+    if kind == "bending":
+        return tuple(float(name in model.angular_joints) for name in model.joints)
+    if kind == "angle":
+        return tuple(float(model.joint_labels[name] == member) for name in model.joints)
+    return None
+
+
+def _place(key: str) -> Callable[[State], str]:
+    def found(state: State) -> str:
+        extreme = state.extremes().get(key)
+        if extreme is None:
+            return ""
+        on = "" if extreme.on is None else f" on {extreme.on}"
+        return f"{extreme.body}, X = {extreme.X:.2g}{on}"
+
+    return found
+
+
+def _angular(model: Structure) -> list[str]:
+    return [model.joint_labels[name] for name in model.angular_joints]
+
+
+def _angles(model: Structure) -> dict[str, Values]:
+    return {
+        model.joint_labels[name]: lambda paths, i=i: paths.joint_angles[:, :, i]  # type: ignore[misc]
+        for i, name in enumerate(model.joints)
+    }
+
+
+def _if(there: object, values: Values) -> dict[str, Values]:
+    return {"": values} if there else {}
+
+
+def _volumes(model: Structure) -> dict[str, Values]:
+    return {
+        name: lambda paths, i=i: paths.volume[:, :, i]  # type: ignore[misc]
+        for i, name in enumerate(model.pressures)
+    }
+
+
+def _applied(names: tuple[str, ...], model: Structure) -> dict[str, Values]:
+    columns = {name: model.inputs.index(name) for name in names}
+    return {
+        name: lambda paths, i=i: paths.applied[:, :, i]  # type: ignore[misc]
+        for name, i in columns.items()
+    }
+
+
+def _straps(model: Structure) -> dict[str, Values]:
+    names = tuple(model.file.straps)
+    each: dict[str, Values] = {
+        name: lambda paths, i=i: quantities.strap_forces(paths)[:, :, i]  # type: ignore[misc]
+        for i, name in enumerate(names)
+    }
+    return _if(names, lambda paths: quantities.strap_forces(paths).max(axis=2)) | each
+
+
+def _obstacles(model: Structure) -> dict[str, Values]:
+    return {
+        name: lambda paths, i=i: quantities.obstacle_forces(paths)[:, :, i]  # type: ignore[misc]
+        for i, name in enumerate(model.file.obstacles)
+    }
+
+
+def _limited(model: Structure, key: str) -> bool:
+    return any(getattr(each, key) is not None for each in model.file.materials.values())
+
+
+def _fibres(model: Structure) -> bool:
+    return any(slot.endswith(".fibres[0]") for slot in model.engine.slots)
+
+
+def _range_of_motion(paths: Paths) -> Array:
+    bent = quantities.bending(paths)
+    return bent - bent[:, :1]
+
+
+_JOINTS, _CONTACT = "a joint that turns", "contact"
+_KINDS = (
+    Kind(
+        "bending",
+        ANGLE,
+        "sum of the angles of all joints",
+        lambda model: _if(model.angular_joints, quantities.bending),
+        _JOINTS,
+    ),
+    Kind(
+        "range-of-motion",
+        ANGLE,
+        "bending beyond that under the first load, where a preload has its effect",
+        lambda model: _if(model.angular_joints, _range_of_motion),
+        _JOINTS,
+    ),
+    Kind("angle", ANGLE, "coordinate of one joint", _angles, "a joint"),
+    Kind(
+        "tip-force",
+        FORCE,
+        "force of the exosuit's tip on the finger, F_t (14)",
+        lambda model: _if(model.first_spheres, lambda paths: paths.tip_force),
+        _CONTACT,
+    ),
+    Kind(
+        "contacts",
+        None,
+        "number of spheres or points of the exosuit that touch, n_c",
+        lambda model: _if(model.first_spheres, lambda paths: paths.touching.astype(float)),
+        _CONTACT,
+    ),
+    Kind(
+        "overlap",
+        LENGTH,
+        "largest overlap of bodies in contact",
+        lambda model: _if(model.first_spheres, lambda paths: paths.max_overlap),
+        _CONTACT,
+        "max_overlap",
+    ),
+    Kind(
+        "contact-pressure",
+        PRESSURE,
+        "largest pressure of contact through skins",
+        lambda model: _if(model.foundations, lambda paths: paths.max_contact_pressure),
+        "bodies with a skin",
+        "max_contact_pressure",
+    ),
+    Kind(
+        "strain",
+        None,
+        "largest strain |λ - 1| of a fibre",
+        lambda model: _if(_fibres(model), lambda paths: paths.max_strain),
+        "a section with a material",
+        "max_strain",
+    ),
+    Kind(
+        "strain-use",
+        None,
+        "largest strain of a fibre, as a share of its material's strain_limit",
+        lambda model: _if(_limited(model, "strain_limit"), quantities.strain_use),
+        "a material with a strain_limit",
+    ),
+    Kind(
+        "stress-use",
+        None,
+        "largest nominal stress of a fibre, as a share of its material's stress_limit",
+        lambda model: _if(_limited(model, "stress_limit"), quantities.stress_use),
+        "a material with a stress_limit",
+    ),
+    Kind(
+        "min-stretch",
+        None,
+        "smallest stretch λ of a fibre; at 0 the section folds",
+        lambda model: _if(_fibres(model), lambda paths: paths.min_stretch),
+        "a section with a material",
+        "min_stretch",
+    ),
+    Kind("strap-force", FORCE, "tension of a strap, or the largest", _straps, "straps"),
+    Kind("obstacle-force", FORCE, "force on an obstacle along its normal", _obstacles, "obstacles"),
+    Kind("volume", VOLUME, "volume of a cavity", _volumes, "a pressure"),
+    Kind(
+        "pressure",
+        PRESSURE,
+        "pressure in a cavity, given or found",
+        lambda model: _applied(model.pressures, model),
+        "a pressure",
+    ),
+    Kind(
+        "mass",
+        MASS,
+        "mass of all rods",
+        lambda model: _if(model.rods, quantities.mass),
+        "a rod",
+    ),
+    Kind("energy", ENERGY, "potential energy", lambda model: _if(True, lambda p: p.energy), ""),
+    Kind(
+        "snaps",
+        None,
+        "number of snaps along the path",
+        lambda model: _if(True, quantities.snaps),
+        "",
+    ),
+)

@@ -1,0 +1,153 @@
+"""Fields of a model file as design variables: exact values, exact derivatives, errors."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.design import variables
+from flexor.errors import InputError
+from flexor.model import Model
+
+# Of every kind: lengths, profiles, sections, layers, places, straps, moduli, skins, joints.
+BOUNDS: dict[str, tuple[object, object]] = {
+    "exosuit.length": ("9 cm", "11 cm"),
+    "exosuit.radius.base": ("7 mm", "10 mm"),
+    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
+    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
+    "exosuit.section.floor": ("1.8 mm", "3 mm"),
+    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
+    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
+    "proximal.to.at": (0.45, 0.65),
+    "middle.slack": ("0 mm", "1 mm"),
+    "distal.width": ("10 mm", "20 mm"),
+    "fabric.young_modulus": ("20 MPa", "40 MPa"),
+    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
+    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
+    "ph_3.length": ("2.2 cm", "2.5 cm"),
+}
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """Return the pneumatic finger, which cannot touch itself, whatever its length."""
+    return flexor.load("pneumatic-finger", changes={"exosuit.self_contact": False})
+
+
+def _some(name: str, model: Model) -> flexor.design.Variables:
+    return variables({name: BOUNDS[name]}, model)
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_values_are_those_of_the_changed_file(name: str, model: Model) -> None:
+    """A design of one field has the parameters of the file with that field changed."""
+    chosen = _some(name, model)
+    for fraction in (0.13, 0.5, 0.94):
+        x = chosen.lower + fraction * (chosen.upper - chosen.lower)
+        found, valid = chosen.designs(x[None, :], model)
+        expected = flexor.load(model.file, changes=chosen.changes(x)).parameters
+        actual = model.parameters.copy()
+        actual[found.indices] = found.values[0]
+        assert valid.all()
+        np.testing.assert_allclose(actual, expected, rtol=1e-10, atol=1e-15)
+
+
+def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) -> None:
+    """The same for all of the fields at once."""
+    chosen = variables(BOUNDS, model)
+    x = chosen.lower + np.linspace(0.1, 0.9, chosen.size) * (chosen.upper - chosen.lower)
+    found, _ = chosen.designs(x[None, :], model)
+    actual = model.parameters.copy()
+    actual[found.indices] = found.values[0]
+    expected = flexor.load(model.file, changes=chosen.changes(x)).parameters
+    np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-14)
+
+
+def test_gradients_are_those_of_differences(model: Model) -> None:
+    """The bending's gradient on regular designs, each component by its effect over the range."""
+    chosen = variables(BOUNDS, model)
+    span = chosen.upper - chosen.lower
+    u = np.random.default_rng(0).uniform(0.05, 0.95, (20, chosen.size))
+    x = chosen.lower + u * span
+    tight = {"tolerance": 1e-11}
+
+    def bending(designs: np.ndarray) -> np.ndarray:
+        found = model.evaluate(chosen.designs(designs, model)[0], **tight)
+        return found.joint_angles[:, -1].sum(axis=1)
+
+    paths = model.evaluate(chosen.designs(x, model)[0], gradient=True, **tight)
+    slots = paths.gradient[:, :-1].sum(axis=1)
+    exact = np.einsum("ns,nsk->nk", slots, chosen.slot_jacobian(x, model)) * span
+    differences = np.empty_like(exact)
+    for i in range(chosen.size):
+        step = np.zeros(chosen.size)
+        step[i] = 1e-4 * span[i]
+        near, far = (bending(x + h * step) - bending(x - h * step) for h in (1, 2))
+        differences[:, i] = (8.0 * near - far) / (12.0 * 1e-4)
+    regular = paths.regularity == "regular"
+    assert regular.sum() >= 15
+    error = np.abs(exact - differences)[regular] / np.abs(exact[regular]).max(axis=1)[:, None]
+    # A strap becomes taut within some of the differences.
+    assert np.quantile(error, 0.98) <= 1e-6
+
+
+def test_a_design_does_not_depend_on_its_neighbours(model: Model) -> None:
+    """Values and derivatives are the same bits, alone and in a batch; also after pickling."""
+    chosen = variables({name: BOUNDS[name] for name in list(BOUNDS)[:4]}, model)
+    x = chosen.lower + 0.3 * (chosen.upper - chosen.lower) * np.array([[1.0], [2.0], [3.0]])
+    again = pickle.loads(pickle.dumps(chosen))
+    batch = chosen.designs(x, model)[0].values
+    slopes = chosen.slot_jacobian(x, model)
+    for row in range(3):
+        alone = again.designs(x[[row]], model)[0].values
+        assert alone.tobytes() == batch[row].tobytes()
+        assert again.slot_jacobian(x[[row]], model).tobytes() == slopes[row].tobytes()
+
+
+def test_start_is_the_models_own(model: Model) -> None:
+    """Values without change are those of the file, and units those of the bounds."""
+    chosen = variables({name: BOUNDS[name] for name in ("exosuit.length", "proximal.to.at")}, model)
+    assert chosen.start.tolist() == [0.1, 0.55]
+    assert chosen.units == ("cm", "1")
+    assert replace(chosen).changes(chosen.start) == {
+        "exosuit.length": "0.1 m",
+        "proximal.to.at": 0.55,
+    }
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({"exosuit.lenght": ("8 cm", "9 cm")}, 'did you mean "length"'),
+        ({"exosuitt.length": ("8 cm", "9 cm")}, 'did you mean "exosuit"'),
+        ({"exosuit.length": ("9 cm", "8 cm")}, "lower bound must be below"),
+        ({"exosuit.length": (8, 9)}, "expected a value with its unit"),
+        ({"exosuit.length": ("8 kPa", "9 kPa")}, "expected a value with its unit"),
+        ({"exosuit.material": (1, 2)}, "not a number"),
+        ({"exosuit.elements": (10, 20)}, "not a number"),
+        ({"exosuit.young_modulus": ("1 MPa", "2 MPa")}, "not given in the file"),
+        ({"exosuit.length": ("8 cm", "9 cm"), "bodies.exosuit.length": ("8 cm", "9 cm")}, "same"),
+        ({}, "at least one field"),
+    ],
+)
+def test_bad_variables(
+    bounds: dict[str, tuple[object, object]], message: str, model: Model
+) -> None:
+    """Each is one clear sentence."""
+    with pytest.raises(InputError, match=message):
+        variables(bounds, model)
+
+
+def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
+    """A place between elements and a field without effect cannot be varied."""
+    for bounds, message in (
+        ({"proximal.at": (0.2, 0.3)}, "cannot be varied"),
+        ({"evaluation.pressure": ("50 kPa", "60 kPa")}, "no effect"),
+    ):
+        chosen = variables(bounds, model)
+        with pytest.raises(InputError, match=message):
+            chosen.designs(chosen.start[None, :], model)
