@@ -8,10 +8,10 @@
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed};
 use super::continuation::Continuation;
 use super::options::LocateOptions;
-use super::stability::NULL;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
+use crate::tolerances::ZERO_EIGENVALUE;
 
 /// What was found ahead of an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,8 +126,8 @@ impl Planes<'_> {
 
 /// Whether no motion grows by itself from the equilibrium at hand.
 fn is_stable<G: LieGroup<D, P>, const D: usize, const P: usize>(system: &mut System<G, D, P>) -> bool {
-    let definite = system.factorise(0.0) || system.is_conservative() && system.factorise(NULL);
-    definite && !system.is_lost(NULL)
+    let definite = system.factorise(0.0) || system.is_conservative() && system.factorise(ZERO_EIGENVALUE);
+    definite && !system.is_lost(ZERO_EIGENVALUE)
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {

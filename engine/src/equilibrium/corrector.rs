@@ -4,11 +4,11 @@ use super::mixed_newton::{Approach, MixedNewton};
 use super::newton::chord_steps;
 use super::options::{ContinuationOptions, CorrectorOptions, NewtonOptions};
 use super::predictor::Predictor;
-use super::stability::NULL;
 use super::system::System;
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::tolerances::ZERO_EIGENVALUE;
 
 /// When a corrector is done.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +118,7 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             // A motion along which nothing changes, as that of a round column about its axis, has a
             // stiffness of the size of the residual.
             let most = tolerance.residual.min(self.options.soft_residual);
-            if !(system.factorise(0.0) || size <= most && system.factorise(size + NULL)) {
+            if !(system.factorise(0.0) || size <= most && system.factorise(size + ZERO_EIGENVALUE)) {
                 return false;
             }
             if system.has_converged(size, tolerance.residual) {

@@ -220,7 +220,7 @@ options! {
         /// Largest displacement of these chord steps together, as a fraction of the predicted displacement.
         predicted_chord_reach: f64 = 0.3, Interval::from(0.0).to(10.0);
         /// A chord step longer than this multiple of the displacement rejects the prediction.
-        rejection_ratio: f64 = 0.7, Interval::from(0.0).to(100.0);
+        rejection_ratio: f64 = 1.4, Interval::from(0.0).to(100.0);
         /// With a dimensionless residual below this, a negative stiffness of at most the same size counts
         /// as zero.
         soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);

@@ -1,7 +1,5 @@
 //! The stability of an equilibrium.
 
-pub(super) use crate::tolerances::ZERO_EIGENVALUE as NULL;
-
 /// Static stability of an equilibrium, from the eigenvalues of its dimensionless tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
