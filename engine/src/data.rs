@@ -194,7 +194,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let (parameters, states) = (&self.design.geometry.parameters, &self.assembly.forces);
         let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
         model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
-        model.forces.foundations.summarise(&states.foundations, &mut summary, &mut tip);
+        model.forces.foundations.summarise(&self.state(model, &[], &[]), &mut summary, &mut tip);
         summary.tip_force = tip.norm();
         (summary, tip)
     }

@@ -54,6 +54,11 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
     ("section", "sentence"),
     [
         (
+            {**HALF, "flat_floor": False},
+            "bodies.rod.section.flat_floor is false, but a floor that is free to bulge changes the "
+            "shape of the section and is not modelled",
+        ),
+        (
             {**TUBE, "wall": "6 mm"},
             "bodies.rod.section cannot be made: wall leaves no bore: it must be less than the "
             "radius S, but S is 5.908 mm",

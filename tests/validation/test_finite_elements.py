@@ -135,6 +135,9 @@ def test_an_unwound_chamber_balloons_instead_of_bending(bare: str, wound: str) -
         ("half-round-blocked", "force", 0.10),
         ("tube-stretched", "tip_x", 0.05),
         ("box-framed", "angle", 0.05),
+        ("box-framed-wide", "angle", 0.05),
+        ("box-framed-thick", "angle", 0.05),
+        ("box-framed-high", "angle", 0.08),
         ("box-framed-blocked", "force", 0.10),
     ],
 )

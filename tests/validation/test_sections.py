@@ -73,3 +73,43 @@ def test_torsion_and_shear(case: Case) -> None:
             ),
         ]
     case.check(comparisons)
+
+
+def test_weight_acts_at_the_centroid(case: Case) -> None:
+    """A standing rod whose mass is beside its axis.
+
+    The moment of the weight above X about the axis is ρ A g z (L − X), with z the distance of the
+    centroid: for small angles the tip turns by ρ A g z L²/(2 EI). Sized so that the weight on the
+    deflection itself changes this by some 5e-6 of it.
+    """
+    stiff, dense = 1e10, 1000.0
+    width, height, offset, length = 10e-3, 4e-3, 6e-3, 40e-3
+    rectangle = {"shape": "rectangle", "width": f"{width} m", "height": f"{height} m"}
+    body = {
+        "kind": "rod",
+        "length": f"{length} m",
+        "radius": "8 mm",
+        "section": {
+            "kind": "composite",
+            "parts": [
+                {**rectangle, "material": "plain"},
+                {**rectangle, "material": "dense", "z": f"{offset} m"},
+            ],
+        },
+        "strain": {"bend_y": "nodal_linear"},
+        "elements": 8,
+        "gauss_points": 2,
+    }
+    materials = {
+        "plain": {"kind": "linear", "young_modulus": f"{stiff} Pa"},
+        "dense": {"kind": "linear", "young_modulus": "1e-3 Pa", "density": f"{dense} kg/m^3"},
+    }
+    down = (-9.81, 0.0, 0.0)
+    load = {"body": "rod", "at": "tip", "input": True, "moment": {"y": "1 N*m"}}
+    wrenches = {"load": load}
+    model = build("rod", {"rod": body}, gravity=down, materials=materials, wrenches=wrenches)
+    frames = model.equilibrium([0.0]).frames(-1)["rod"]
+    angle = np.arctan2(frames[-1, 2, 0], frames[-1, 0, 0])
+    weight = -dense * width * height * down[0]
+    expected = weight * offset * length**2 / (2.0 * stiff * width * height**3 / 12.0)
+    case.check([compare("turn of the tip [rad]", expected, abs(angle), 1e-5)])

@@ -1,7 +1,9 @@
-//! Gravity on the masses of rods (at Gauss points) and links (at centroids): −m g·r.
+//! Gravity on the masses of rods (Gauss points; the centroid of a section of fibres) and links (centroids):
+//! −m g·r.
 
 use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::moments::Moments;
 use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
@@ -34,11 +36,12 @@ enum Part {
     Link(usize),
 }
 
-/// Volume and mass at a point.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Weight {
+/// Volume and mass at a point, and how far their centroid is from it in its frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Weight<const P: usize> {
     volume: f64,
     mass: f64,
+    centroid: Vector<P>,
 }
 
 impl<const P: usize> Gravity<P> {
@@ -70,30 +73,47 @@ impl<const P: usize> Gravity<P> {
     }
 }
 
-/// Mass per length of a section of fibres and its derivative with respect to S, and the powers of S.
-fn mass_per_length(rod: &Rod, gauss: usize, p: &[f64]) -> ([f64; 2], [f64; 3]) {
-    let (s, first) = (p[rod.radius.start + rod.gauss[gauss].point], rod.masses[gauss]);
-    let [a, b, c] = [p[first], p[first + 1], p[first + 2]];
-    ([a + s * (b + s * c), b + 2.0 * s * c], [1.0, s, s * s])
+/// Mass per length of a section of fibres with its first moments.
+fn mass_per_length(rod: &Rod, gauss: usize, p: &[f64]) -> Moments {
+    Moments::new(&p[rod.masses[gauss]..], p[rod.radius.start + rod.gauss[gauss].point])
+}
+
+/// Directions of y and z in a frame; a planar section has no moment along y.
+fn across<G: LieGroup<D, P>, const D: usize, const P: usize>() -> [Vector<P>; 2] {
+    [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| G::point_from_spatial(&axis).unwrap_or(Vector::ZERO))
+}
+
+impl<const P: usize> Weight<P> {
+    /// Where the mass of a point is.
+    #[inline]
+    fn place<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>, point: usize) -> Vector<P> {
+        *at.point(point) + at.kinematics.pose[at.frame(point)].rotate(&self.centroid)
+    }
 }
 
 impl<const P: usize> ForceMemory<P> for Gravity<P> {
-    type Design = Vec<Weight>;
+    type Design = Vec<Weight<P>>;
     type State = ();
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Gravity<P> {
-    fn design(&self, _: &Tree<G, D, P>) -> Vec<Weight> {
-        vec![Weight::default(); self.masses.len()]
+    fn design(&self, _: &Tree<G, D, P>) -> Vec<Weight<P>> {
+        vec![Weight { volume: 0.0, mass: 0.0, centroid: Vector::ZERO }; self.masses.len()]
     }
 
     fn state(&self, _: &Tree<G, D, P>) {}
 
     /// Volumes S² L for rods, L (a² + ab + b²) for links, up to a factor.
-    fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, weights: &mut Vec<Weight>) {
+    fn update_design(
+        &self,
+        tree: &Tree<G, D, P>,
+        geometry: &Geometry<G, D, P>,
+        weights: &mut Vec<Weight<P>>,
+    ) {
         let p = &geometry.parameters;
         for (weight, PointMass { part, .. }) in weights.iter_mut().zip(&self.masses) {
+            let mut centroid = Vector::ZERO;
             let (volume, density) = match *part {
                 Part::Rod(r, g) => {
                     let (rod, gauss) = (&tree.rods[r], &tree.rods[r].gauss[g]);
@@ -102,7 +122,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 }
                 Part::Fibres(r, g) => {
                     let (rod, weight) = (&tree.rods[r], tree.rods[r].gauss[g].weight);
-                    let ([mass, _], _) = mass_per_length(rod, g, p);
+                    let [mass, y, z] = mass_per_length(rod, g, p).value;
+                    if mass > 0.0 {
+                        let [along_y, along_z] = across::<G, D, P>();
+                        centroid = along_y * (y / mass) + along_z * (z / mass);
+                    }
                     (p[rod.length] * weight * mass, 1.0)
                 }
                 Part::Link(b) => {
@@ -112,56 +136,65 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     (volume, p[link.density])
                 }
             };
-            *weight = Weight { volume, mass: density * volume };
+            *weight = Weight { volume, mass: density * volume, centroid };
         }
     }
 
     fn add_residual(
         &self,
         at: &State<G, D, P>,
-        weights: &Vec<Weight>,
+        weights: &Vec<Weight<P>>,
         _: &mut (),
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
-            let p = at.point(*point);
+            let p = weight.place(at, *point);
             let gradient = self.acceleration * -weight.mass;
-            out.energy += gradient.dot(p);
-            out.add_force::<G, P>(at.frame(*point), p, &gradient);
+            out.energy += gradient.dot(&p);
+            out.add_force::<G, P>(at.frame(*point), &p, &gradient);
         }
     }
 
     fn add_tangent(
         &self,
         at: &State<G, D, P>,
-        weights: &Vec<Weight>,
+        weights: &Vec<Weight<P>>,
         _: &(),
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
             let gradient = self.acceleration * -weight.mass;
-            out.add_curvature::<G, P>(at.frame(*point), at.point(*point), &gradient);
+            out.add_curvature::<G, P>(at.frame(*point), &weight.place(at, *point), &gradient);
         }
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, weights: &Vec<Weight>, _: &(), out: &mut Magnitudes<P>) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, weights: &Vec<Weight<P>>, _: &(), out: &mut Magnitudes<P>) {
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
-            out.add_at_point(at, *point, self.acceleration.norm() * weight.mass);
+            let force = self.acceleration.norm() * weight.mass;
+            out.add_at_place(at.frame(*point), weight.place(at, *point), force);
         }
     }
 
     fn add_parameter_work(
         &self,
         at: &State<G, D, P>,
-        weights: &Vec<Weight>,
+        weights: &Vec<Weight<P>>,
         _: &(),
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
         let p = at.parameters();
-        for (PointMass { point, part }, Weight { volume, mass }) in self.masses.iter().zip(weights) {
-            let work = -self.acceleration.dot(&motion.velocities.points[*point]);
+        for (PointMass { point, part }, Weight { volume, mass, centroid }) in self.masses.iter().zip(weights)
+        {
+            let pose = &at.kinematics.pose[at.frame(*point)];
+            // The work of a unit mass at the point, and what it is more elsewhere in the frame.
+            let own = -self.acceleration.dot(&motion.velocities.points[*point]);
+            let beside = |place: &Vector<P>| {
+                let place = pose.rotate(place);
+                -self.acceleration.dot(&motion.velocities.shifted::<G>(at.frame(*point), &place))
+            };
+            let work = own + beside(centroid);
             let mut relative = |i: usize, power: f64| gradient[i] += power * mass * work / p[i];
             match *part {
                 Part::Rod(r, g) => {
@@ -173,11 +206,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 Part::Fibres(r, g) => {
                     let rod = &at.tree.rods[r];
                     relative(rod.length, 1.0);
-                    let ([_, slope], powers) = mass_per_length(rod, g, p);
-                    let work = work * p[rod.length] * rod.gauss[g].weight;
-                    gradient[rod.radius.start + rod.gauss[g].point] += slope * work;
-                    let coefficients = &mut gradient[rod.masses[g]..];
-                    coefficients.iter_mut().zip(powers).for_each(|(out, power)| *out += power * work);
+                    let radius = rod.radius.start + rod.gauss[g].point;
+                    let by_radius = mass_per_length(rod, g, p).by_radius;
+                    let [along_y, along_z] = across::<G, D, P>();
+                    let mut first = rod.masses[g];
+                    for (k, work) in [own, beside(&along_y), beside(&along_z)].into_iter().enumerate() {
+                        let work = work * p[rod.length] * rod.gauss[g].weight;
+                        gradient[radius] += by_radius[k] * work;
+                        let count = if k == 0 { 3 } else { 4 };
+                        let powers = std::iter::successors(Some(1.0), |power| Some(power * p[radius]));
+                        for (out, power) in gradient[first..first + count].iter_mut().zip(powers) {
+                            *out += power * work;
+                        }
+                        first += count;
+                    }
                 }
                 Part::Link(b) => {
                     let Shape::Link(link) = &at.tree.bodies[b].shape else { continue };
@@ -195,14 +237,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn add_geometric_work(
         &self,
         at: &State<G, D, P>,
-        weights: &Vec<Weight>,
+        weights: &Vec<Weight<P>>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
-            let shifted = motion.velocities.shifted::<G>(at.frame(*point), &velocities.points[*point]);
+            let frame = at.frame(*point);
+            let centroid = at.kinematics.pose[frame].rotate(&weight.centroid);
+            let velocity = velocities.points[*point] + velocities.shifted::<G>(frame, &centroid);
+            let shifted = motion.velocities.shifted::<G>(frame, &velocity);
             *work -= (self.acceleration * weight.mass).dot(&shifted);
         }
     }

@@ -53,7 +53,12 @@ impl<const P: usize> Magnitudes<P> {
         point: usize,
         force: f64,
     ) {
-        self.points.push((at.frame(point), *at.point(point), [force.abs(), 0.0, 0.0]));
+        self.add_at_place(at.frame(point), *at.point(point), force);
+    }
+
+    /// A force of this magnitude at a place that moves with a frame.
+    pub fn add_at_place(&mut self, frame: usize, place: Vector<P>, force: f64) {
+        self.points.push((frame, place, [force.abs(), 0.0, 0.0]));
     }
 
     /// A force at a point from a stiffness and a distance, the difference of positions of this size.

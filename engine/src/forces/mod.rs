@@ -14,6 +14,7 @@ pub(crate) mod gravity;
 pub(crate) mod half_space;
 pub(crate) mod joint;
 pub(crate) mod magnitudes;
+mod moments;
 pub(crate) mod pressure;
 pub(crate) mod spring;
 pub(crate) mod state;

@@ -5,6 +5,7 @@
 
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
+use super::moments::{MOMENTS, Moments};
 use super::state::State;
 use super::terms::Terms;
 use crate::geometry::Geometry;
@@ -33,9 +34,6 @@ pub struct PressureDescription {
     pub enclosed: f64,
 }
 
-/// Coefficients of a section.
-const MOMENTS: usize = 11;
-
 #[derive(Clone, Debug, PartialEq)]
 struct Pressure {
     rod: usize,
@@ -57,25 +55,6 @@ pub(crate) struct Volumes {
     /// One for each pressure: reference volume and number of its columns.
     fixed: Vec<(f64, usize)>,
     columns: Vec<(usize, f64)>,
-}
-
-/// Area and first moments at a Gauss point, with their derivatives with respect to S.
-struct Moments {
-    value: [f64; 3],
-    by_radius: [f64; 3],
-}
-
-impl Moments {
-    /// Area, ∫ y dA and ∫ z dA from their coefficients.
-    fn new(c: &[f64], s: f64) -> Self {
-        let cubic = |c: &[f64]| {
-            let value = c.iter().rev().fold(0.0, |sum, c| sum * s + c);
-            let slope = c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * s + k as f64 * c);
-            [value, slope]
-        };
-        let all = [cubic(&c[..3]), cubic(&c[3..7]), cubic(&c[7..])];
-        Self { value: all.map(|[value, _]| value), by_radius: all.map(|[_, slope]| slope) }
-    }
 }
 
 /// Area or moment that a strain mode multiplies in the volume, with the power of L; none for torsion

@@ -77,8 +77,8 @@ pub(crate) struct Rod {
     pub young_modulus: usize,
     pub shear_modulus: usize,
     pub density: usize,
-    /// Of a section of fibres, at each Gauss point: parameter holding the first of three coefficients of
-    /// the mass per length.
+    /// Of a section of fibres, at each Gauss point: parameter holding the first coefficient of the mass
+    /// per length and its moments.
     pub masses: Vec<usize>,
     /// Coordinates of angular modes; the rest are linear strains.
     pub angular: Vec<bool>,

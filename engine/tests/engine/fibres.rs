@@ -57,7 +57,13 @@ fn actuator(planar: bool, random: &[f64]) -> Description {
             .collect(),
         torsion: draw(0.5, 1.0),
         rigidity: std::array::from_fn(|_| draw(0.0, 1e-3)),
-        mass: [draw(0.0, 0.1), draw(0.0, 1.0), draw(0.0, 10.0)],
+        mass: {
+            let centroid = [1.5e-3, -1e-3];
+            let [a, b, c] = [draw(0.0, 0.1), draw(0.0, 1.0), draw(0.0, 10.0)];
+            let [y, z] = centroid.map(|e| [a * e, b * e + 0.1 * a, c * e, 0.3 * c]);
+            let y = if planar { [0.0; 4] } else { y };
+            [a, b, c, y[0], y[1], y[2], y[3], z[0], z[1], z[2], z[3]]
+        },
         clearances: vec![[-1e-3, 0.9]],
     };
     let sections = vec![section(), section()];

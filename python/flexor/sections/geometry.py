@@ -197,15 +197,21 @@ class Geometry:
         return total
 
     def mass(self, densities: Mapping[str, float]) -> Array:
-        """Return the mass per length as coefficients of 1, S and S²; shape (3,) [SI].
+        """Return the mass per length with its first moments, as polynomials of S.
 
         Parameters
         ----------
         densities
             Of each material [kg/m³].
+
+        Returns
+        -------
+        (11,) array
+            Coefficients of 1, S, S² of ∫ ρ dA, then those of 1, S, S², S³ of ∫ ρ y dA and ∫ ρ z dA
+            [SI].
         """
         each = [
-            moments((part.shape,))[:3] * densities[part.material]
+            moments((part.shape,)) * densities[part.material]
             for part in self.parts
             if not part.stiffening
         ]

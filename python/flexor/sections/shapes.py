@@ -15,9 +15,10 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.sections.linear import ZERO, Linear, Value
 
-# Quadrature points: across a wall, along the radius of a disc, over the height of an arc, and along
-# a side. With three over an arc, polynomials of y and z up to the fifth degree are exact.
-_ACROSS, _RADII, _ARC, _SIDE = 2, 4, 3, 4
+# Quadrature points: across a wall, along the radius of a disc, over the height of a full arc and of
+# half of one, and along a side. Polynomials of y and z are exact up to the fifth degree on a full
+# arc, up to the third on half of one.
+_ACROSS, _RADII, _ARC, _HALF_ARC, _SIDE = 2, 4, 3, 2, 4
 # For moments, which are exact then.
 _EXACT = 6
 
@@ -79,7 +80,8 @@ class Sector:
         radial = _gauss(_EXACT if exact else _RADII if solid else _ACROSS)
         thickness = self.outer - self.inner
         found = []
-        for cosine, sine, share in self._directions(folded, _EXACT if exact else _ARC):
+        usual = _HALF_ARC if self.half else _ARC
+        for cosine, sine, share in self._directions(folded, _EXACT if exact else usual):
             for place, weight in radial:
                 r = self.inner + thickness * place
                 area = r.times(thickness) * (share * weight * self.ratio)

@@ -169,6 +169,7 @@ ROUND, BOX, TUBE = (8.0, 2.0, 2.0), (12.0, 8.0, 2.0, 2.0), (8.0, 2.0)
 RISING = (5.0, *np.arange(10.0, 161.0, 10.0).tolist())
 BARE = (0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0)
 LISTED = (20.0, 40.0, 60.0, 80.0)
+FEWER = tuple(np.arange(20.0, 161.0, 20.0).tolist())
 
 HALF_ROUND = Actuator(
     "Half-round chamber, wound outside, floor held flat", "half_round", ROUND, 160.0, RISING
@@ -191,6 +192,18 @@ ACTUATORS = {
     "half-round": HALF_ROUND,
     "half-round-blocked": replace(HALF_ROUND, about=BLOCKED, pressures=LISTED, plane=20.0),
     "box-framed": FRAMED,
+    "box-framed-wide": replace(
+        FRAMED, about="Wide box in frames", sizes=(24.0, 8.0, 2.0, 2.0), pressures=FEWER
+    ),
+    "box-framed-high": replace(
+        FRAMED, about="High box in frames", sizes=(8.0, 12.0, 1.5, 2.5), pressures=FEWER
+    ),
+    "box-framed-thick": replace(
+        FRAMED,
+        about="Box with thick walls, in frames",
+        sizes=(10.0, 6.0, 3.0, 3.0),
+        pressures=FEWER,
+    ),
     "box-framed-blocked": replace(FRAMED, about=BLOCKED, pressures=LISTED, plane=10.0),
     "tube-tapered": TAPERED,
     "tube-tapered-blocked": replace(TAPERED, about=BLOCKED, pressures=LISTED, plane=10.0),

@@ -19,6 +19,7 @@ EDGE = 1e-4  # m, radius of the sphere that touches the plane
 
 NAMES = (
     *("half-round", "half-round-blocked", "box-framed", "box-framed-blocked"),
+    *("box-framed-wide", "box-framed-high", "box-framed-thick"),
     *("tube-stretched", "half-round-bare"),
 )
 """Actuators that a rod is compared with; no section of Flexor has a strip outside its winding."""

@@ -1,5 +1,7 @@
 //! FibreSections of material fibres: their description, and its numbers among the parameters.
 
+use super::super::moments::MOMENTS;
+use super::axial::axial;
 use super::law::Law;
 use crate::lie::LieGroup;
 use crate::linalg::Matrix;
@@ -52,8 +54,9 @@ pub struct FibreSectionDescription {
     /// Further stiffness, the upper triangle of a symmetric matrix in the order of the strain modes,
     /// row by row [N·m² for two curvatures, N·m for one, N for none].
     pub rigidity: [f64; 21],
-    /// Mass per length: constant [kg/m], multiples of S and of S².
-    pub mass: [f64; 3],
+    /// Mass per length, with first moments: coefficients of 1, S, S² of ∫ ρ dA, then of 1, S, S², S³ of
+    /// ∫ ρ y dA and ∫ ρ z dA.
+    pub mass: [f64; MOMENTS],
     /// Widths that must not be negative: constant [m] and multiple of S.
     pub clearances: Vec<[f64; 2]>,
 }
@@ -105,7 +108,10 @@ pub(super) struct FibreRod {
     pub of_gauss: Vec<usize>,
     /// Parameter holding S at each Gauss point.
     pub radii: Vec<usize>,
-    /// Pairs of coordinates that its linear stiffness couples, the first not after the second.
+    /// Whether all its fibres are linear.
+    pub linear: bool,
+    /// Pairs of coordinates that its linear stiffness couples, the first not after the second; without
+    /// those of extension and bending if there are other fibres.
     pub pattern: Vec<(usize, usize)>,
     /// The pairs that make it.
     pub pairs: Pairs,
@@ -190,7 +196,7 @@ pub(super) fn materials<G: LieGroup<D, P>, const D: usize, const P: usize>(
 pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
     tree: &mut Tree<G, D, P>,
     described: &FibreRodDescription,
-    materials: usize,
+    materials: &[Material],
 ) -> Result<FibreRod, ModelError> {
     let name = &described.rod;
     let field = |f: &str| format!("fibres.{name}.{f}");
@@ -209,8 +215,9 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
     for (index, section) in described.sections.iter().enumerate() {
         let mut fibres = section.fibres.clone();
         fibres.sort_by_key(|fibre| fibre.material);
-        if fibres.last().is_some_and(|fibre| fibre.material >= materials) {
-            return Err(ModelError::new(field("fibres"), format!("there are {materials} materials")));
+        if fibres.last().is_some_and(|fibre| fibre.material >= materials.len()) {
+            let problem = format!("there are {} materials", materials.len());
+            return Err(ModelError::new(field("fibres"), problem));
         }
         let mut numbers = vec![];
         for fibre in &fibres {
@@ -235,20 +242,25 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
     let masses = of_gauss.iter().map(|section| sections[*section].mass).collect();
     tree.rods[rod].masses = masses;
-    let (pattern, pairs) = pattern(&tree.rods[rod]);
+    let mut used = sections.iter().flat_map(|section: &FibreSection| &section.materials);
+    let linear = used.all(|material| materials[*material].law == Law::Linear);
+    let (pattern, pairs) = pattern(&tree.rods[rod], linear);
     let Rod { radius, gauss, .. } = &tree.rods[rod];
     let radii = gauss.iter().map(|gauss| radius.start + gauss.point).collect();
-    Ok(FibreRod { rod, sections, of_gauss, radii, pattern, pairs })
+    Ok(FibreRod { rod, sections, of_gauss, radii, linear, pattern, pairs })
 }
 
-/// All pairs of columns of each Gauss point, and the entries of the stiffness that they make.
-fn pattern(rod: &Rod) -> (Vec<(usize, usize)>, Pairs) {
+/// Pairs of columns of each Gauss point, `all` or without those of extension and bending, and the entries
+/// of the stiffness that they make.
+fn pattern(rod: &Rod, all: bool) -> (Vec<(usize, usize)>, Pairs) {
     let (mut pattern, mut seen) = (vec![], std::collections::HashMap::new());
     let mut pairs = vec![];
     for gauss in &rod.gauss {
         let mut of_point = vec![];
-        for (a, (i, ..)) in gauss.columns.iter().enumerate() {
-            for (b, (j, ..)) in gauss.columns.iter().enumerate().filter(|(_, (j, ..))| j >= i) {
+        for (a, (i, mode, _)) in gauss.columns.iter().enumerate() {
+            let pattern_has = |other: usize| all || axial(*mode).is_none() || axial(other).is_none();
+            let after = gauss.columns.iter().enumerate().filter(|(_, (j, ..))| j >= i);
+            for (b, (j, ..)) in after.filter(|(_, (_, other, _))| pattern_has(*other)) {
                 let entry = *seen.entry((*i, *j)).or_insert_with(|| {
                     pattern.push((*i, *j));
                     pattern.len() - 1

@@ -1,5 +1,6 @@
 //! Fibres of one material, evaluated together: loops over arrays, which are vectorised.
 
+use super::axial::PointForce;
 use super::description::Fibre;
 use super::law::Law;
 
@@ -24,13 +25,6 @@ pub(super) struct Energies {
     pub value: Vec<f64>,
     pub first: Vec<f64>,
     pub second: Vec<f64>,
-}
-
-/// Sums over the fibres of a Gauss point: forces conjugate to ε, θ_y, θ_z and their derivative.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PointForce {
-    pub force: [f64; 3],
-    pub tangent: [[f64; 3]; 3],
 }
 
 impl Energies {
@@ -97,23 +91,28 @@ impl Fibres {
     pub fn add_forces<const P: usize>(&self, energies: &Energies, points: &mut [PointForce]) -> f64 {
         let (mut total, mut first) = (0.0, 0);
         for (point, end) in &self.runs {
-            let mut sums = [0.0; 10];
+            let (mut force, mut tangent) = ([0.0; 3], [[0.0; 3]; 3]);
             for i in first..*end {
-                let (z, y, weight) = (self.z[i], self.y[i], self.weight[i]);
-                let (force, slope) = (weight * energies.first[i], weight * energies.second[i]);
-                let spatial = if P == 3 { [force, slope, slope * z, slope * y] } else { [0.0; 4] };
-                let terms = [weight * energies.value[i], force, force * z, slope, slope * z, slope * z * z];
-                sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-                sums[6..].iter_mut().zip(spatial).for_each(|(sum, term)| *sum += term * y);
+                let (z, weight) = (self.z[i], self.weight[i]);
+                let (pull, slope) = (weight * energies.first[i], weight * energies.second[i]);
+                total += weight * energies.value[i];
+                force[0] += pull;
+                force[1] += pull * z;
+                tangent[0][0] += slope;
+                tangent[0][1] += slope * z;
+                tangent[1][1] += slope * z * z;
+                if P == 3 {
+                    let y = self.y[i];
+                    force[2] += pull * y;
+                    tangent[0][2] += slope * y;
+                    tangent[1][2] += slope * z * y;
+                    tangent[2][2] += slope * y * y;
+                }
             }
-            let [energy, n, m_y, nn, ny, yy, m_z, nz, yz, zz] = sums;
-            let add = |a: &mut [f64; 3], b: [f64; 3]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            let out = &mut points[*point];
-            add(&mut out.force, [n, m_y, m_z]);
-            for (row, more) in out.tangent.iter_mut().zip([[nn, ny, nz], [ny, yy, yz], [nz, yz, zz]]) {
-                add(row, more);
+            for (m, n) in [(0, 1), (0, 2), (1, 2)] {
+                tangent[n][m] = tangent[m][n];
             }
-            total += energy;
+            points[*point].add(force, tangent);
             first = *end;
         }
         total

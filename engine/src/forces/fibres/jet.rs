@@ -5,7 +5,7 @@ use crate::linalg::fma;
 use std::ops::{Add, Mul, Sub};
 
 /// What a material law computes with; C are its constants.
-pub(super) trait Number<C>:
+pub(super) trait Number<C: Copy>:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -16,6 +16,13 @@ pub(super) trait Number<C>:
     fn recip(self) -> Self;
     fn ln(self) -> Self;
     fn exp(self) -> Self;
+
+    /// λ₁ᵅ + λ₂ᵅ + λ₃ᵅ of stretches whose product is one, given the logarithms of two.
+    #[inline(always)]
+    fn powers(first: Self, second: Self, exponent: C) -> Self {
+        let (a, b) = ((first * exponent).exp(), (second * exponent).exp());
+        a + b + (a * b).recip()
+    }
 }
 
 /// A function of a stretch, with its first and second derivative.
@@ -119,6 +126,18 @@ impl Number<f64> for Jet {
     #[inline(always)]
     fn exp(self) -> Self {
         self.chain([elementary::exp(self.value); 3])
+    }
+
+    /// As by its definition, with fewer operations.
+    #[inline(always)]
+    fn powers(first: Self, second: Self, exponent: f64) -> Self {
+        let [a, b] = [first, second].map(|x| elementary::exp(x.value * exponent));
+        let c = (a * b).recip();
+        let third = (first + second) * -1.0;
+        let slope = fma(a, first.first, fma(b, second.first, c * third.first));
+        let bend = |x: Self| fma(exponent * x.first, x.first, x.second);
+        let second = fma(a, bend(first), fma(b, bend(second), c * bend(third)));
+        Self { value: a + b + c, first: exponent * slope, second: exponent * second }
     }
 }
 

@@ -133,21 +133,14 @@ impl Law {
                 first() * c[0] + second * c[1]
             }
             Law::Ogden => {
-                // By the logarithms of the principal stretches, whose sum vanishes.
                 let along = stretch.ln();
                 let across = match hoop {
                     None => along * C::from(-0.5),
                     Some(hoop) => hoop.ln() * C::from(0.5),
                 };
-                let through = (along + across) * C::from(-1.0);
                 let mut sum = stretch * C::from(0.0);
                 for pair in c.chunks_exact(2) {
-                    let across = (across * pair[1]).exp();
-                    let sides = match hoop {
-                        None => across * C::from(2.0),
-                        Some(_) => across + (through * pair[1]).exp(),
-                    };
-                    let powers = (along * pair[1]).exp() + sides;
+                    let powers = N::powers(along, across, pair[1]);
                     sum = sum + (powers + -3.0) * C::ogden_factor(pair[0], pair[1]);
                 }
                 sum

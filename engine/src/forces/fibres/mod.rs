@@ -4,6 +4,7 @@
 //! With θ = Lκ, the fibre at (y, z) adds w L A w′(λ) (1, z/L, −y/L) to the forces conjugate to ε, θ_y and
 //! θ_z at a Gauss point of weight w. Fibres of linear materials are summed up once for each design.
 
+mod axial;
 mod description;
 mod elementary;
 mod evaluation;
@@ -21,9 +22,10 @@ use crate::lie::LieGroup;
 use crate::strain::Mode;
 use crate::tree::description::Section;
 use crate::tree::{ModelError, Tree};
+use axial::{AxialStrains, PointForce, axial};
 use description::{Fibre, FibreRod, FibreSection, Material, NUMBERS, symmetric};
 pub use description::{FibreDescription, FibreRodDescription, FibreSectionDescription, MaterialDescription};
-use evaluation::{Energies, Fibres, PointForce};
+use evaluation::{Energies, Fibres};
 pub use law::Law;
 pub(crate) use sensitivity::FibreSensitivity;
 
@@ -32,6 +34,7 @@ pub(crate) use sensitivity::FibreSensitivity;
 pub(crate) struct FibreSections {
     materials: Vec<Material>,
     rods: Vec<FibreRod>,
+    strains: AxialStrains,
 }
 
 /// What a design makes of the sections.
@@ -42,6 +45,8 @@ pub(crate) struct FibreDesign {
     /// Forces of linear fibres in the reference state, by coordinate, and their energy.
     force: Vec<f64>,
     energy: f64,
+    /// Where other fibres are as well: forces of linear ones in the reference state, and their derivative.
+    points: Vec<PointForce>,
     /// Other fibres, by material.
     fibres: Vec<Fibres>,
 }
@@ -53,16 +58,6 @@ pub(crate) struct FibreState {
     strains: Vec<[f64; 3]>,
     energies: Energies,
     points: Vec<PointForce>,
-}
-
-/// The place of a mode among ε, θ_y, θ_z.
-fn axial(mode: usize) -> Option<usize> {
-    match Mode::ALL[mode] {
-        Mode::ExtendX => Some(0),
-        Mode::BendY => Some(1),
-        Mode::BendZ => Some(2),
-        _ => None,
-    }
 }
 
 /// The power of L that makes a strain of a coordinate's mode.
@@ -84,7 +79,7 @@ impl FibreSections {
         rods: &[FibreRodDescription],
     ) -> Result<Self, ModelError> {
         let materials = description::materials(tree, materials)?;
-        let rods = rods.iter().map(|rod| description::rod(tree, rod, materials.len()));
+        let rods = rods.iter().map(|rod| description::rod(tree, rod, &materials));
         let rods = rods.collect::<Result<Vec<_>, _>>()?;
         let described = |r: usize| rods.iter().filter(|rod| rod.rod == r).count();
         for (r, rod) in tree.rods.iter().enumerate() {
@@ -93,7 +88,8 @@ impl FibreSections {
                 return Err(ModelError::new("fibres", "each rod of fibres needs its sections once"));
             }
         }
-        Ok(Self { materials, rods })
+        let strains = AxialStrains::new(&rods, &tree.rods);
+        Ok(Self { materials, rods, strains })
     }
 
     pub fn material_count(&self) -> usize {
@@ -124,24 +120,15 @@ impl FibreSections {
         }
     }
 
-    /// Visits the materials that are not linear with their fibres, their energies in the state `q` and
-    /// whether all of them exist.
-    fn for_each_material<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the materials that are not linear with their fibres, their energies under the strains of
+    /// the state and whether all of them exist.
+    fn for_each_material(
         &self,
-        tree: &Tree<G, D, P>,
         p: &[f64],
-        q: &[f64],
         design: &FibreDesign,
         state: &mut FibreState,
         mut visit: impl FnMut(&Fibres, &Energies, bool),
     ) {
-        state.strains.clear();
-        for rod in &self.rods {
-            state.strains.extend(tree.rods[rod.rod].gauss.iter().map(|gauss| {
-                let strain = strains(&gauss.columns, q);
-                [strain[3], strain[1], strain[2]]
-            }));
-        }
         for (material, fibres) in self.materials.iter().zip(&design.fibres).filter(|(_, f)| !f.is_empty()) {
             let constants = &p[material.constants.clone()];
             let FibreState { strains, energies, .. } = state;
@@ -150,24 +137,19 @@ impl FibreSections {
         }
     }
 
-    /// Forces at all Gauss points; returns the energy, which is not a number where a fibre vanishes.
-    fn evaluate<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Forces at the Gauss points; returns the energy, which is not a number where a fibre vanishes.
+    fn evaluate<const P: usize>(
         &self,
-        tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
         design: &FibreDesign,
         state: &mut FibreState,
     ) -> f64 {
+        self.strains.strains(q, &mut state.strains);
         let mut points = std::mem::take(&mut state.points);
-        points.clear();
-        if design.fibres.iter().all(Fibres::is_empty) {
-            state.points = points;
-            return 0.0;
-        }
-        points.resize(self.point_count(), PointForce::default());
-        let mut total = 0.0;
-        self.for_each_material(tree, p, q, design, state, |fibres, energies, sound| {
+        points.clone_from(&design.points);
+        let mut total = points.iter_mut().zip(&state.strains).map(|(point, e)| point.strain(e)).sum();
+        self.for_each_material(p, design, state, |fibres, energies, sound| {
             total += fibres.add_forces::<P>(energies, &mut points);
             total = if sound { total } else { f64::NAN };
         });
@@ -175,36 +157,24 @@ impl FibreSections {
         total
     }
 
-    fn point_count(&self) -> usize {
-        self.rods.iter().map(|rod| rod.of_gauss.len()).sum()
-    }
-
-    /// Visits all pairs of coordinates at a Gauss point with their second derivative.
-    fn for_each_pair<G: LieGroup<D, P>, const D: usize, const P: usize>(
-        &self,
-        tree: &Tree<G, D, P>,
-        points: &[PointForce],
-        mut visit: impl FnMut(usize, usize, f64),
-    ) {
-        let mut points = points.iter();
-        for rod in &self.rods {
-            let gauss = &tree.rods[rod.rod].gauss;
-            for ((gauss, pairs), point) in gauss.iter().zip(&rod.pairs).zip(points.by_ref()) {
-                for (a, b, _) in pairs {
-                    let ((i, mode_i, phi_i), (j, mode_j, phi_j)) = (gauss.columns[*a], gauss.columns[*b]);
-                    if let (Some(m), Some(n)) = (axial(mode_i), axial(mode_j)) {
-                        visit(i, j, phi_i * phi_j * point.tangent[m][n]);
-                    }
-                }
-            }
-        }
-    }
-
     /// Visits the linear stiffness of each pair of coordinates.
     fn for_each_linear(&self, stiffness: &[f64], mut visit: impl FnMut(usize, usize, f64)) {
         let pattern = self.rods.iter().flat_map(|rod| &rod.pattern);
         pattern.zip(stiffness).for_each(|((i, j), k)| visit(*i, *j, *k));
     }
+}
+
+/// Forces conjugate to ε, θ_y, θ_z and their derivative, of those per length in the order of the modes.
+fn at_point(matrix: &[[f64; 6]; 6], force: &[f64; 6], scale: f64, length: f64) -> PointForce {
+    let mut point = PointForce::default();
+    let axial = |mode: usize| axial(mode).map(|m| (m, length.powi(length_power(mode))));
+    for (mode, (m, one)) in (0..6).filter_map(|mode| Some((mode, axial(mode)?))) {
+        point.force[m] = scale * one * force[mode];
+        for (other, (n, two)) in (0..6).filter_map(|mode| Some((mode, axial(mode)?))) {
+            point.tangent[m][n] = scale * one * two * matrix[mode][other];
+        }
+    }
+    point
 }
 
 /// The numbers of a section's fibres, in the order of their materials.
@@ -244,10 +214,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, design: &mut FibreDesign) {
         let p = &geometry.parameters;
-        let FibreDesign { stiffness, force, energy, fibres } = design;
+        let FibreDesign { stiffness, force, energy, points, fibres } = design;
+        points.clear();
         fibres.resize_with(self.materials.len(), Fibres::default);
         fibres.iter_mut().for_each(Fibres::clear);
-        let mut point = 0;
         stiffness.clear();
         force.clear();
         force.resize(if self.rods.is_empty() { 0 } else { tree.dof }, 0.0);
@@ -263,13 +233,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let s = p[rod.radius.start + gauss.point];
                 let scale = gauss.weight * length;
                 for (m, n) in numbers(section, p).filter(|(m, _)| self.materials[*m].law != Law::Linear) {
-                    fibres[m].push(point, &Fibre::new(n, s), length, scale);
+                    fibres[m].push(points.len(), &Fibre::new(n, s), length, scale);
                 }
-                point += 1;
                 let (matrix, residual, own) = self.linear(section, p, s);
                 *energy += scale * own;
-                for (dof, mode, phi) in &gauss.columns {
-                    force[*dof] += scale * phi * residual[*mode] * length.powi(length_power(*mode));
+                if fibre_rod.linear {
+                    for (dof, mode, phi) in &gauss.columns {
+                        force[*dof] += scale * phi * residual[*mode] * length.powi(length_power(*mode));
+                    }
+                } else {
+                    points.push(at_point(&matrix, &residual, scale, length));
                 }
                 for (a, b, entry) in &fibre_rod.pairs[g] {
                     let ((_, m, phi), (_, n, other)) = (gauss.columns[*a], gauss.columns[*b]);
@@ -294,8 +267,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         };
         self.for_each_linear(&design.stiffness, &mut diagonal);
         let mut state = FibreState::default();
-        self.evaluate(tree, &geometry.parameters, &vec![0.0; tree.dof], design, &mut state);
-        self.for_each_pair(tree, &state.points, diagonal);
+        self.evaluate::<P>(&geometry.parameters, &vec![0.0; tree.dof], design, &mut state);
+        self.strains.for_each_pair(&state.points, diagonal);
     }
 
     fn add_residual(
@@ -315,22 +288,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
         let q = at.q;
         self.for_each_linear(&design.stiffness, |i, j, k| energy += out.add_quadratic(i, j, k, q));
-        energy += self.evaluate(at.tree, at.parameters(), q, design, state);
-        let mut points = state.points.iter();
-        for rod in &self.rods {
-            for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
-                for (dof, mode, phi) in &gauss.columns {
-                    out.gradient[*dof] += axial(*mode).map_or(0.0, |m| phi * point.force[m]);
-                }
-            }
-        }
+        energy += self.evaluate::<P>(at.parameters(), q, design, state);
+        self.strains.for_each_force(|point| &state.points[point].force, |i, force| out.gradient[i] += force);
         out.energy += energy;
     }
 
-    fn add_tangent(&self, at: &State<G, D, P>, design: &FibreDesign, state: &FibreState, out: &mut Terms<D>) {
+    fn add_tangent(&self, _: &State<G, D, P>, design: &FibreDesign, state: &FibreState, out: &mut Terms<D>) {
         let mut add = |i: usize, j: usize, k: f64| out.coordinates.add_stiffness(i, j, k);
         self.for_each_linear(&design.stiffness, &mut add);
-        self.for_each_pair(at.tree, &state.points, add);
+        self.strains.for_each_pair(&state.points, add);
     }
 
     fn add_magnitudes(
@@ -342,18 +308,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     ) {
         design.force.iter().enumerate().for_each(|(i, force)| out.add(i, *force));
         self.for_each_linear(&design.stiffness, |i, j, k| out.add_quadratic(i, j, k, at.q));
-        let (mut points, mut state) = (vec![[0.0; 3]; self.point_count()], FibreState::default());
-        self.for_each_material(at.tree, at.parameters(), at.q, design, &mut state, |fibres, energies, _| {
+        let (mut points, mut state) = (vec![[0.0; 3]; self.strains.points], FibreState::default());
+        self.strains.strains(at.q, &mut state.strains);
+        self.for_each_material(at.parameters(), design, &mut state, |fibres, energies, _| {
             fibres.add_magnitudes(energies, &mut points);
         });
-        let mut points = points.iter();
-        for rod in &self.rods {
-            for (gauss, point) in at.tree.rods[rod.rod].gauss.iter().zip(points.by_ref()) {
-                for (dof, mode, phi) in &gauss.columns {
-                    out.add(*dof, axial(*mode).map_or(0.0, |m| phi * point[m]));
-                }
+        for ((sum, linear), e) in points.iter_mut().zip(&design.points).zip(&state.strains) {
+            for (m, sum) in sum.iter_mut().enumerate() {
+                *sum += linear.force[m].abs();
+                *sum += (0..3).map(|n| (linear.tangent[m][n] * e[n]).abs()).sum::<f64>();
             }
         }
+        self.strains.for_each_force(|point| &points[point], |i, force| out.add(i, force));
     }
 
     fn update_sensitivity(&self, at: &State<G, D, P>, _: &FibreDesign, fibres: &mut FibreSensitivity) {

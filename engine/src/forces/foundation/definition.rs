@@ -43,6 +43,8 @@ pub struct FoundationDescription {
 pub(crate) struct Foundation {
     pub first: Range<usize>,
     pub weights: Vec<f64>,
+    /// Spheres of the first group whose weight is not zero.
+    pub weighted: Vec<usize>,
     pub tip: Vec<f64>,
     pub roundness: f64,
     pub crown: f64,
@@ -113,7 +115,9 @@ impl Foundation {
         let mut slot = |what: &str, unit: &'static str, values: &[f64]| {
             tree.slot(format!("{}.{what}", d.name), unit, values).start
         };
+        let weighted = first.clone().zip(&d.weights).filter(|(_, weight)| **weight != 0.0);
         Ok(Self {
+            weighted: weighted.map(|(sphere, _)| sphere).collect(),
             first,
             weights: d.weights.clone(),
             tip: d.tip.clone(),

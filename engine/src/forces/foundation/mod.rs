@@ -42,7 +42,7 @@ impl Foundations {
         foundations.iter().map(|d| Foundation::build(tree, d)).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Visits the round cones whose gap to a point of the rods is below `margin` and, with negative
+    /// Visits the round cones whose gap to a point with weight is below `margin` and, with negative
     /// weight, the spheres that two of these share.
     #[inline]
     fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -51,45 +51,69 @@ impl Foundations {
         margin: f64,
         mut visit: impl FnMut(Near<P>),
     ) {
-        let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
+        for index in 0..self.0.len() {
+            self.0[index].weighted.iter().for_each(|first| self.near(at, index, *first, margin, &mut visit));
+        }
+    }
+
+    /// Visits everything that touches, also at points without weight.
+    fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        mut visit: impl FnMut(Touch<P>),
+    ) {
         for (index, foundation) in self.0.iter().enumerate() {
-            let length = at.parameters()[foundation.length];
-            for (first, share) in foundation.first.clone().zip(&foundation.weights) {
-                let (p, surface, weight) = (centre(first), at.geometry.radii[first], length * share);
-                for (c, cone) in foundation.cones.iter().enumerate() {
-                    let ends = cone.ends.map(centre);
-                    let radii = cone.ends.map(|end| at.geometry.radii[end]);
-                    if is_far(p, ends, surface + radii[0].max(radii[1]) + margin) {
-                        continue;
-                    }
-                    let axis = *ends[1] - *ends[0];
-                    let mut near = |weight, found: Closest<P>| {
-                        let depth = surface + found.radius - found.distance;
-                        if depth > -margin {
-                            visit(Near {
-                                foundation: index,
-                                first,
-                                cone: c,
-                                weight,
-                                surface,
-                                radii,
-                                axis,
-                                depth,
-                                found,
-                            });
-                        }
-                    };
-                    near(weight, closest(p, ends, radii));
-                    if cone.joined && weight != 0.0 {
-                        let r = *p - *ends[0];
-                        let (normal, distance) = direction(r, r.norm(), radii[0]);
-                        let (across, radius) = (Vector::ZERO, radii[0]);
-                        near(
-                            -weight,
-                            Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
-                        );
-                    }
+            let mut visit = |near| visit(Touch::new(foundation, at.parameters(), &near));
+            foundation.first.clone().for_each(|first| self.near(at, index, first, 0.0, &mut visit));
+        }
+    }
+
+    /// Visits what is near one point.
+    #[inline]
+    fn near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        index: usize,
+        first: usize,
+        margin: f64,
+        visit: &mut impl FnMut(Near<P>),
+    ) {
+        let foundation = &self.0[index];
+        let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
+        let (p, surface) = (centre(first), at.geometry.radii[first]);
+        let weight = at.parameters()[foundation.length] * foundation.weights[first - foundation.first.start];
+        for (c, cone) in foundation.cones.iter().enumerate() {
+            let ends = cone.ends.map(centre);
+            let radii = cone.ends.map(|end| at.geometry.radii[end]);
+            if is_far(p, ends, surface + radii[0].max(radii[1]) + margin) {
+                continue;
+            }
+            let axis = *ends[1] - *ends[0];
+            let mut near = |weight, found: Closest<P>| {
+                let depth = surface + found.radius - found.distance;
+                if depth > -margin {
+                    visit(Near {
+                        foundation: index,
+                        first,
+                        cone: c,
+                        weight,
+                        surface,
+                        radii,
+                        axis,
+                        depth,
+                        found,
+                    });
                 }
+            };
+            near(weight, closest(p, ends, radii));
+            if cone.joined && weight != 0.0 {
+                let r = *p - *ends[0];
+                let (normal, distance) = direction(r, r.norm(), radii[0]);
+                let (across, radius) = (Vector::ZERO, radii[0]);
+                near(
+                    -weight,
+                    Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
+                );
             }
         }
     }
@@ -97,22 +121,22 @@ impl Foundations {
     /// Adds to the summary, and to the force on the tip, without allocating.
     ///
     /// Points without weight only count for overlap and pressure.
-    pub fn summarise<const P: usize>(
+    pub fn summarise<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
-        state: &[Touch<P>],
+        at: &State<G, D, P>,
         summary: &mut ContactSummary,
         tip: &mut Vector<P>,
     ) {
         let mut last = None;
-        for touch in state {
+        self.for_each_touch(at, |touch| {
             let this = Some((touch.foundation, touch.first));
             summary.pairs += u32::from(touch.weight > 0.0);
             summary.touching += u32::from(this != last && touch.weight != 0.0);
             last = this;
             summary.overlap = summary.overlap.max(touch.depth);
             summary.pressure = summary.pressure.max(touch.pressure());
-            *tip += touch.gradient() * -self.tip_share(touch);
-        }
+            *tip += touch.gradient() * -self.tip_share(&touch);
+        });
     }
 
     /// The share of a point that belongs to the tip.
@@ -232,9 +256,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         visit: &mut impl FnMut(Switch<P>),
     ) {
         self.for_each_near(at, margin, |near| {
-            if near.weight == 0.0 {
-                return;
-            }
             let foundation = &self.0[near.foundation];
             let Near { first, depth, found, .. } = &near;
             let usual = TYPICAL_DEPTH * near.surface;
@@ -266,9 +287,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         state.clear();
         self.for_each_near(at, 0.0, |near| {
             let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
-            if touch.weight != 0.0 {
-                attached::add_residual(at, &touch, out);
-            }
+            attached::add_residual(at, &touch, out);
             state.push(touch);
         });
     }
@@ -280,10 +299,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         state: &Vec<Touch<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        state
-            .iter()
-            .filter(|touch| touch.weight != 0.0)
-            .for_each(|touch| attached::add_tangent(at, touch, out));
+        state.iter().for_each(|touch| attached::add_tangent(at, touch, out));
     }
 
     fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
@@ -305,18 +321,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     /// Contact of two joined round cones at their common sphere counts once.
-    fn contact_forces(&self, at: &State<G, D, P>, state: &Vec<Touch<P>>, out: &mut Vec<ContactForce<P>>) {
-        for touch in state {
+    fn contact_forces(&self, at: &State<G, D, P>, _: &Vec<Touch<P>>, out: &mut Vec<ContactForce<P>>) {
+        self.for_each_touch(at, |touch| {
             let force = -touch.gradient();
             let same = |f: &ContactForce<P>| {
                 f.first == touch.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
             if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
                 out.remove(i);
-                continue;
+                return;
             }
             let inward = at.geometry.radii[touch.first] - 0.5 * touch.depth;
-            let [p, ..] = points(touch, at.tree);
+            let [p, ..] = points(&touch, at.tree);
             out.push(ContactForce {
                 first: touch.first,
                 second: Some(touch.ends),
@@ -327,7 +343,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 pressure: Some(touch.pressure()),
                 point: *at.point(p) - touch.normal * inward,
             });
-        }
+        });
     }
 
     fn add_parameter_work(

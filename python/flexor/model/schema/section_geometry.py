@@ -275,7 +275,7 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
         if isinstance(section, Stiffness):
             full = section.full()
             described["rigidity"] = [full[i][j] for i in range(6) for j in range(i, 6)]
-            described["mass"] = [float(section.mass), 0.0, 0.0]
+            described["mass"] = [float(section.mass)] + [0.0] * 10
             described["clearances"] = []
         else:
             assert geometry is not None
