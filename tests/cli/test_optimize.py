@@ -153,5 +153,8 @@ def test_fixed_options_cannot_be_given_when_resuming(flexor) -> None:
     flexor("optimize", "finger", "-p", "L", "--budget", "10", "--out", "study", "--json")
     ran = flexor("optimize", "--resume", "study", "--method", "cma-es", "--seed", "0")
     assert ran.code == 2
-    assert '--method and --seed cannot be changed: "study" is resumed as it was begun.' in ran.err
+    assert (
+        '--method and --seed cannot be changed: "study" is resumed with its own settings.'
+        in ran.err
+    )
     assert flexor("optimize", "--resume", "study", "--budget", "12", "--json").code == 0

@@ -75,7 +75,7 @@ def kinds(path: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("flag", ["", FLAG])
-@pytest.mark.parametrize("steps", [2, 61, 241])
+@pytest.mark.parametrize("steps", [2, 61, 241, 601])
 def test_a_buckled_column_that_turns_about_its_axis_has_no_event(flag: str, steps: int) -> None:
     path = Model(parse(COLUMN + flag)).equilibrium(np.linspace(0.0, 3.0 * EULER, steps))
     assert path.converged.all()

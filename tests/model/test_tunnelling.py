@@ -86,10 +86,11 @@ def crossing(tmp_path: Path) -> Path:
 
 def test_spheres_further_apart_than_they_are_wide(crossing: Path) -> None:
     (said,) = warned(crossing)
-    each = 'of the rod "{}" stand 3.87 mm apart and are 2 mm wide: 20 elements would do (it has 10)'
-    assert said == (
-        f'contact "ab" may be missed: spheres {each.format("a")}; spheres {each.format("b")}.'
+    each = (
+        'spheres of the rod "{}" have a spacing of 3.87 mm and a diameter of 2 mm: 20 elements '
+        "close the gaps (it has 10)"
     )
+    assert said == f'contact "ab" may be missed: {each.format("a")}; {each.format("b")}.'
     assert issubclass(flexor.ModelWarning, UserWarning)
 
 
@@ -112,7 +113,7 @@ def test_a_sphere_that_fits_between_those_of_a_link(tmp_path: Path) -> None:
     file = tmp_path / "gap.toml"
     file.write_text(LINK)
     (said,) = warned(file)
-    assert 'spheres of the link "base" stand 100 mm apart and are 20 mm wide' in said
+    assert 'spheres of the link "base" have a spacing of 100 mm and a diameter of 20 mm' in said
     assert "one of the other group fits between them" in said
     assert warned(file, {"ball.radius": "5 cm"}) == []
     assert warned(file, {"contacts.c.shape": "round-cones"}) == []
@@ -129,5 +130,5 @@ def test_commands_print_a_line(crossing: Path, capsys: pytest.CaptureFixture[str
     with pytest.raises(SystemExit):
         main(["simulate", str(crossing), "--force", "0"])
     said = capsys.readouterr().err
-    assert said.startswith('warning: contact "ab" may be missed: spheres of the rod "a" stand')
+    assert said.startswith('warning: contact "ab" may be missed: spheres of the rod "a" have')
     assert said.count("\n") == 1

@@ -241,7 +241,7 @@ def test_finished_work_of_another_version_is_not_written_into(
         assert run(*KINDS[kind][1]) == 2
         assert capsys.readouterr().err == (
             f'error: the {kind} "s" was made with {name} {then}, this is {here}: resume it with '
-            "the one that made it or begin another.\n"
+            "that one, or start a new one.\n"
         )
         (place / "s" / "lock").write_bytes(before["lock"])
         assert contents(place / "s") == before

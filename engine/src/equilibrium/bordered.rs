@@ -224,10 +224,11 @@ impl Bordered {
         system.complete_tangent();
         let (energy, units, tangent) = (system.unit_energy(), system.units(), system.data().tangent());
         self.matrix.fill(0.0);
-        for i in 0..n {
-            for j in 0..n {
-                self.matrix[(i, j)] = tangent[i * n + j] * units[i] * units[j] / energy;
-            }
+        // Columns of the matrix are contiguous; so are rows of the tangent.
+        for (j, mut column) in self.matrix.column_iter_mut().take(n).enumerate() {
+            let scale = units[j] / energy;
+            let entries = tangent.iter().skip(j).step_by(n).zip(units);
+            column.iter_mut().zip(entries).for_each(|(h, (t, u))| *h = t * u * scale);
         }
         for (k, border) in borders.iter().enumerate() {
             for (i, (c, u)) in self.gradients[k].iter().zip(units).enumerate() {

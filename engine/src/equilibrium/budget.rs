@@ -27,12 +27,12 @@ pub(super) struct Budget<'a> {
     cancel: Option<&'a dyn Cancel>,
     iterations: usize,
     deadline: Option<Instant>,
-    /// Checks since the clock and the request to stop were last looked at.
+    /// Checks since the last poll.
     checks: usize,
 }
 
-/// Checks per look at them.
-const LOOK: usize = 8;
+/// Number of checks per poll of the clock and the request to cancel, which are slow to read.
+const POLL_INTERVAL: usize = 8;
 
 impl<'a> Budget<'a> {
     pub fn new(options: &ContinuationOptions, cancel: Option<&'a dyn Cancel>) -> Self {
@@ -47,10 +47,10 @@ impl<'a> Budget<'a> {
         }
     }
 
-    /// Resets the budget for a load step; its first check looks at clock and cancellation.
+    /// Resets the budget for a load step; its first check polls.
     pub fn restart(&mut self) {
         self.iterations = 0;
-        self.checks = LOOK;
+        self.checks = POLL_INTERVAL;
         self.deadline = self.max_time.and_then(|time| Instant::now().checked_add(time));
     }
 
@@ -63,13 +63,13 @@ impl<'a> Budget<'a> {
         self.iterations
     }
 
-    /// Why the load step has to end now, if it has to.
+    /// The reason to end the load step now, if there is one.
     pub fn exhausted(&mut self) -> Option<Status> {
         if self.iterations > self.max_iterations {
             return Some(Status::IterationLimit);
         }
         self.checks += 1;
-        if self.checks < LOOK {
+        if self.checks < POLL_INTERVAL {
             return None;
         }
         self.checks = 0;

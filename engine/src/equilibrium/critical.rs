@@ -170,6 +170,7 @@ fn form(a: &[f64], matrix: &[f64], b: &[f64]) -> f64 {
 
 /// Distance after which μ vanishes if it changes at the rate a/μ + b; `None` if it does not.
 fn distance(eigenvalue: f64, a: f64, b: f64) -> Option<f64> {
+    // Intervals of the midpoint rule.
     const PIECES: usize = 32;
     let width = eigenvalue / PIECES as f64;
     let mut sum = 0.0;

@@ -137,6 +137,7 @@ fn equilibrate(matrix: &mut DMatrix<f64>, slack: f64) {
     }
 }
 
+/// Iterations of the equilibration, which converges linearly.
 const EQUILIBRATIONS: usize = 10;
 
 /// Deflation thresholds of the QR iteration, tried in order: at machine precision it can cycle.
@@ -144,6 +145,7 @@ const DEFLATION: [f64; 3] = [f64::EPSILON, 1e-14, 1e-13];
 /// Sweeps of the QR iteration per row.
 const SWEEPS: usize = 30;
 
+/// Largest imaginary part that counts as zero.
 fn real_to(matrix: &DMatrix<f64>) -> f64 {
     REAL_EIGENVALUE * matrix.norm() / (matrix.nrows() as f64).sqrt()
 }

@@ -179,7 +179,7 @@ options! {
         /// Factor by which this displacement is reduced where no state is found.
         shrinkage: f64 = 0.25, Interval::above(0.0).to(1.0);
         /// Largest correction of the equilibrium from which the search starts.
-        refinement: f64 = 0.05, Interval::from(0.0).to(1.0);
+        refinement: f64 = 0.15, Interval::from(0.0).to(1.0);
         /// Largest deviation of a state from the tangent direction, as a fraction of the displacement.
         turn: f64 = 0.5, Interval::above(0.0).to(10.0);
         /// Displacement below which `corner_turn` applies in place of `turn`.

@@ -27,16 +27,17 @@ const SERIES: [[f64; 2]; 10] = {
     ratios
 };
 
-/// Up to here the series serve, with few terms or with all of them.
-const SMALL: f64 = 0.1;
-const LARGEST: f64 = 4.0;
-const FEW: usize = 5;
+/// Largest argument for which the series is accurate with all its terms.
+const MAX_SERIES: f64 = 4.0;
+/// Largest argument for which the series is accurate with `SHORT_TERMS` terms.
+const MAX_SHORT_SERIES: f64 = 0.1;
+const SHORT_TERMS: usize = 5;
 
 impl Stumpff {
     /// Evaluates all eight functions at `x ≥ 0` to machine precision.
     #[inline]
     pub fn new(x: f64) -> Self {
-        if x >= LARGEST {
+        if x >= MAX_SERIES {
             return Self::by_angle(x);
         }
         let mut one = [Self { x, c: [0.0; 8] }];
@@ -44,20 +45,20 @@ impl Stumpff {
         one[0]
     }
 
-    /// The same at up to [`LANES`] arguments, side by side.
+    /// As [`Stumpff::new`], at up to [`LANES`] arguments, side by side.
     #[inline]
     pub fn fill(out: &mut [Self], x: [f64; LANES]) {
-        if x.iter().all(|x| *x < LARGEST) {
+        if x.iter().all(|x| *x < MAX_SERIES) {
             Self::by_series(out, x);
         } else {
             out.iter_mut().zip(x).for_each(|(out, x)| *out = Self::new(x));
         }
     }
 
-    /// Series for the two highest, then c_k = 1/k! − x c_{k+2}, which loses nothing for small x.
+    /// Series for the two highest, then c_k = 1/k! − x c_{k+2}, which is accurate for small x.
     #[inline(always)]
     fn by_series<const N: usize>(out: &mut [Self], x: [f64; N]) {
-        let terms = if x.iter().all(|x| *x < SMALL) { FEW } else { SERIES.len() };
+        let terms = if x.iter().all(|x| *x < MAX_SHORT_SERIES) { SHORT_TERMS } else { SERIES.len() };
         let [mut even, mut odd] = [[1.0; N]; 2];
         for [e, o] in SERIES[1..terms].iter().rev() {
             for i in 0..N {

@@ -60,7 +60,7 @@ def check_resumable(
             given.append(max(parameter.opts, key=len))
     if given:
         raise InputError(
-            f'{" and ".join(given)} cannot be changed: "{resume}" is resumed as it was begun.'
+            f'{" and ".join(given)} cannot be changed: "{resume}" is resumed with its own settings.'
         )
 
 

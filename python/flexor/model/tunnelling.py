@@ -56,15 +56,15 @@ def _gaps_of(file: ModelFile, group: str, spheres: Array, other: float) -> Itera
         width = own[1:, 3] + own[:-1, 3]
         widest = int(np.argmax(apart / width))
         ratio = float(apart[widest] / width[widest])
-        stand = (
-            f'of the {body.kind} "{name}" stand {1e3 * apart[widest]:.3g} mm apart and are '
-            f"{1e3 * width[widest]:.3g} mm wide"
+        gap = (
+            f'spheres of the {body.kind} "{name}" have a spacing of {1e3 * apart[widest]:.3g} mm '
+            f"and a diameter of {1e3 * width[widest]:.3g} mm"
         )
         if isinstance(body, Rod) and ratio > 1.0 + 1e-9:
             needed = math.ceil(body.elements * ratio - 1e-9)
-            yield (f"spheres {stand}: {needed} elements would do (it has {body.elements})")
+            yield f"{gap}: {needed} elements close the gaps (it has {body.elements})"
         elif apart[widest] > width[widest] + 2.0 * other:
             yield (
-                f"spheres {stand}, so that one of the other group fits between them: "
+                f"{gap}, so that one of the other group fits between them: "
                 'give the link more points, or use shape = "round-cones"'
             )

@@ -137,7 +137,7 @@ def check_versions(
             then = "(not recorded)" if then is None else shortened(then)
             raise InputError(
                 f'the {kind.name} "{folder}" was made with {name} {then}, this is {now}: resume it '
-                "with the one that made it or begin another."
+                "with that one, or start a new one."
             )
 
 
@@ -155,8 +155,8 @@ def _check_same(
             called = kind.hashed.get(key, kind.hashed.get(key.split(".")[0]))
             how = called or f"{key} = {_shown(old)}, not {_shown(new)}"
             raise InputError(
-                f'the {kind.name} "{folder}" was made with {how}: resume it as it was or begin '
-                "another."
+                f'the {kind.name} "{folder}" was made with {how}: resume it unchanged, or '
+                "start a new one."
             )
 
 
@@ -180,5 +180,5 @@ def _damaged(kind: Kind, path: Path) -> InputError:
 def _unreadable(path: Path, found: object) -> InputError:
     return InputError(
         f'"{path}" has format {shortened(repr(found))}; this version of Flexor reads '
-        f"format {FORMAT}: use the version that made it or begin another."
+        f"format {FORMAT}: use the version that made it, or start a new one."
     )

@@ -101,7 +101,7 @@ class Workspace:
             raise InputError(
                 f'the {self.kind.name} "{self.folder}" no longer reproduces: it recorded '
                 f"{then[differs][0]:.9g}, which is now {now[differs][0]:.9g}, since a model, a "
-                "function or the machine has changed: begin another."
+                "function or the machine has changed: start a new one."
             )
 
     def save_settings(self) -> None:
