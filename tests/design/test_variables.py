@@ -53,7 +53,7 @@ def test_values_are_those_of_the_changed_file(name: str, model: Model) -> None:
         actual = model.parameters.copy()
         actual[found.indices] = found.values[0]
         assert valid.all()
-        np.testing.assert_allclose(actual, expected, rtol=1e-10, atol=1e-15)
+        np.testing.assert_allclose(actual, expected, rtol=1e-10, atol=1e-14)
 
 
 def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) -> None:

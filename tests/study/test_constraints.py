@@ -75,6 +75,18 @@ def test_optimum_keeps_its_constraints(model: Model) -> None:
     assert free.problem.constraints == ()
 
 
+def test_auto_is_the_default_and_beats_a_single_pattern_search(model: Model) -> None:
+    """With the problem of the file: a point on a constraint and three bounds."""
+    design = model.file.design
+    assert design is not None
+    problem = (model, design.varied, design.aim)
+    auto = flexor.optimize(*problem, subject_to=design.subject_to, budget=800)
+    polls = flexor.optimize(*problem, "pattern-search", subject_to=design.subject_to, budget=800)
+    assert auto.settings.values["method"]["name"] == "auto"
+    assert auto.best.feasible
+    assert auto.best.shown > polls.best.shown + 5.0  # degrees
+
+
 def test_least_violation_is_best_where_nothing_is_feasible(model: Model) -> None:
     """It is said, and the design nearest to feasibility is the best."""
     study = flexor.optimize(
@@ -87,7 +99,7 @@ def test_least_violation_is_best_where_nothing_is_feasible(model: Model) -> None
 
 def test_verdict_names_what_binds(model: Model) -> None:
     """Bounds, the mesh, and the worst error."""
-    study = flexor.optimize(model, VARIED, "maximise bending", budget=80)
+    study = flexor.optimize(model, VARIED, "maximise bending", "pattern-search", budget=80)
     verdict = study.best.verdict
     assert any("exosuit.section.wall at its lower bound, 1.5 mm" in each for each in verdict.bounds)
     assert verdict.finer == pytest.approx(verdict.shown, rel=0.02)

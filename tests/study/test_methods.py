@@ -41,6 +41,7 @@ def test_killed_and_resumed_it_ends_in_the_same_record(
         "start": "random",
         "seed": 7,
         "budget": 40 if name == "surrogate" else 120,
+        "method_options": {"samples": 32} if name == "auto" else {},
     }
     whole = optimize(analytic.AnalyticModel(), folder=tmp_path / "whole", **given)
     model = analytic.AnalyticModel()

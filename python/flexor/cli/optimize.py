@@ -53,8 +53,12 @@ def optimize(
         ),
     ] = None,
     method: Annotated[
-        str, typer.Option(help="Search method (see `flexor methods`).")
-    ] = "pattern-search",
+        str | None,
+        typer.Option(
+            help="Search method (see `flexor methods`); by default `auto` with --maximise and "
+            "--minimise, otherwise `pattern-search`."
+        ),
+    ] = None,
     method_options: Annotated[
         list[str] | None,
         typer.Option(

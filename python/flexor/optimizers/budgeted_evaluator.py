@@ -13,6 +13,7 @@ from flexor.optimizers.cached_evaluator import CachedEvaluator, first_rows, norm
 from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
+    ConstrainedFunction,
     DifferentiableFunction,
     DifferentiableVectorFunction,
     FloatArray,
@@ -112,6 +113,18 @@ class BudgetedEvaluator:
         if not isinstance(self._function, DifferentiableFunction):
             return None
         return self._function.gradient(designs)
+
+    def constrained(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return objective values (n,) and excesses (n, c) of designs (n, k).
+
+        There are no columns without constraints.
+
+        BudgetExhausted as for values.
+        """
+        values = self(designs)
+        if not isinstance(self._function, ConstrainedFunction):
+            return values, np.zeros((len(designs), 0))
+        return self._function.constrained(designs)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

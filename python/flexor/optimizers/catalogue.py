@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from flexor.errors import InputError, shortened, unknown
+from flexor.optimizers.auto import Auto
 from flexor.optimizers.cma_es import CmaEs
 from flexor.optimizers.direct import Direct
 from flexor.optimizers.dual_annealing import DualAnnealing
@@ -39,6 +40,7 @@ class Entry:
 
 _CLASSES = (
     PatternSearch,
+    Auto,
     LevenbergMarquardt,
     MultistartBfgs,
     PolishedPattern,

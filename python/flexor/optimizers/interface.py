@@ -61,6 +61,19 @@ class DifferentiableFunction(_Values, Protocol):
 
 
 @runtime_checkable
+class ConstrainedFunction(_Values, Protocol):
+    """A batch function that ranks designs by feasibility first, with what it ranks by."""
+
+    def constrained(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Map n designs (n, k) to objective values (n,) and excesses over c constraints (n, c).
+
+        Values of infeasible designs are those of the objective, not their ranks. +inf and NaN for
+        designs that fail.
+        """
+        ...
+
+
+@runtime_checkable
 class StreamingFunction(_Values, Protocol):
     """A batch function that can evaluate ahead while its first values are processed."""
 

@@ -104,6 +104,10 @@ class Run:
         result = self.function.gradient(self.designs(points))
         return None if result is None else result * (self.upper - self.lower)
 
+    def constrained(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return objective values (n,) and excesses (n, c) at points (n, k), as one batch."""
+        return self.function.constrained(self.designs(points))
+
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.
 

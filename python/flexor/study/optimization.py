@@ -14,7 +14,7 @@ from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
-from flexor.objectives import Objective
+from flexor.objectives import Extremum, Objective
 from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.optimizers import method as named_method
 from flexor.store import Kind, Workspace
@@ -33,7 +33,7 @@ def optimize(
     model: Model,
     parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "L+R01",
     objective: str | Objective = "bending",
-    method: str | Search = "pattern-search",
+    method: str | Search | None = None,
     *,
     subject_to: Sequence[str] = (),
     without: Sequence[str] = (),
@@ -62,8 +62,9 @@ def optimize(
     objective : str or Objective
         The objective: ``"maximise NAME"`` or ``"minimise NAME"`` of an observable
         (`flexor.observables`), or one of the paper's such as ``"bending"`` (f_b).
-    method : str or Search
-        Search method.
+    method : str or Search, optional
+        Search method; by default ``"auto"`` to maximise or minimise an observable, and otherwise
+        the paper's ``"pattern-search"``.
     subject_to : sequence of str
         Constraints on observables along the whole path, such as ``"overlap <= 0.5 mm"``. Designs
         that keep them come before all others, and these are ordered by how far they exceed them.
@@ -121,6 +122,8 @@ def optimize(
     problem = Problem.of(
         model, parameters, objective, force, bounds, engine_options, subject_to, without
     )
+    if method is None:
+        method = "auto" if isinstance(problem.objective, Extremum) else "pattern-search"
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:

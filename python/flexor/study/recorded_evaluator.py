@@ -49,13 +49,16 @@ class RecordedEvaluator(CachedEvaluator):
         found = self._problem.gradients(paths)
         return np.where((paths.violation > 0.0)[:, None], np.nan, found)
 
-    def excesses(self, designs: FloatArray) -> FloatArray:
-        """Excesses (n, c) over constraints at designs (n, k), from the record; NaN if failed."""
+    def constrained(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return objective values (n,) and excesses (n, c) at designs (n, k), from the record.
+
+        +inf and NaN for those that failed.
+        """
         self(designs)
         rows = [self._record.outcomes(design) for design in normalized(designs)]
-        found = [self._problem.excesses(row) for row in rows]
-        failed = np.array([not np.isfinite(row.value[0]) for row in rows])
-        return np.where(failed[:, None], np.nan, np.concatenate(found))
+        values = np.concatenate([row.value for row in rows])
+        found = np.concatenate([self._problem.excesses(row) for row in rows])
+        return values, np.where(np.isfinite(values)[:, None], found, np.nan)
 
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
