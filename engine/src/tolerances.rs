@@ -39,6 +39,8 @@ pub(crate) const COINCIDENT: f64 = 1e-6;
 /// sphere.
 pub(crate) const SAME_FORCE: f64 = 1e-9;
 
+/// Largest component of the rotation of a placement [rad]: of a larger one, rounding leaves no angle.
+pub(crate) const MAX_PLACEMENT_ROTATION: f64 = 1e6;
 /// Largest difference of the norm of a unit vector from one.
 pub(crate) const UNIT_NORM: f64 = 1e-9;
 /// Two vectors are parallel if cos² of the angle between them differs from one by less.

@@ -11,6 +11,7 @@ import pytest
 import flexor
 from flexor import _engine
 from flexor.cli.path_report import report
+from flexor.errors import InputError
 from flexor.model import MEANINGS, explained
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -48,3 +49,19 @@ def test_statuses_that_random_designs_seldom_show() -> None:
     assert ends[0] == ["converged", "converged"]
     assert ends[1] == ends[2] == ["invalid-design", "invalid-design"]
     assert ends[3][0] in ("diverged", "invalid-design", "iteration-limit", "stalled")
+
+
+@pytest.mark.parametrize("angle", [1e300, -2e6])
+def test_a_placement_turned_beyond_all_accuracy_is_refused(angle: float, tmp_path: Path) -> None:
+    model = flexor.load("finger", "calibrated")
+    slots = np.arange(*model.engine.slots["ph_2.rotation"])
+    values = np.array([[0.0, 0.1, 0.0], [0.0, angle, 0.0]])
+    found = model.engine.path(slots, values, np.array([[0.0], [1.0]]), 1)
+    ends = [[_engine.STATUS[code] for code in row] for row in found["status"].tolist()]
+    assert ends == [["converged"] * 2, ["invalid-design"] * 2]
+    (tmp_path / "turned.toml").write_text(
+        'name = "turned"\n[bodies.a]\nkind = "link"\nlength = "1 cm"\nradius = "2 mm"\n'
+        f'placement = {{ rotation = {{ y = "{angle} rad" }} }}\n'
+    )
+    with pytest.raises(InputError, match="a.placement.rotation: .*at most 1e6 rad"):
+        flexor.load(tmp_path / "turned.toml")

@@ -2,6 +2,7 @@
 
 use super::{Shape, Tree};
 use crate::lie::LieGroup;
+use crate::tolerances::MAX_PLACEMENT_ROTATION;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     /// Whether all parameters are finite and those of the bodies admissible.
@@ -22,6 +23,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
                 [l.length, l.radius_base, l.radius_tip].iter().all(|i| p[*i] > 0.0) && p[l.density] >= 0.0
             }
         });
-        rods && links && self.joints.iter().all(|j| p[j.stiffness] >= 0.0)
+        let placements = self
+            .bodies
+            .iter()
+            .all(|b| p[b.rotation.clone()].iter().all(|angle| angle.abs() <= MAX_PLACEMENT_ROTATION));
+        rods && links && placements && self.joints.iter().all(|j| p[j.stiffness] >= 0.0)
     }
 }

@@ -10,7 +10,7 @@ use super::super::{
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::strain::Mode;
-use crate::tolerances::UNIT_NORM;
+use crate::tolerances::{MAX_PLACEMENT_ROTATION, UNIT_NORM};
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
     pub(super) fn add_body(&mut self, body: &BodyDescription) -> Result<(), ModelError> {
@@ -33,6 +33,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         let placement = &body.placement;
         finite(field("placement.translation"), &placement.translation)?;
         finite(field("placement.rotation"), &placement.rotation)?;
+        if let Some(angle) = placement.rotation.iter().find(|angle| angle.abs() > MAX_PLACEMENT_ROTATION) {
+            let problem =
+                format!("found {angle:e} rad, must be at most {MAX_PLACEMENT_ROTATION:e} rad either way");
+            return Err(ModelError::new(field("placement.rotation"), problem));
+        }
         if G::from_spatial(&placement.translation, &placement.rotation).is_none() {
             return Err(ModelError::new(field("placement"), "leaves the x–z plane of a planar system"));
         }
