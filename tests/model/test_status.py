@@ -63,5 +63,5 @@ def test_a_placement_turned_beyond_all_accuracy_is_refused(angle: float, tmp_pat
         'name = "turned"\n[bodies.a]\nkind = "link"\nlength = "1 cm"\nradius = "2 mm"\n'
         f'placement = {{ rotation = {{ y = "{angle} rad" }} }}\n'
     )
-    with pytest.raises(InputError, match="a.placement.rotation: .*at most 1e6 rad"):
+    with pytest.raises(InputError, match=r"a\.placement\.rotation: .*at most 1e6 rad"):
         flexor.load(tmp_path / "turned.toml")
