@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -116,8 +116,6 @@ def constraint(text: str, model: Structure, default: str = "") -> Constraint:
 
 def _one(path: Path) -> Paths:
     """Return a path as paths of one design."""
-    from dataclasses import fields
-
     arrays = {}
     for each in fields(path):
         value = getattr(path, each.name)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from flexor.constraints.constraint import Constraint, constraint
 from flexor.model.schema import Rod
 from flexor.model.structure import Structure
+from flexor.observables import observables
 
 # Of spheres, which have no thickness: overlaps that follow from materials stay below.
 SPHERES = 1e-3
@@ -33,13 +34,13 @@ def default_constraints(model: Structure) -> tuple[Constraint, ...]:
 
 
 def _defaults(model: Structure) -> Iterator[Constraint]:
-    if model.first_spheres:
+    present = observables(model)
+    if "overlap" in present:
         yield constraint(f"overlap <= {_overlap(model)!r} m", model, "overlap")
-    limits = model.file.materials.values()
     for key in ("strain", "stress"):
-        if any(getattr(each, f"{key}_limit") is not None for each in limits):
+        if f"{key}-use" in present:
             yield constraint(f"{key}-use <= 1", model, key)
-    if any(slot.endswith(".fibres[0]") for slot in model.engine.slots):
+    if "min-stretch" in present:
         yield constraint("min-stretch >= 0.1", model, "stretch")
 
 

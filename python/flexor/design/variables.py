@@ -15,7 +15,7 @@ from flexor.design.fields import keys_of, value_of
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.slot_map import SlotMap, slot_map
 from flexor.errors import InputError
-from flexor.model.geometry import SlotValues
+from flexor.model.geometry import DesignSpace, SlotValues
 from flexor.model.quantity import Unit, infer_quantity
 from flexor.model.units import Quantity
 
@@ -48,6 +48,10 @@ class Variables(ParameterSet):
     def scale(self) -> Array:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([kind.factor for kind in self.kinds])
+
+    def on(self, rod: DesignSpace) -> Variables:
+        """Return the same set, as fields belong to no exosuit."""
+        return self
 
     def parse(self, label: str, text: str, option: str) -> float:
         """Read the value of a field, SI; see `ParameterSet.parse`."""

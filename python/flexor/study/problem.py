@@ -17,7 +17,7 @@ from flexor.constraints import (
     violation,
     worst_values,
 )
-from flexor.design import Geometry, ParameterSet, Variables, parameter_set, variables
+from flexor.design import Geometry, ParameterSet, parameter_set, variables
 from flexor.design.start import bounds_in_si
 from flexor.model.chunks import chunks
 from flexor.model.loading import require_model
@@ -76,12 +76,10 @@ class Problem:
         without: Sequence[str] = (),
     ) -> Problem:
         """Make a problem of what users give; see `flexor.optimize`."""
+        space = require_model(model).design
         if isinstance(parameters, Mapping):
-            chosen: ParameterSet = variables(parameters, model, "parameters")
-        elif isinstance(parameters, Variables):
-            chosen = parameters
-        else:
-            chosen = parameter_set(parameters, require_model(model).design).on(model.design)
+            parameters = variables(parameters, model, "parameters")
+        chosen = parameter_set(parameters, space).on(space)
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)

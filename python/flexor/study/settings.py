@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
 
 from flexor.constraints import constraint
-from flexor.design import ParameterSet, Variables, parameter_set
+from flexor.design import ParameterSet, parameter_set
 from flexor.design.variables import NAME as FIELDS
 from flexor.design.variables import recorded_variables
 from flexor.errors import InputError, shortened
@@ -206,9 +206,7 @@ def reopened(
     try:
         kind, name = "parameters", values["parameters"]["name"]
         if parameters is None and name == FIELDS:
-            parameters = recorded_variables(values["parameters"], model)
-        if isinstance(parameters, Variables):
-            chosen: ParameterSet = parameters
+            chosen: ParameterSet = recorded_variables(values["parameters"], model)
         else:
             chosen = parameter_set(name if parameters is None else parameters, model.design)
         kind, name = "objective", values["objective"]["name"]
@@ -220,8 +218,6 @@ def reopened(
             f"give it as {kind}=."
         ) from error
     kept = tuple(constraint(each["text"], model, each["default"]) for each in values["constraints"])
-    if isinstance(chosen, Variables):
-        return Problem(model, chosen, at_loads(wanted, values, model), values["engine"], kept)
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
     wanted = at_loads(wanted, values, model)
