@@ -34,6 +34,14 @@ def test_the_result_is_printed_saved_and_plotted(flexor, tmp_path) -> None:
     assert study.best.bending > study.start.bending
 
 
+def test_a_constraint_that_is_not_kept_is_said_for_any_objective(flexor) -> None:
+    words = ("--subject-to", "overlap <= 0.1 mm", "--budget", "20")
+    result = flexor("optimize", "finger", "-p", "L", "-o", "bending", *words)
+    assert result.code == 0
+    assert "NOT FEASIBLE: no design that was tried keeps overlap <= 0.1 mm." in result.out
+    assert "BROKEN" in result.out
+
+
 def test_json_is_one_object_with_the_gain(flexor) -> None:
     ran = flexor(*SMALL, "--json")
     assert ran.code == 0

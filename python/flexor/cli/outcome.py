@@ -38,7 +38,7 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    if isinstance(study.problem.objective, Extremum):
+    if study.problem.constraints or isinstance(study.problem.objective, Extremum):
         verdict.print_verdict(study.best)
     show(("", start_title(study), "optimum", "change"), rows)
     say(_improvement(study))
