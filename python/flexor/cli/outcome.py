@@ -10,7 +10,7 @@ from flexor.cli import verdict
 from flexor.cli.console import err, say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
-from flexor.cli.table import number, show
+from flexor.cli.table import number, show, with_unit
 from flexor.objectives import Extremum
 
 if TYPE_CHECKING:
@@ -157,9 +157,9 @@ def _improvement(study: Study) -> str:
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
     if objective.quantity != "bending":
         return (
-            f"At {force} the optimum's {objective.quantity} is {number(best.shown)} "
-            f"{objective.unit}, that of the {first} {number(start.shown)} {objective.unit}"
-            f"{_ratio(start.shown, best.shown)}."
+            f"At {force} the optimum's {objective.quantity} is "
+            f"{with_unit(best.shown, objective.unit)}, that of the {first} "
+            f"{with_unit(start.shown, objective.unit)}{_ratio(start.shown, best.shown)}."
         )
     return (
         f"At {force} the optimum bends {_degrees(best.bending)}, "

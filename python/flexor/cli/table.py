@@ -65,3 +65,8 @@ def number(value: float, digits: int = 4) -> str:
     """Format a number to significant digits, without trailing zeros or -0."""
     text = f"{value:.{digits}g}"
     return "0" if float(text) == 0.0 else text
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number with its unit, which may be empty."""
+    return f"{number(value)} {unit}".rstrip()

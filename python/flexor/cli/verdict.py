@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import say
-from flexor.cli.table import number, show
+from flexor.cli.table import number, show, with_unit
 from flexor.study.verdict import COARSE
 
 if TYPE_CHECKING:
@@ -55,9 +55,8 @@ def print_tolerances(design: Design) -> None:
         change = abs(found.finer - found.shown) / max(abs(found.shown), 1e-300)
         warning = "COARSE: " if not change <= COARSE else ""
         say(
-            f"{warning}with twice the elements {objective.quantity} is {number(found.finer)} "
-            f"{objective.unit}".rstrip()
-            + "."
+            f"{warning}with twice the elements {objective.quantity} is "
+            f"{with_unit(found.finer, objective.unit)}."
         )
 
 
