@@ -286,11 +286,11 @@ impl Model {
             gradient: &gradient,
             cancel: None,
         };
-        let result = interruptible(py, batch.is_parallel(threads), |cancel| {
+        let pieces = interruptible(py, batch.is_parallel(threads), |cancel| {
             let batch = Batch { cancel: Some(cancel), ..batch };
-            on_model!(&self.inner, m => m.solve_batch(batch, options, threads))
+            on_model!(&self.inner, m => m.solve_in_pieces(batch, options, threads))
         })?;
-
+        let result = py.detach(|| on_model!(&self.inner, m => m.join(pieces)));
         self.results(py, result, [designs, steps], gradient.len())
     }
 

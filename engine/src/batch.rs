@@ -43,6 +43,17 @@ impl Batch<'_> {
     }
 }
 
+/// The results of a batch, a chunk of designs each, without those of designs that were cancelled before they
+/// began.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    designs: usize,
+    steps: usize,
+    /// Number of derivatives of a design.
+    width: usize,
+    found: Vec<PathResults>,
+}
+
 /// Collects the results of consecutive designs.
 struct BatchSink<'a, const D: usize, const P: usize> {
     results: &'a mut PathResults,
@@ -78,6 +89,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// # Panics
     /// If the lengths of the batch's arrays are inconsistent.
     pub fn solve_batch(&self, batch: Batch, options: ContinuationOptions, threads: usize) -> PathResults {
+        self.join(self.solve_in_pieces(batch, options, threads))
+    }
+
+    /// Solves a batch like [`Self::solve_batch`]; the results of a cancelled one need not be joined.
+    ///
+    /// # Panics
+    /// If the lengths of the batch's arrays are inconsistent.
+    pub fn solve_in_pieces(&self, batch: Batch, options: ContinuationOptions, threads: usize) -> Pieces {
         let (steps, inputs) = (batch.steps, self.inputs.len());
         assert_eq!(batch.base.len(), self.parameters.len(), "base parameters");
         assert_eq!(batch.values.len(), batch.designs * batch.varied.len(), "values");
@@ -94,16 +113,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             let last = (first + CHUNK).min(batch.designs);
             let mut results = PathResults::with_capacity(self, (last - first) * steps);
             for design in first..last {
+                if batch.cancel.is_some_and(Cancel::is_requested) {
+                    break;
+                }
                 results.gradient.resize(results.gradient.len() + width, f64::NAN);
                 results.regularity.push(Regularity::NoEquilibrium as u8);
                 let values = &batch.values[design * batch.varied.len()..][..batch.varied.len()];
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;
                 }
-                let cancelled = batch.cancel.is_some_and(Cancel::is_requested);
-                if cancelled || !path.set_parameters(&parameters) {
-                    let status = if cancelled { Status::Cancelled } else { Status::InvalidDesign };
-                    results.push_missing(self, status, steps);
+                if !path.set_parameters(&parameters) {
+                    results.push_missing(self, Status::InvalidDesign, steps);
                     continue;
                 }
                 let (results, adjoint) = (&mut results, adjoint.as_mut());
@@ -118,8 +138,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             Some(pool) => pool.install(|| (0..chunks).into_par_iter().map(first).map(solve).collect()),
             None => (0..chunks).map(first).map(solve).collect(),
         };
-        let mut results = PathResults::with_capacity(self, batch.designs * steps);
-        found.into_iter().for_each(|each| results.extend(each));
+        Pieces { designs: batch.designs, steps, width, found }
+    }
+
+    /// Joins the results of a batch.
+    pub fn join(&self, pieces: Pieces) -> PathResults {
+        let Pieces { designs, steps, width, found } = pieces;
+        let mut results = PathResults::with_capacity(self, designs * steps);
+        for (chunk, each) in found.into_iter().enumerate() {
+            results.extend(each);
+            let cancelled = ((chunk + 1) * CHUNK).min(designs) - results.regularity.len();
+            results.gradient.resize(results.gradient.len() + cancelled * width, f64::NAN);
+            results.regularity.resize(results.regularity.len() + cancelled, Regularity::NoEquilibrium as u8);
+            results.push_missing(self, Status::Cancelled, cancelled * steps);
+        }
         results
     }
 }

@@ -26,7 +26,7 @@ mod tolerances;
 mod tree;
 mod units;
 
-pub use batch::Batch;
+pub use batch::{Batch, Pieces};
 pub use branch::Branch;
 pub use data::Data;
 pub use forces::contact::ContactSummary;
