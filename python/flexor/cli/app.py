@@ -11,7 +11,17 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
+from flexor.cli import (
+    calibrate,
+    compare,
+    front,
+    landscape,
+    listings,
+    materials,
+    optimize,
+    rerun,
+    simulate,
+)
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
@@ -58,6 +68,7 @@ app = typer.Typer(
 # One line per command.
 app.command("simulate", cls=Command)(simulate.simulate)
 app.command("optimize", cls=Command)(optimize.optimize)
+app.command("front", cls=Command)(front.front)
 app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
