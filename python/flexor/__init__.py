@@ -67,6 +67,7 @@ _PACKAGES = (
     "observables",
     "plot",
     "optimizers",
+    "scenarios",
     "sections",
     "store",
     "study",

@@ -71,7 +71,7 @@ def compare(
         ),
     ] = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
@@ -106,7 +106,7 @@ def compare(
         place, work = resume, partial(comparison.resume_comparison, resume, workers=workers)
     else:
         assert model is not None
-        loaded = load_changed(model, constants, changes)
+        loaded = load_changed(model, variant, changes)
         problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
         sets = comparison.BUILT_IN_SETS if parameters is None else parameters
         place = folder or new_folder(loaded.name, problem.aim.replace(" ", "-"), "comparison")

@@ -37,7 +37,7 @@ def print_front(study: Study, front: Front, seconds: float | None = None) -> Non
 def _print_empty(study: Study) -> None:
     say("NOT FEASIBLE: no design that was tried keeps the constraints.")
     least = study.best
-    excess = study.problem.excesses_of(least.constraint_values)
+    excess = study.problem.worst_excesses(least.constraint_values)
     broken = [
         each.text(study.problem.model)
         for each, over in zip(study.problem.constraints, excess, strict=True)

@@ -12,7 +12,7 @@ from flexor.cli import options
 from flexor.cli.console import print_json
 from flexor.cli.design_problem import stated
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import load_changed, numbers, one_or_assignments
+from flexor.cli.values import assignments, load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -28,6 +28,10 @@ def optimize(
     minimise: options.Minimise = None,
     subject_to: options.SubjectTo = None,
     without: options.Without = None,
+    scenarios: options.Scenarios = None,
+    aggregate: options.Aggregate = None,
+    tolerance: options.Tolerance = None,
+    samples: options.Samples = None,
     method: Annotated[
         str | None,
         typer.Option(
@@ -60,7 +64,7 @@ def optimize(
     resume: options.Resume = None,
     threads: options.Threads = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
@@ -83,6 +87,8 @@ def optimize(
       range-of-motion --subject-to "overlap <= 1.5 mm"`
     * `flexor optimize pneumatic-finger --maximise range-of-motion --minimise mass`, then
       `flexor front FOLDER --point 7 --save light.toml`
+    * `flexor optimize pneumatic-finger --tolerance "exosuit.section.wall=0.1 mm"`
+    * `flexor optimize glove.toml --scenarios all --aggregate "served 60 deg"`
     * `flexor optimize --resume studies/press`
 
     The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
@@ -93,6 +99,7 @@ def optimize(
     from flexor.cli.progress import SearchProgress
     from flexor.design import parameter_set
     from flexor.design.start import starts
+    from flexor.model.schema import Design
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
@@ -100,10 +107,11 @@ def optimize(
         place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
         assert model is not None
-        loaded = load_changed(model, constants, changes)
+        loaded = load_changed(model, variant, changes)
         problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         aims = [each.replace(" ", "-") for each in problem.aims]
+        there = loaded.file.design or Design.model_construct()
         place = folder or new_folder(loaded.name, chosen.name, *aims)
         work = partial(
             studies.optimize,
@@ -113,6 +121,11 @@ def optimize(
             method,
             subject_to=problem.subject_to,
             without=problem.without,
+            scenarios=scenarios or there.scenarios,
+            aggregate=aggregate or there.aggregate,
+            tolerance=assignments("--tolerance", tolerance or [], "exosuit.section.wall=0.1 mm")
+            or there.tolerance,
+            samples=there.samples if samples is None else samples,
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),
