@@ -71,6 +71,7 @@ _PACKAGES = (
     "observables",
     "plot",
     "optimizers",
+    "scenarios",
     "sections",
     "store",
     "study",

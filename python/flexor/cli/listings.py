@@ -36,7 +36,7 @@ def presets(
             for chosen in (*file.constants, *file.variants)
         ]
         rows.append((name, file.title, ", ".join(sets)))
-    show(("model", "description", "constants"), rows, left=3)
+    show(("model", "description", "variants"), rows, left=3)
 
 
 def sets(

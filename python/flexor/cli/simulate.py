@@ -50,7 +50,7 @@ def simulate(
             "these values, such as `ph_1=40 deg, ph_2=30 deg`; may be repeated.",
         ),
     ] = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     as_json: options.Json = False,
@@ -67,7 +67,7 @@ def simulate(
     --------
     * `flexor simulate finger`
     * `flexor simulate examples/finger.toml --force 0:10:2 --plot finger.svg`
-    * `flexor simulate finger --constants printed --json`
+    * `flexor simulate finger --variant printed --json`
     * `flexor simulate finger --set exosuit.length="8 cm"`
     * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
     * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
@@ -80,7 +80,7 @@ def simulate(
 
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
-    built = load_changed(model, constants, changes)
+    built = load_changed(model, variant, changes)
     forces = one_or_assignments("--force", force, "chamber=0:5:1")
     begin = one_or_assignments("--start", start, "ph_1=20 deg")
     settings = numbers("--solver", solver or [])
