@@ -35,8 +35,9 @@ def optimize(
     method: Annotated[
         str | None,
         typer.Option(
+            autocompletion=options.method_names,
             help="Search method (see `flexor methods`); by default `auto` with --maximise or "
-            "--minimise, `pareto` with several of these, otherwise `pattern-search`."
+            "--minimise, `pareto` with several of these, otherwise `pattern-search`.",
         ),
     ] = None,
     method_options: Annotated[
