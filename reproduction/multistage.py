@@ -20,6 +20,7 @@ from flexor.optimizers import (
     starting_designs,
 )
 from flexor.optimizers.interface import FloatArray
+from flexor.optimizers.known import Known
 
 # Probability that a parameter of a random design is set to its lower, or to its upper bound.
 ON_BOUND = 0.15
@@ -130,42 +131,3 @@ class MultistageSearch(Method):
 def _some_on_bounds(points: FloatArray, random: np.random.Generator) -> FloatArray:
     side = random.uniform(size=points.shape)
     return np.where(side < ON_BOUND, 0.0, np.where(side > 1.0 - ON_BOUND, 1.0, points))
-
-
-class Known:
-    """The objective function of a run, with a record of all values so far.
-
-    Parameters
-    ----------
-    run : Run
-        The run that all stages belong to.
-    """
-
-    def __init__(self, run: Run) -> None:
-        self._run = run
-        self._values: dict[bytes, float] = {}
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __call__(self, points: FloatArray) -> FloatArray:
-        """Return the values (n,) of points (n, k) in the unit box."""
-        found = self._run.values(points)
-        for point, value in zip(points, found.tolist(), strict=True):
-            self._values[point.tobytes()] = value
-        return found
-
-    def gradient(self, points: FloatArray) -> FloatArray | None:
-        """Return exact gradients (n, k) at points (n, k), or None if the objective has none."""
-        return self._run.gradient(points)
-
-    def best(self, count: int, distance: float) -> FloatArray:
-        """Return the best points (m, k), m ≤ ``count``, whose distances exceed ``distance``."""
-        chosen: list[FloatArray] = []
-        for key in sorted(self._values, key=lambda key: self._values[key]):
-            point = np.frombuffer(key)
-            if all(np.max(np.abs(point - other)) > distance for other in chosen):
-                chosen.append(point)
-                if len(chosen) == count:
-                    break
-        return np.array(chosen)

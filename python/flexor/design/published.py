@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -111,8 +112,17 @@ class Legendre:
 
     def _basis(self, X: Array) -> tuple[Array, Array]:
         """Return the scaled P_n(X) and P_n'(X) [m], each (count, m)."""
-        scale = CENTIMETRE * 2.0 / 3.0 ** np.arange(self.count)
-        unit = np.eye(self.count)
-        values = np.stack([legendre.legval(X, unit[n]) for n in range(self.count)])
-        slopes = np.stack([legendre.legval(X, legendre.legder(unit[n])) for n in range(self.count)])
-        return scale[:, None] * values, scale[:, None] * slopes
+        return _legendre(self.count, np.asarray(X, dtype=np.float64).tobytes())
+
+
+@lru_cache(maxsize=16)
+def _legendre(count: int, points: bytes) -> tuple[Array, Array]:
+    """Return what `Legendre` sums at points (m,) given by their bytes, each (count, m)."""
+    X, unit = np.frombuffer(points), np.eye(count)
+    scale = CENTIMETRE * 2.0 / 3.0 ** np.arange(count)
+    values = np.stack([legendre.legval(X, unit[n]) for n in range(count)])
+    slopes = np.stack([legendre.legval(X, legendre.legder(unit[n])) for n in range(count)])
+    found = scale[:, None] * values, scale[:, None] * slopes
+    for each in found:
+        each.setflags(write=False)
+    return found

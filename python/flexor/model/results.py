@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from flexor.model.limits import (
     straps_exceeded,
 )
 from flexor.model.structure import Structure
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 _Several = slice | list[int] | NDArray[Any]
 
@@ -175,6 +178,16 @@ class Results:
         if self.loads.shape[-1] == 0:
             return np.zeros(self.loads.shape[:-1])
         return self.loads[..., 0]
+
+    def to_xarray(self) -> Dataset:
+        """Return the arrays with names and units of their axes; needs the extra ``xarray``.
+
+        Dimensions are ``design`` and ``step``, as far as there are several, and those of each array. ``to_netcdf(FILE,
+        engine="h5netcdf")`` of the result writes a file.
+        """
+        from flexor.model.dataset import results_dataset
+
+        return results_dataset(self)
 
     @property
     def max_strain(self) -> Array:

@@ -1,80 +1,205 @@
-"""A sample of the whole box, sequential quadratic programming from its best, a pattern search."""
+"""Global search in stages: sample, SQP, variation, pattern search, evolution, refinement."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
+from flexor.optimizers.cma_es import CmaEs
+from flexor.optimizers.interface import Budget, FloatArray, Progress, Search
+from flexor.optimizers.known import Known
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
-from flexor.optimizers.sqp import differences, minimize_slsqp
+from flexor.optimizers.population import DifferentialEvolution
+from flexor.optimizers.sqp import Linearization, differences, minimize_slsqp
+
+# Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of variation,
+# pattern search, differential evolution and, from each of the best, CMA-ES and SQP. The rest is for
+# the refinement.
+SAMPLE, DESCENTS, VARIATION, PATTERN, EVOLUTION, CMA = 0.08, 0.3, 0.25, 0.12, 0.1, 0.03
+BEST = 3
+# Probability that a parameter of a random design is set to its lower, or to its upper bound.
+ON_BOUND = 0.15
+# Number of the best designs that are varied, and the probabilities that a variation keeps a
+# parameter on a bound and one inside.
+VARIED, KEEP_ON_BOUND, KEEP = 20, 0.8, 0.4
+BATCH = 128
+# Least distance of two starts in some parameter, as a share of its range: of the searches from the
+# sample, and of those from the best at the end.
+FAR, NEAR = 0.1, 0.02
+# Local optima count as one if their values differ by less than this share of the sample's range.
+SAME = 1e-3
+# Least number of searches after which the optima are all known.
+LEAST = 6
 
 
 @dataclass(frozen=True)
 class Auto(Method):
-    """Sobol sample, SLSQP (Kraft 1988) with the constraints from its best designs, pattern search.
+    """Sample, SLSQP (Kraft 1988) with the constraints, and global stages where these leave doubt.
 
-    The sample finds the valley, SLSQP its floor along the constraints, and the pattern search what
-    lies beyond a snap or a lost contact, where slopes say nothing. Slopes of values and constraints
-    are one-sided differences, one batch for each.
+    A Sobol sample of the box, its faces and edges is followed by SLSQP from its best designs, apart
+    from each other, with the constraints. If so many searches found so few optima that probably
+    there are no others (the stopping rule of Boender and Rinnooy Kan 1987), a pattern search
+    refines the best, and that is the end. Otherwise, as where snaps divide the landscape, follow
+    variations of the best designs, a pattern search with many starts in parallel, differential
+    evolution, CMA-ES with small steps, which follows discontinuities where polls along the axes
+    stall, SLSQP from the best, and the refinement. These stages see ranks: feasible designs before
+    all others.
 
     Attributes
     ----------
-    samples : int
-        Number of designs of the sample, besides the given starts.
-    starts : int
-        Number of designs from which SLSQP begins.
+    evaluations : int
+        Maximum number of evaluations, or the budget if that is less.
+    explore : bool
+        Whether to search the whole box; without, only SLSQP from the starts, and the refinement.
     iterations : int
-        Maximum number of iterations of each.
+        Maximum number of iterations of each SLSQP.
     difference : float
-        Step of the differences, as a fraction of the ranges.
+        Step of the differences where there is no exact gradient, as a fraction of the ranges.
     mesh, tolerance : float
-        Initial and final mesh size of the pattern search, likewise.
+        Initial and final mesh size of the refinement, likewise.
     """
 
     name = "auto"
-    title = "sample, SQP and pattern search"
-    description = "Sobol sample, SQP with constraints from its best, then pattern search"
-    packages = ("scipy",)
+    title = "sample, SQP and global stages"
+    description = "sample, SQP with constraints, and where these leave doubt global stages"
+    packages = ("scipy", "pymoo", "cma")
+    gradients: ClassVar[bool] = True
 
-    samples: int = option(128, at_least(1))
-    starts: int = option(3, at_least(1))
+    evaluations: int = option(3000, at_least(1))
+    explore: bool = True
     iterations: int = option(30, at_least(1))
     difference: float = option(1e-5, at_most(0.1))
     mesh: float = option(0.02, FRACTION)
     tolerance: float = option(1e-4, FRACTION)
 
     @property
-    def local(self) -> Auto:
-        """The same from a start that is nearly optimal: without a sample."""
-        return replace(self, samples=1, starts=1)
+    def from_optimum(self) -> Auto:
+        """The same from a start that is nearly optimal."""
+        return replace(self, explore=False)
 
     def run(self, run: Run) -> str:
-        """Sample, run SLSQP from the best of it, and a pattern search from the best of all."""
-        from scipy.stats import qmc
+        """Run all stages that are needed."""
+        known, left = Known(run), run.function.remaining
+        most = self.evaluations if left is None else min(self.evaluations, left)
+        starts = run.starts(0 if self.explore else 1)
+        if len(starts):
+            known(starts)
+        if self.explore:
+            _sample(run, known, max(int(SAMPLE * most), 1))
+        if not len(known.best(1, 0.0)):
+            return "no design of the sample succeeded" if self.explore else "the start failed"
+        if not self.explore:
+            self._descend(run, known, known.best(1, 0.0)[0])
+            return self._refine(run, known, most)
+        if self._descents(run, known, int(DESCENTS * most)):
+            return self._refine(run, known, most)
+        _vary(run, known, int(VARIATION * most))
+        starting = max(4, int(PATTERN * most) // (30 * run.size))
+        pattern = PatternSearch(initial_mesh=0.1, tolerance=2e-3)
+        _stage(run, known, pattern, known.best(starting, FAR), PATTERN * most, "pattern search")
+        population = max(min(40, int(EVOLUTION * most) // 4), 5)
+        _stage(
+            run, known, DifferentialEvolution(population=population, patience=20),
+            known.best(population, NEAR), EVOLUTION * most, "differential evolution",
+        )  # fmt: skip
+        for start in known.best(BEST, NEAR):
+            _stage(run, known, CmaEs(step=0.01, restarts=0), start[None, :], CMA * most, "CMA-ES")
+        for start in known.best(BEST, NEAR):
+            self._descend(run, known, start)
+        return self._refine(run, known, most)
 
-        size = 1 << (self.samples - 1).bit_length()
-        sample = qmc.Sobol(run.size, scramble=True, seed=run.seed).random(size)[: self.samples]
-        points = np.concatenate((run.starts(0), sample))
-        values = run.values(points)
-        run.step("sample")
-        order = [i for i in np.argsort(values, kind="stable") if np.isfinite(values[i])]
-        if not order:
-            return "no design of the sample succeeded"
-        ends = [(values[order[0]], points[order[0]])]
-        for i in order[: self.starts]:
-            end = minimize_slsqp(
-                run,
-                points[i],
-                lambda point: differences(run.constrained, point, self.difference),
-                self.iterations,
-            )
-            ends.append((float(run.values(end[None, :])[0]), end))
-        best = min(ends, key=lambda each: each[0])[1]
+    def _descents(self, run: Run, known: Known, budget: int) -> bool:
+        """Run SLSQP from the best designs; return whether the optima are probably all known.
+
+        After w different optima of n searches that is so if w (n - 1) / (n - w - 2), which
+        estimates their number, is below w + ½.
+        """
+        begun, ends = run.function.evaluations, list[float]()
+        values = run.values(known.best(len(known), 0.0))
+        spread = float(np.ptp(values[np.isfinite(values)]))
+        for start in known.best(len(known), FAR):
+            if run.function.evaluations - begun >= budget:
+                return False
+            end = self._descend(run, known, start)
+            ends.append(float(known(end[None, :])[0]))
+            n, w = len(ends), _different(ends, SAME * spread)
+            if n >= LEAST and n > w + 2 and w * (n - 1) / (n - w - 2) <= w + 0.5:
+                return True
+        return False
+
+    def _descend(self, run: Run, known: Known, start: FloatArray) -> FloatArray:
+        """Run SLSQP from a point (k,); return where it ends (k,)."""
+
+        def linearize(point: FloatArray) -> Linearization:
+            values, excesses = run.constrained(point[None, :])
+            exact = None if excesses.shape[1] else run.gradient(point[None, :])
+            if exact is None or not np.isfinite(exact).all():
+                return differences(run.constrained, point, self.difference)
+            return Linearization(values, exact, excesses[0], np.zeros((0, run.size)))
+
+        end = minimize_slsqp(run, start, linearize, self.iterations)
+        known(end[None, :])
+        return end
+
+    def _refine(self, run: Run, known: Known, most: int) -> str:
+        """Run a pattern search from the best design."""
+        share = max(most - run.function.evaluations, most // 10, 1)
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
-        box = np.zeros(run.size), np.ones(run.size)
-        for polls in search.iterate(run.values, *box, start=best, seed=run.seed):
-            run.step(f"mesh {max(poll.mesh for poll in polls):.3g}")
-        return f"the mesh is below {self.tolerance:g}"
+        _stage(run, known, search, known.best(1, 0.0), share, "refinement")
+        return f"{run.function.evaluations} evaluations"
+
+
+def _sample(run: Run, known: Known, count: int) -> None:
+    """Evaluate a Sobol sample, half of it with some parameters on their bounds."""
+    from scipy.stats import qmc
+
+    size = 1 << (count - 1).bit_length()
+    sample = qmc.Sobol(run.size, scramble=True, seed=run.seed).random(size)[:count]
+    sample[1::2] = _some_on_bounds(sample[1::2], run.random)
+    known(sample)
+    run.step("sample")
+
+
+def _vary(run: Run, known: Known, count: int) -> None:
+    """Replace random parameters of the best designs, mainly those inside the bounds."""
+    random = run.random
+    for _ in range(0, count, BATCH):
+        best = known.best(VARIED, NEAR)
+        parents = best[random.integers(len(best), size=min(BATCH, count))]
+        drawn = _some_on_bounds(random.uniform(size=parents.shape), random)
+        on_bound = (parents <= 0.0) | (parents >= 1.0)
+        kept = random.uniform(size=parents.shape) < np.where(on_bound, KEEP_ON_BOUND, KEEP)
+        known(np.where(kept, parents, drawn))
+        run.step("variation")
+
+
+def _stage(
+    run: Run, known: Known, search: Search, start: FloatArray, share: float, stage: str
+) -> None:
+    def report_progress(at: Progress) -> None:
+        run.step(f"{stage}: {at.detail}", at.remaining)
+
+    search.minimize(
+        known,
+        np.zeros(run.size),
+        np.ones(run.size),
+        start=start,
+        seed=run.seed,
+        budget=Budget(evaluations=max(int(share), 1)),
+        progress=report_progress,
+    )
+
+
+def _some_on_bounds(points: FloatArray, random: np.random.Generator) -> FloatArray:
+    side = random.uniform(size=points.shape)
+    return np.where(side < ON_BOUND, 0.0, np.where(side > 1.0 - ON_BOUND, 1.0, points))
+
+
+def _different(values: list[float], apart: float) -> int:
+    """Count values that are apart from each other."""
+    ordered = np.sort(values)
+    return 1 + int((np.diff(ordered) > apart).sum())

@@ -32,7 +32,7 @@ def rounds(
     problem, spent = study.problem, study.evaluations
     if not isinstance(problem, ScenarioProblem) or not problem.tolerances:
         return
-    local = getattr(search, "local", search)
+    near = getattr(search, "from_optimum", search)
     while len(corners) < ROUNDS and (best := study.record.best()) is not None:
         errors = next_corners(study.problem, worst_errors(study.problem, best))  # type: ignore[arg-type]
         if errors is None:
@@ -42,7 +42,7 @@ def rounds(
             return
         corners.append(errors)
         _begin(study, corners)
-        yield local, np.atleast_2d(best), Budget(left, budget.seconds)
+        yield near, np.atleast_2d(best), Budget(left, budget.seconds)
         spent = study.evaluations
 
 

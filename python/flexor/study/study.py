@@ -23,6 +23,8 @@ from flexor.study.scenario_problem import ScenarioProblem
 from flexor.study.settings import Settings, reopened, study_record
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from flexor.design import ParameterSet
     from flexor.model import Model
 
@@ -175,6 +177,17 @@ class Study:
             "iterations": outcomes.total_iterations,
             "reason": outcomes.reason,
         }
+
+    def to_xarray(self) -> Dataset:
+        """Return every evaluation with names and units of axes; needs the extra ``xarray``.
+
+        The dimensions are ``design``, ``step``, ``joint`` and those of constraints and objectives;
+        parameters are variables. ``to_dataframe()`` of a variable is a table for pandas, and
+        ``to_netcdf(FILE, engine="h5netcdf")`` writes a file.
+        """
+        from flexor.study.dataset import study_dataset
+
+        return study_dataset(self)
 
     def close(self) -> None:
         """Close the record."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from flexor.study.design import Design
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import LANDSCAPE, Settings
 from flexor.study.study import Study
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +151,15 @@ class Landscape:
         neighbours[(1,) * len(self.axes)] = False
         lowest = minimum_filter(value, footprint=neighbours, mode="constant", cval=np.inf)
         return np.argwhere(value < lowest)
+
+    def to_xarray(self) -> Dataset:
+        """Return the arrays over the labelled axes, SI; needs the extra ``xarray``.
+
+        ``to_netcdf(FILE, engine="h5netcdf")`` of the result writes a file.
+        """
+        from flexor.study.dataset import landscape_dataset
+
+        return landscape_dataset(self)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``landscape.npz`` (every array) and ``landscape.csv`` (a row for each design).
