@@ -67,6 +67,7 @@ _PACKAGES = (
     "inverse",
     "materials",
     "model",
+    "notebook",
     "objectives",
     "observables",
     "plot",
