@@ -67,9 +67,11 @@ _PACKAGES = (
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 
