@@ -68,6 +68,7 @@ _PACKAGES = (
     "plot",
     "optimizers",
     "scene",
+    "scenarios",
     "sections",
     "store",
     "study",

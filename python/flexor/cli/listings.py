@@ -22,7 +22,7 @@ def presets() -> None:
             for chosen in (*file.constants, *file.variants)
         ]
         rows.append((name, file.title, ", ".join(sets)))
-    show(("model", "description", "constants"), rows, left=3)
+    show(("model", "description", "variants"), rows, left=3)
 
 
 def sets(

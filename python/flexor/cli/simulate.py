@@ -41,7 +41,7 @@ def simulate(
             "points).",
         ),
     ] = "load",
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     as_json: options.Json = False,
@@ -58,7 +58,7 @@ def simulate(
     --------
     * `flexor simulate finger`
     * `flexor simulate examples/finger.toml --force 0:10:2 --plot finger.svg`
-    * `flexor simulate finger --constants printed --json`
+    * `flexor simulate finger --variant printed --json`
     * `flexor simulate finger --set exosuit.length="8 cm"`
     * `flexor simulate finger --force 0:5:1,5:0:1 --plot loop.svg` loads and unloads
     * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
@@ -70,7 +70,7 @@ def simulate(
 
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
-    path = load_changed(model, constants, changes).equilibrium(
+    path = load_changed(model, variant, changes).equilibrium(
         one_or_assignments("--force", force, "chamber=0:5:1"),
         start=one_or_assignments("--start", start, "ph_1=20 deg"),
         follow=follow,  # type: ignore[arg-type]  # checked there
