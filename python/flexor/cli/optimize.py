@@ -59,8 +59,9 @@ def optimize(
     method: Annotated[
         str | None,
         typer.Option(
+            autocompletion=options.method_names,
             help="Search method (see `flexor methods`); by default `auto` with --maximise and "
-            "--minimise, otherwise `pattern-search`."
+            "--minimise, otherwise `pattern-search`.",
         ),
     ] = None,
     method_options: Annotated[

@@ -20,6 +20,20 @@ def _writable(figure: Path | None) -> Path | None:
     return figure
 
 
+def preset_names(incomplete: str) -> list[str]:
+    """Complete the name of a preset, or leave files to the shell."""
+    from flexor.model.reading import presets
+
+    return [name for name in presets() if name.startswith(incomplete)]
+
+
+def method_names(incomplete: str) -> list[str]:
+    """Complete the name of a search method."""
+    from flexor.optimizers import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
 def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | None]:
     """Return the check of an option that is a number of at least ``least``."""
 
@@ -31,11 +45,19 @@ def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | No
 
 Model = Annotated[
     str,
-    typer.Argument(metavar="MODEL", help="Model file, or name of a preset (see `flexor presets`)."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file, or name of a preset (see `flexor presets`).",
+        autocompletion=preset_names,
+    ),
 ]
 OptionalModel = Annotated[
     str | None,
-    typer.Argument(metavar="MODEL", help="Model file or preset; omit with --resume."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file or preset; omit with --resume.",
+        autocompletion=preset_names,
+    ),
 ]
 Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")

@@ -28,7 +28,7 @@ def share(
     force: Annotated[
         bool, typer.Option("--force", help="Replace the file if there is one.")
     ] = False,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
 ) -> int:
     """Write a design as one HTML file that needs no network.
@@ -50,7 +50,7 @@ def share(
     check_writable(out)
     if (out.exists() or out.is_symlink()) and not force:
         raise InputError(f'"{out}" exists: give --force to replace it, or another name.')
-    shown = _source(source, constants, changes)
+    shown = _source(source, variant, changes)
     with err.status("drawing the design"):
         text = share_page(shown, source)
     write_text(out, text)
@@ -58,13 +58,13 @@ def share(
     return 0
 
 
-def _source(source: str, constants: str | None, changes: list[str] | None) -> Model | Study:
+def _source(source: str, variant: str | None, changes: list[str] | None) -> Model | Study:
     from flexor.study import Study
 
     folder = Path(source)
     if not folder.is_dir():
-        return load_changed(source, constants, changes)
-    if constants is not None or changes:
-        given = "--variant" if constants is not None else "--set"
+        return load_changed(source, variant, changes)
+    if variant is not None or changes:
+        given = "--variant" if variant is not None else "--set"
         raise InputError(f'{given} is for models: "{source}" is a folder, whose design is settled.')
     return Study.open(folder)
