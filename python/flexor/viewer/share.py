@@ -40,7 +40,7 @@ def shared_designs(source: Model | Study) -> list[Shown]:
     from flexor.study import Study
 
     if isinstance(source, Study):
-        problem = source.problem
+        problem = source.problem.nominal
         best, start = source.best.vector, source.start.vector
         shown = [problem_design(problem, best, "optimum")]
         if not np.array_equal(best, start):
