@@ -14,6 +14,7 @@ from typer.core import TyperCommand
 from flexor.cli import (
     calibrate,
     compare,
+    front,
     landscape,
     listings,
     materials,
@@ -68,6 +69,7 @@ app = typer.Typer(
 # One line per command.
 app.command("simulate", cls=Command)(simulate.simulate)
 app.command("optimize", cls=Command)(optimize.optimize)
+app.command("front", cls=Command)(front.front)
 app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
