@@ -72,10 +72,12 @@ _PACKAGES = (
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "scenarios",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 

@@ -21,6 +21,7 @@ from flexor.cli import (
     new,
     optimize,
     rerun,
+    share,
     simulate,
 )
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
@@ -74,6 +75,7 @@ app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("materials", cls=Command)(materials.materials)
+app.command("share", cls=Command)(share.share)
 app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)
