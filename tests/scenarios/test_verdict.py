@@ -21,7 +21,7 @@ def demo() -> Study:
     return flexor.optimize(
         model,
         design.varied,
-        design.aim,
+        design.aims,
         subject_to=design.subject_to,
         tolerance=design.tolerance,
     )

@@ -97,6 +97,10 @@ class ScenarioProblem(Problem):
         )
         if stated.samples and not made.tolerances:
             raise InputError("samples of errors need a tolerance: state one or leave them out.")
+        if wanted.kind != "mean" and len(made.weights) == 1:
+            raise InputError(
+                f'aggregate "{wanted.text}": there is one scenario; name several, or sample errors.'
+            )
         made.cases  # noqa: B018 - a scenario that breaks the model is said at once
         return made
 
