@@ -11,7 +11,17 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
+from flexor.cli import (
+    calibrate,
+    compare,
+    export,
+    landscape,
+    listings,
+    materials,
+    optimize,
+    rerun,
+    simulate,
+)
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
@@ -62,6 +72,7 @@ app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)

@@ -120,16 +120,34 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     of_gauss = []
     for x in rod.sample_points[gauss_points(rod)]:
         place = rod.piece_at(x)
-        piece = rod.pieces[place]
-        varies = any(isinstance(size, tuple) for size in _sizes(piece))
-        key = (place, float(x) if varies else 0.0)
+        key = (place, float(x) if varies(rod.pieces[place]) else 0.0)
         if key not in built:
-            geometry = None
-            if not isinstance(piece, Stiffness):
-                geometry = _geometry(piece, rod.material, materials, float(x))
-            built[key] = (place, geometry)
+            built[key] = (place, section_at(rod, materials, place, float(x)))
         of_gauss.append(list(built).index(key))
     return list(built.values()), of_gauss
+
+
+def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
+    """Return one of a rod's sections as it is at X; None if only its stiffness is given.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    piece
+        Which of its sections.
+    x
+        X in [0, 1].
+    """
+    section = rod.pieces[piece]
+    return None if isinstance(section, Stiffness) else _geometry(section, rod, materials, x)
+
+
+def varies(section: Section) -> bool:
+    """Whether a section has sizes that are given at several places along the rod."""
+    return any(isinstance(size, tuple) for size in _sizes(section))
 
 
 def _sizes(section: Section) -> list[object]:
@@ -148,10 +166,10 @@ def _layer(layer: Layer | None, x: float) -> tuple[Linear, str, float] | None:
     return None if layer is None else (_linear(layer.thickness, x), layer.material, layer.stretch)
 
 
-def _geometry(section: Section, own: str | None, materials: Materials, x: float) -> Geometry:
+def _geometry(section: Section, rod: Rod, materials: Materials, x: float) -> Geometry:
+    own = rod.material
     if isinstance(section, Solid):
-        assert own is not None
-        return sections.solid(section.kind, section.ratio or 1.0, own)
+        return sections.solid(section.kind, section.ratio or 1.0, own or "")
     if isinstance(section, Composite):
         return _composite(section, own, x)
     assert isinstance(section, Hollow)
@@ -215,11 +233,10 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
     for place, piece in enumerate(rod.pieces):
         if isinstance(piece, Stiffness):
             continue
-        varies = any(isinstance(size, tuple) for size in _sizes(piece))
         rows = np.flatnonzero(places == place)
         # Sections that are the same all along are evaluated at once.
-        for group in rows[:, None] if varies else [rows] if len(rows) else []:
-            parts = _geometry(piece, rod.material, materials, float(points[group[0]])).parts
+        for group in rows[:, None] if varies(piece) else [rows] if len(rows) else []:
+            parts = _geometry(piece, rod, materials, float(points[group[0]])).parts
             each = [np.broadcast_to(p.shape.extent(radius[group])[1], group.shape) for p in parts]
             found[group] = np.max(each, axis=0)
     return found
@@ -241,7 +258,7 @@ def roundness(rod: Rod, materials: Materials) -> float:
     if isinstance(piece, Stiffness):
         return 1.0
     s = float(surface(rod.radius, np.array([0.5]))[0][0])
-    parts = _geometry(piece, rod.material, materials, 0.5).parts
+    parts = _geometry(piece, rod, materials, 0.5).parts
     lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
     if isinstance(lowest, sections.Rectangle) or lowest.half:
         return 0.0
