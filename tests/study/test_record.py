@@ -58,10 +58,10 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
     recorded = [field for field in fields(Paths) if field.metadata["recorded"]]
-    assert len(recorded) == 14
+    assert len(recorded) == 15
     for field in recorded:
         if getattr(back, field.name) is None:
-            assert field.name in ("derivatives", "regularity")
+            assert field.name in ("derivatives", "regularity", "value_gradient")
             continue
         wanted = np.concatenate([getattr(g[1], field.name) for g in given])
         got = getattr(back, field.name)

@@ -18,6 +18,7 @@ from flexor.cli import (
     landscape,
     listings,
     materials,
+    new,
     optimize,
     rerun,
     simulate,
@@ -61,7 +62,6 @@ app = typer.Typer(
     name="flexor",
     help="Design soft exosuits with the wearer in the loop.",
     epilog="Start with: flexor simulate finger --plot finger.png",
-    add_completion=False,
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -74,6 +74,7 @@ app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
+app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)
 app.command("methods")(listings.methods)

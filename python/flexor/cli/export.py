@@ -32,6 +32,7 @@ def export(
         typer.Argument(
             metavar="DESIGN",
             help="Model file, preset, or study folder (its optimum, or --design N).",
+            autocompletion=options.preset_names,
         ),
     ],
     body: Annotated[
@@ -65,7 +66,7 @@ def export(
         str | None, typer.Option(metavar="NAME", help="Which rod; by default the designed one.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")] = False,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     cap: Annotated[str, _length("Thickness of the caps that close chambers.", _BODY)] = "5 mm",
     inlet: Annotated[str, _length("Diameter of the hole for the tube.", _BODY)] = "3 mm",
@@ -130,7 +131,7 @@ def export(
     if mould is not None:
         files.check_folder(mould, force)
     chosen, of_mould = _options(given)
-    device, equilibria = _device(design, index, rod, constants, changes)
+    device, equilibria = _device(design, index, rod, variant, changes)
     written: list[FilePath] = []
     with err.status("making the body"):
         made = making.body(device, chosen)
@@ -195,21 +196,21 @@ def _device(
     design: str,
     index: int | None,
     rod: str | None,
-    constants: str | None,
+    variant: str | None,
     changes: list[str] | None,
 ) -> tuple[Device, Callable[[], Path]]:
     """Return the device, and what computes its path under the loads of its evaluation."""
     from flexor import export as making
 
     if FilePath(design).is_dir():
-        if constants is not None or changes:
-            raise InputError(f'"{design}" is a study, whose model cannot be changed by --set.')
+        if variant is not None or changes:
+            raise InputError(f'"{design}" is a study: its model has no --set and --variant.')
         found = making.recorded(FilePath(design), index)
         name = f"the best design of {design}" if index is None else f"design {index} of {design}"
         return making.device_of_design(found, rod, name), lambda: found.path
     if index is not None:
         raise InputError(f'--design is for a study folder, and "{design}" is none.')
-    model: Model = load_changed(design, constants, changes)
+    model: Model = load_changed(design, variant, changes)
     return making.device_of(model, rod, f'the model "{model.name}"'), model.equilibrium
 
 

@@ -152,14 +152,14 @@ def _signed(degrees: float) -> str:
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
     force = study.problem.model.show_loads(study.problem.loads[-1])
-    objective = study.problem.objective
+    problem = study.problem
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
-    if objective.quantity != "bending":
+    if problem.quantity != "bending":
         return (
-            f"At {force} the optimum's {objective.quantity} is "
-            f"{with_unit(best.shown, objective.unit)}, that of the {first} "
-            f"{with_unit(start.shown, objective.unit)}{_ratio(start.shown, best.shown)}."
+            f"At {force} the optimum's {problem.quantity} is "
+            f"{with_unit(best.shown, problem.unit)}, that of the {first} "
+            f"{with_unit(start.shown, problem.unit)}{_ratio(start.shown, best.shown)}."
         )
     return (
         f"At {force} the optimum bends {_degrees(best.bending)}, "

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import comb
 
@@ -70,6 +70,7 @@ class SlotMap:
     _fits: tuple[_Fit, ...]
     # Rest lengths: their column, and that of the offset which is to be added to the distance.
     _offsets: tuple[tuple[int, int], ...]
+    _every: NDArray[np.intp]  # (w,), which parameters and offsets its columns are
 
     def values(self, x: Array) -> Array:
         """Return the parameters (n, m) of designs (n, k), SI."""
@@ -223,7 +224,35 @@ def slot_map(
     # Offsets follow the parameters.
     indices = np.array([column for column in every if column < size], dtype=np.intp)
     offsets = tuple((position[rest], position[offset]) for rest, offset in straps)
-    return SlotMap(indices, middle, half, tuple(fits), offsets)
+    return SlotMap(indices, middle, half, tuple(fits), offsets, np.array(every))
+
+
+def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]]) -> SlotMap | None:
+    """Return the same map for another model, with other coefficients of the same polynomials.
+
+    That takes a few files only. None if the parameters of the model are other polynomials.
+    """
+    lowered = _Lowered(model, tuple(fields))
+    most = max(len(fit.powers) for fit in like._fits)
+    u = 0.999 * _points(most + _CHECKS, len(fields))
+    samples = np.array([lowered.at(like._middle + like._half * row) for row in u])
+    others = np.setdiff1d(np.arange(samples.shape[1]), like._every)
+    largest = np.abs(samples).max(axis=0)
+    noise = np.zeros(len(largest))
+    for start, stop in lowered.ranges:
+        noise[start:stop] = 1e4 * ROUNDING * largest[start:stop].max(initial=0.0)
+    if like._every.max(initial=-1) >= len(largest):
+        return None
+    if (np.ptp(samples[:, others], axis=0) > noise[others]).any():
+        return None
+    fits = []
+    for fit in like._fits:
+        columns = like._every[fit.columns]
+        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form)
+        if not (good | (largest[columns] <= noise[columns])).all():
+            return None
+        fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))
+    return replace(like, _fits=tuple(fits))
 
 
 class _Lowered:

@@ -112,6 +112,9 @@ class Results:
         ``"no-equilibrium"``.
     value : (n,) array
         Value of the objective of a study; +inf where the design failed, never NaN.
+    value_gradient : (n, p) array
+        Derivatives of that value with respect to the p parameters of a set, where it is an
+        aggregate over scenarios.
     shown : (n,) array
         The objective's quantity for display; NaN where the design failed.
     reason : (n,) array of str
@@ -157,6 +160,7 @@ class Results:
     derivatives: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     regularity: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    value_gradient: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     constraint_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -552,10 +556,10 @@ class Paths(Results):
                 joined[each.name] = np.concatenate(column)
         return cls(**joined)
 
-    def recorded(self) -> Paths:
+    def recorded(self, without: Sequence[str] = ()) -> Paths:
         """Return the same paths with those arrays only that a study records."""
         recorded = [each.name for each in fields(self) if each.metadata["recorded"]]
-        return Paths(**{name: getattr(self, name) for name in recorded})
+        return Paths(**{name: getattr(self, name) for name in recorded if name not in without})
 
     def scatter(self, into: Paths, rows: NDArray[np.intp]) -> None:
         """Write these paths into rows of others, as far as both have the same arrays."""

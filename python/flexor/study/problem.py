@@ -103,6 +103,26 @@ class Problem:
         return self.loads[:, 0] if self.loads.shape[1] else np.zeros(len(self.loads))
 
     @property
+    def nominal(self) -> Problem:
+        """The problem for the model as it is."""
+        return self
+
+    @property
+    def quantity(self) -> str:
+        """What is sought, for display."""
+        return self.objective.quantity
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return self.objective.unit
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether its value has a gradient."""
+        return self.objective.differentiable
+
+    @property
     def sizes(self) -> tuple[int, int, int]:
         """Numbers of parameters, steps and joints."""
         return self.parameters.size, len(self.loads), len(self.model.joints)
@@ -143,9 +163,13 @@ class Problem:
         """How far each constraint is exceeded, (n, c), by its bound; kept where not above 0."""
         return excesses(self.constraints, paths.constraint_values)
 
-    def excesses_of(self, values: FloatArray) -> FloatArray:
-        """Return the same for the values (c,) of one design, (c,)."""
-        return np.asarray(excesses(self.constraints, values[None, :])[0])
+    def worst_of(self, values: FloatArray) -> FloatArray:
+        """Return the value of each constraint that counts, (c,), of the recorded ones."""
+        return values
+
+    def worst_excesses(self, values: FloatArray) -> FloatArray:
+        """Return how far each constraint is exceeded, (c,), of the recorded values of a design."""
+        return np.asarray(excesses(self.constraints, self.worst_of(values)[None, :])[0])
 
     def residuals(self, paths: Paths) -> FloatArray:
         """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.

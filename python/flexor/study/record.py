@@ -42,13 +42,14 @@ CREATE TABLE evaluations (
     regularity TEXT,             -- what they are worth; NULL in searches without gradients
     constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
     violation REAL,              -- how far constraints are exceeded; NULL if the design failed
+    slope BLOB,                  -- float64 (parameters,): of an aggregate over scenarios
     UNIQUE (search, design)
 );
 """
 _COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
-_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 8)})"
+_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 9)})"
 _DERIVATIVES = """
-UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND design = ?
+UPDATE evaluations SET derivatives = ?, regularity = ?, slope = ? WHERE search = ? AND design = ?
 """
 
 
@@ -121,13 +122,19 @@ class Record:
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
             *_slopes(outcomes),
             *_kept(outcomes, good),
+            _slope(outcomes),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
 
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already."""
-        columns = (*_slopes(outcomes), [self._search] * len(designs), _blobs(designs, "<f8"))
+        columns = (
+            *_slopes(outcomes),
+            _slope(outcomes),
+            [self._search] * len(designs),
+            _blobs(designs, "<f8"),
+        )
         self.database.write((_DERIVATIVES, zip(*columns, strict=True)))
 
     def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
@@ -153,7 +160,7 @@ class Record:
         An unknown design gives outcomes of length zero.
         """
         names = (*_COLUMNS, "constraints", "violation")
-        names = names if design is None else (*names, "derivatives", "regularity")
+        names = names if design is None else (*names, "derivatives", "regularity", "slope")
         rows = self._rows(", ".join(names), design=design)
         columns = zip(*rows, strict=True) if rows else [()] * len(names)
         found = {name: list(column) for name, column in zip(names, columns, strict=True)}
@@ -162,6 +169,8 @@ class Record:
             k, _, joints = self.sizes
             slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
+        if any(blob is not None for blob in found.get("slope", ())):
+            slopes["value_gradient"] = self._decoded(found["slope"], "<f8", self.sizes[:1])
         try:
             arrays: dict[str, Any] = {
                 name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
@@ -242,6 +251,13 @@ def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Se
         return [b""] * len(outcomes), np.where(good, 0.0, np.nan).tolist()
     broken = np.where(good, outcomes.violation, np.nan).tolist()
     return _blobs(outcomes.constraint_values, "<f8"), broken
+
+
+def _slope(outcomes: Paths) -> Sequence[bytes | None]:
+    """Return the gradient of the value of each design, None without."""
+    if outcomes.value_gradient is None:
+        return [None] * len(outcomes)
+    return _blobs(outcomes.value_gradient, "<f8")
 
 
 def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:

@@ -118,9 +118,10 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     """
     built: dict[tuple[int, float], Built] = {}
     of_gauss = []
+    vary = [varies(piece) for piece in rod.pieces]
     for x in rod.sample_points[gauss_points(rod)]:
         place = rod.piece_at(x)
-        key = (place, float(x) if varies(rod.pieces[place]) else 0.0)
+        key = (place, float(x) if vary[place] else 0.0)
         if key not in built:
             built[key] = (place, section_at(rod, materials, place, float(x)))
         of_gauss.append(list(built).index(key))
