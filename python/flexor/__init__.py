@@ -68,14 +68,17 @@ _PACKAGES = (
     "inverse",
     "materials",
     "model",
+    "notebook",
     "objectives",
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "scenarios",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 

@@ -19,6 +19,7 @@ from flexor.optimizers.interface import (
     FloatArray,
     Progress,
     SearchResult,
+    SeveralFunction,
     VectorFunction,
 )
 
@@ -56,6 +57,12 @@ class BudgetedEvaluator:
     def evaluations(self) -> int:
         """Distinct designs evaluated."""
         return len(self._asked)
+
+    @property
+    def remaining(self) -> int | None:
+        """How many evaluations are left of the budget; None without one."""
+        limit = self._budget.evaluations
+        return None if limit is None else max(limit - self.evaluations, 0)
 
     @property
     def design(self) -> FloatArray:
@@ -125,6 +132,16 @@ class BudgetedEvaluator:
         if not isinstance(self._function, ConstrainedFunction):
             return values, np.zeros((len(designs), 0))
         return self._function.constrained(designs)
+
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) of designs (n, k).
+
+        InputError if the function has one objective only; BudgetExhausted as for values.
+        """
+        if not isinstance(self._function, SeveralFunction):
+            raise InputError("the function has one objective: this method needs several.")
+        self(designs)
+        return self._function.objectives(designs)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

@@ -108,6 +108,10 @@ class Run:
         """Return objective values (n,) and excesses (n, c) at points (n, k), as one batch."""
         return self.function.constrained(self.designs(points))
 
+    def objectives(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) at points (n, k)."""
+        return self.function.objectives(self.designs(points))
+
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.
 

@@ -24,7 +24,7 @@ from flexor.model.loading import require_model
 from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
 from flexor.model.solver import solver_options
-from flexor.objectives import Extremum, Objective, evaluate_objective
+from flexor.objectives import Extremum, Objective, Several, evaluate_objective
 from flexor.objectives import objective as named_objective
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Problem:
         cls,
         model: Model,
         parameters: str | ParameterSet | Mapping[str, Sequence[object]],
-        objective: str | Objective,
+        objective: str | Objective | Sequence[str | Objective],
         force: Any = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
         options: Mapping[str, float] | None = None,
@@ -84,7 +84,7 @@ class Problem:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)
         # The paper's objectives are stated without constraints, and so are users' own.
-        defaults = isinstance(wanted, Extremum)
+        defaults = isinstance(wanted, (Extremum, Several))
         kept = chosen_constraints(subject_to, without, model, defaults)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
@@ -215,6 +215,7 @@ class Problem:
             "has a length or radius that is not positive",
             self.parameters.size if gradient else None,
             len(self.constraints),
+            self.objective.count,
         )
         if not valid.any():
             return every

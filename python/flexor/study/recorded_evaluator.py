@@ -60,6 +60,16 @@ class RecordedEvaluator(CachedEvaluator):
         found = np.concatenate([self._problem.excesses(row) for row in rows])
         return values, np.where(np.isfinite(values)[:, None], found, np.nan)
 
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c), from the record.
+
+        +inf and NaN for those that failed.
+        """
+        _, found = self.constrained(designs)
+        rows = [self._record.outcomes(design) for design in normalized(designs)]
+        values = np.concatenate([row.objective_values for row in rows])
+        return np.where(np.isnan(values), np.inf, values), found
+
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
 

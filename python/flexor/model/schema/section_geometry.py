@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -143,7 +143,8 @@ def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry
         X in [0, 1].
     """
     section = rod.pieces[piece]
-    return None if isinstance(section, Stiffness) else _geometry(section, rod, materials, x)
+    given = isinstance(section, Stiffness)
+    return None if given else _geometry(section, rod.material or "", materials, x)
 
 
 def varies(section: Section) -> bool:
@@ -167,10 +168,10 @@ def _layer(layer: Layer | None, x: float) -> tuple[Linear, str, float] | None:
     return None if layer is None else (_linear(layer.thickness, x), layer.material, layer.stretch)
 
 
-def _geometry(section: Section, rod: Rod, materials: Materials, x: float) -> Geometry:
-    own = rod.material
+def _geometry(section: Section, own: str | None, materials: Materials, x: float) -> Geometry:
     if isinstance(section, Solid):
-        return sections.solid(section.kind, section.ratio or 1.0, own or "")
+        assert own is not None
+        return sections.solid(section.kind, section.ratio or 1.0, own)
     if isinstance(section, Composite):
         return _composite(section, own, x)
     assert isinstance(section, Hollow)
@@ -231,16 +232,41 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
     places = np.array([rod.piece_at(x) for x in points])
-    for place, piece in enumerate(rod.pieces):
-        if isinstance(piece, Stiffness):
-            continue
-        rows = np.flatnonzero(places == place)
-        # Sections that are the same all along are evaluated at once.
-        for group in rows[:, None] if varies(piece) else [rows] if len(rows) else []:
-            parts = _geometry(piece, rod, materials, float(points[group[0]])).parts
-            each = [np.broadcast_to(p.shape.extent(radius[group])[1], group.shape) for p in parts]
-            found[group] = np.max(each, axis=0)
+    for place in range(len(rod.pieces)):
+        of_piece = np.flatnonzero(places == place)
+        for rows, geometry in along(rod, materials, place, points[of_piece]):
+            if geometry is not None:
+                here = of_piece[rows]
+                shapes = [part.shape for part in geometry.parts]
+                each = [np.broadcast_to(a.extent(radius[here])[1], here.shape) for a in shapes]
+                found[here] = np.max(each, axis=0)
     return found
+
+
+def along(
+    rod: Rod, materials: Materials, place: int, points: Array
+) -> Iterator[tuple[NDArray[np.intp], Geometry | None]]:
+    """Return one of a rod's sections at points along it.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    place
+        Which of its sections.
+    points : (n,) array
+        X in [0, 1].
+
+    Yields
+    ------
+    rows, geometry : (k,) array and Geometry
+        Points with the same sizes, and the section there; None if it is given by its stiffness.
+    """
+    piece, rows = rod.pieces[place], np.arange(len(points))
+    for group in rows[:, None] if varies(piece) else [rows] if len(rows) else []:
+        yield group, section_at(rod, materials, place, float(points[group[0]]))
 
 
 def roundness(rod: Rod, materials: Materials) -> float:
@@ -259,7 +285,7 @@ def roundness(rod: Rod, materials: Materials) -> float:
     if isinstance(piece, Stiffness):
         return 1.0
     s = float(surface(rod.radius, np.array([0.5]))[0][0])
-    parts = _geometry(piece, rod, materials, 0.5).parts
+    parts = _geometry(piece, rod.material, materials, 0.5).parts
     lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
     if isinstance(lowest, sections.Rectangle) or lowest.half:
         return 0.0
