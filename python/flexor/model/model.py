@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError
 from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
@@ -27,7 +28,7 @@ from flexor.model.validation import describe
 Force = Forces | Mapping[str, Forces]
 
 
-class Model(Structure):
+class Model(Displayed, Structure):
     """A system of rods, links, contacts and actuators, built once and never changed.
 
     Parameters

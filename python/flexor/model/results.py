@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
@@ -326,7 +327,7 @@ class States(Results):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Path(Results):
+class Path(Displayed, Results):
     """Equilibria of one design over load steps, each followed from the one before.
 
     ``path[step]`` is a `State`, ``path[start:stop]`` a part of the path.

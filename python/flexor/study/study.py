@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.display import Displayed
 from flexor.errors import InputError
 from flexor.objectives import Extremum, Objective
 from flexor.optimizers import SearchResult
@@ -40,7 +41,7 @@ class Comparison:
 
 
 @dataclass(eq=False, repr=False)
-class Study:
+class Study(Displayed):
     """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
