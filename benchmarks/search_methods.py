@@ -1,7 +1,7 @@
 """How reliably each method finds the best known designs, written to docs/search-methods.md.
 
-Every method searches each problem (`_design_problems.py`) from random starts with an equal budget. A
-search succeeds when it reaches 99 % of the gain of the best known design, found by long searches
+Every method searches each problem (`_design_problems.py`) from random starts with an equal budget.
+A search succeeds when it reaches 99 % of the gain of the best known design, found by long searches
 (`best_known.py`), over the default design. Searches are recorded in a folder, so that the benchmark
 can be interrupted and run again.
 """
@@ -114,18 +114,18 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
         "",
         "<!-- Written by `python benchmarks/search_methods.py`; do not edit. -->",
         "",
-        f"Searches with at most {ours.budget:,} designs from random starts, on the seven sets of the "
-        f"paper (f_b, constants `{CONSTANTS}`) and on the problem that `examples/pneumatic-finger.toml` "
-        "states, with its constraints (demo). A search succeeds when it reaches 99 % of the gain of "
-        "the best known design over the default design (of the demo, whose default is infeasible, "
-        "over the worst of the first feasible designs).",
+        f"Searches with at most {ours.budget:,} designs from random starts, on the seven sets of "
+        f"the paper (f_b, variant `{CONSTANTS}`) and on the problem that "
+        "`examples/pneumatic-finger.toml` states, with its constraints (demo). A search succeeds "
+        "when it reaches 99 % of the gain of the best known design over the default design; if "
+        "that is infeasible, over the worst of the first feasible designs.",
         "",
         f"{machine()}.",
         "",
         f"## `{OURS}`",
         "",
-        f"{len(ours.seeds)} searches of each problem. *gain*: of the best known, at the median and at "
-        "the worst of the searches; *to 1 %*: median designs of the successful searches.",
+        f"{len(ours.seeds)} searches of each problem. *gain*: of the best known, at the median and "
+        "at the worst of the searches; *to 1 %*: median designs of the successful searches.",
         "",
         "| problem | parameters | default | best known | successes | gain, median | gain, worst | "
         "to 1 % | designs |",
@@ -135,7 +135,9 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
         found, best = ours.summary(name, OURS), ours.best_known(name)
         target = ours.target(name)
         first = best + (target - best) / 0.01
-        gains = [f"{100.0 * (first - v) / (first - best):.1f} %" for v in (found.median, found.worst)]
+        gains = [
+            f"{100.0 * (first - v) / (first - best):.1f} %" for v in (found.median, found.worst)
+        ]
         lines.append(
             f"| {name} | {ours.sets[name]} | {first:.5g} | {best:.6g} | "
             f"{found.success * found.searches:.0f} of {found.searches} | {' | '.join(gains)} | "
@@ -175,9 +177,9 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
 def _best_known_table(problems: list[str]) -> list[str]:
     table = recorded()
     lines = [
-        "Found by `python benchmarks/best_known.py`, which alternates a multistage search, `auto`, "
-        "differential evolution, CMA-ES and pattern search, all from random starts, and records every "
-        "run in `benchmarks/best_known.json`. *better*: runs within 1 % of the gain of the best.",
+        "Found by `python benchmarks/best_known.py`, which alternates a multistage search, "
+        "`auto`, differential evolution, CMA-ES and pattern search, all from random starts, and "
+        "records every run in `benchmarks/best_known.json`.",
         "",
         "| problem | value | runs | designs of each | by |",
         "|---|--:|--:|--:|---|",

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from flexor.model.results import Results
 
-# Names of the axes of each array of paths after those of designs and steps, and units of what is not
-# a plain number; joints that slide are in m.
+# Names of the axes of each array of paths after those of designs and steps, and units of what is
+# not a plain number; joints that slide are in m.
 _AXES = {
     "joint_angles": ("joint",),
     "applied": ("input",),

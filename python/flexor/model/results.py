@@ -183,8 +183,8 @@ class Results:
     def to_xarray(self) -> Dataset:
         """Return the arrays with names and units of their axes; needs the extra ``xarray``.
 
-        Dimensions are ``design`` and ``step``, as far as there are several, and those of each array. ``to_netcdf(FILE,
-        engine="h5netcdf")`` of the result writes a file.
+        Dimensions are ``design`` and ``step``, as far as there are several, and those of each
+        array. ``to_netcdf(FILE, engine="h5netcdf")`` of the result writes a file.
         """
         from flexor.model.dataset import results_dataset
 

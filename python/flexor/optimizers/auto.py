@@ -16,9 +16,9 @@ from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.population import DifferentialEvolution
 from flexor.optimizers.sqp import Linearization, differences, minimize_slsqp
 
-# Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of variation,
-# pattern search, differential evolution and, from each of the best, CMA-ES and SQP. The rest is for
-# the refinement.
+# Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of
+# variation, pattern search, differential evolution and, from each of the best, CMA-ES. The rest is
+# for SQP from the best and the refinement.
 SAMPLE, DESCENTS, VARIATION, PATTERN, EVOLUTION, CMA = 0.08, 0.3, 0.25, 0.12, 0.1, 0.03
 BEST = 3
 # Probability that a parameter of a random design is set to its lower, or to its upper bound.

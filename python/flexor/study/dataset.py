@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-
 from flexor.model.dataset import add, require_xarray
 from flexor.objectives import Several
 from flexor.study.problem import FloatArray, Problem
