@@ -10,6 +10,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.derivatives import TIED, Differential
 from flexor.model.quantity import parse_quantity
 from flexor.model.results import Path, Paths
 from flexor.model.structure import Structure
@@ -50,6 +51,11 @@ class Constraint:
         """Return what it bounds."""
         return observable(self.name, model)
 
+    @property
+    def sign(self) -> float:
+        """The sense: 1 if larger values are worse, -1 if smaller ones are."""
+        return 1.0 if self.sense == "<=" else -1.0
+
     def worst(self, paths: Paths) -> Array:
         """Return the value nearest to the bound or farthest beyond it along each path, (n,).
 
@@ -58,6 +64,26 @@ class Constraint:
         values = self.observable(paths.model).values(paths)
         reduce = np.fmax if self.sense == "<=" else np.fmin
         return np.asarray(reduce.reduce(values, axis=1))
+
+    def differential(self, paths: Paths) -> Differential:
+        """Return the first-order change of `worst`; InputError if the observable has none.
+
+        It is that at the worst step, and tied where the value at another step equals it.
+        """
+        found = self.observable(paths.model)
+        values = found.values(paths)
+        ranked = values if self.sense == "<=" else -values
+        ranked = np.where(np.isnan(ranked), -np.inf, ranked)
+        steps = ranked.argmax(axis=1)
+        change = found.differential(paths, steps)
+        # What does not depend on the state is the same at all steps.
+        if not change.parts:
+            return change
+        top = ranked[np.arange(len(ranked)), steps][:, None]
+        with np.errstate(invalid="ignore"):
+            near = np.isfinite(ranked) & (np.abs(ranked - top) <= TIED * np.abs(top))
+        near &= top != 0.0
+        return change + Differential(tied=near.sum(axis=1) > 1)
 
     def excess(self, worst: Array) -> Array:
         """Return how far values are beyond the bound, in units of `scale`; not above 0 is kept."""

@@ -18,7 +18,8 @@ class Auto(Method):
 
     The sample finds the valley, SLSQP its floor along the constraints, and the pattern search what
     lies beyond a snap or a lost contact, where slopes say nothing. Slopes of values and constraints
-    are one-sided differences, one batch for each.
+    are exact; where one of these has no derivative, they are one-sided differences, one batch for
+    each.
 
     Attributes
     ----------
@@ -102,14 +103,23 @@ class Auto(Method):
         self, run: Run, point: FloatArray
     ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
         """Return value, gradient (k,), excesses (c,) and their Jacobian (c, k) at a point (k,)."""
+        exact = run.linearized(point[None, :])
+        if exact is not None:
+            found, excess, slopes, rises = (each[0] for each in exact)
+            value = float(found) if np.isfinite(found) else _FAILED
+            return value, _finite(slopes), np.nan_to_num(excess, nan=1.0), _finite(rises)
         steps = np.where(point + self.difference > 1.0, -self.difference, self.difference)
         values, excesses = run.constrained(np.concatenate((point[None, :], point + np.diag(steps))))
         with np.errstate(invalid="ignore"):
             slope = (values[1:] - values[0]) / steps
             rise = ((excesses[1:] - excesses[0]) / steps[:, None]).T
         # A failed design is worse than any, and has no slope.
-        value = float(values[0]) if np.isfinite(values[0]) else 1e6
+        value = float(values[0]) if np.isfinite(values[0]) else _FAILED
         return value, _finite(slope), np.nan_to_num(excesses[0], nan=1.0), _finite(rise)
+
+
+# Value of a design that failed: worse than any.
+_FAILED = 1e6
 
 
 def _finite(slopes: FloatArray) -> FloatArray:

@@ -38,8 +38,9 @@ CREATE TABLE evaluations (
     events INTEGER NOT NULL,     -- snaps along the path
     iterations INTEGER NOT NULL, -- Newton iterations along the path
     {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
-    derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
-    regularity TEXT,             -- what they are worth; NULL in searches without gradients
+    derivatives BLOB,            -- float64 (rows, parameters): of angles and tip force at the last
+                                 -- step, of the value, and of the value of each constraint
+    regularity TEXT,             -- what that of the value is worth; NULL without derivatives
     constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
     violation REAL,              -- how far constraints are exceeded; NULL if the design failed
     UNIQUE (search, design)
@@ -160,7 +161,11 @@ class Record:
         slopes: dict[str, Any] = {}
         if any(blob is not None for blob in found.get("derivatives", ())):
             k, _, joints = self.sizes
-            slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
+            count = len(found["derivatives"][0] or b"") // (8 * max(k, 1))
+            rows_of = self._decoded(found["derivatives"], "<f8", (max(count, joints + 2), k))
+            slopes["derivatives"] = rows_of[:, : joints + 1]
+            slopes["value_gradient"] = rows_of[:, joints + 1]
+            slopes["constraint_gradients"] = rows_of[:, joints + 2 :]
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
         try:
             arrays: dict[str, Any] = {
@@ -249,4 +254,6 @@ def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | Non
     if outcomes.derivatives is None:
         nothing = [None] * len(outcomes)
         return nothing, nothing
-    return _blobs(outcomes.derivatives, "<f8"), outcomes.regularity.tolist()
+    value = outcomes.value_gradient[:, None]
+    rows = np.concatenate((outcomes.derivatives, value, outcomes.constraint_gradients), axis=1)
+    return _blobs(rows, "<f8"), outcomes.regularity.tolist()
