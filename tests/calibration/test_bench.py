@@ -99,12 +99,12 @@ def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) 
     for name in ("calibration.png", "calibration.svg"):
         assert (folder / name).stat().st_size > 10_000
     snippet = (folder / "constants.toml").read_text()
-    assert "[constants.bench]" in snippet
+    assert "[variants.bench]" in snippet
     told = json.loads((folder / "calibration.json").read_text())
     model = tmp_path / "pasted.toml"
     text = package.load("finger", "calibrated").file.to_toml()
-    model.write_text(f"{text.split('[constants')[0].replace('use =', '# use =')}\n{snippet}")
-    pasted = package.load(model, constants="bench")
+    model.write_text(f"{text.split('[variants')[0].replace('use =', '# use =')}\n{snippet}")
+    pasted = package.load(model, variant="bench")
     for name, field in NAMES.items():
         part, _, key = field.rpartition(".")
         slot = {"young_modulus": "exosuit.young_modulus", "stiffness": f"{part}.stiffness"}[key]

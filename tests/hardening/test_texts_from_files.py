@@ -45,7 +45,7 @@ def test_a_stranger_s_targets_file(tmp_path: Path) -> None:
     targets.write_text(EVIL)
     found = calibrate(load("finger"), targets, samples=4, starts=1)
     written = report.constants_toml(found, "fitted")
-    assert set(tables(written, "constants")["constants"]["fitted"]) == {"bodies"}
+    assert set(tables(written, "variants")["variants"]["fitted"]) == {"bodies"}
     assert "\x1b" not in written
     rows = list(csv.reader(report.targets_csv(found.best).splitlines()))
     assert rows[1][0].startswith("'=HYPERLINK")

@@ -1,11 +1,12 @@
-"""Sets of constants: one active, all validated, all with the same fields."""
+"""Variants and sets of constants: one applied, all validated."""
 
 from __future__ import annotations
 
 import pytest
 
 from flexor.errors import InputError
-from flexor.model import Model, parse
+from flexor.model import Model, load, parse
+from flexor.model.reading import check
 
 BASE = """
 name = "rod"
@@ -73,9 +74,7 @@ def test_a_file_with_sets_must_use_one() -> None:
 
 def test_selecting_a_set_in_a_file_without_sets() -> None:
     text = BASE[: BASE.index("[constants.soft]")].replace('use = "soft"', "")
-    assert message(text, use="soft") == (
-        'rod.toml: unknown set of constants "soft": none are defined.'
-    )
+    assert message(text, use="soft") == ('rod.toml: unknown variant "soft": none are defined.')
 
 
 def test_all_sets_must_define_the_same_fields() -> None:
@@ -137,7 +136,7 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             'bodies has an unknown entry "siut" (did you mean "suit"?): expected "suit".',
         ),
         ("suit", "8 cm", "bodies.suit is a table: change its fields individually."),
-        ("use", "stiff", "use cannot be changed: select a set by name."),
+        ("use", "stiff", "use cannot be changed: select a variant by name."),
         ("suit.length", "0 cm", 'bodies.suit.length is "0 cm": it must be greater than zero.'),
         (
             "suit.lenght",
@@ -178,12 +177,78 @@ def test_variants_change_the_file_as_it_stands() -> None:
     assert Model(file).variants == {"long": 0.25, "strong": 1.0}
     long = parse(BASE + VARIANTS, use="long")
     assert long.rod("suit").length == 0.3 and long.rod("suit").young_modulus == 30_000.0
-    # A variant overrides the set that is in use, and another cannot be applied to what is left.
+    # A variant overrides the set of constants that is in use.
     strong = parse(BASE + VARIANTS, use="strong")
     assert strong.actuators["chamber"].lever.z == 9.0
-    assert strong.variants == strong.constants == {} and parse(strong.to_toml()) == strong
+    assert strong.constants == {} and parse(strong.to_toml()) == strong
     changed = parse(BASE + VARIANTS, use="long", changes={"suit.length": "20 cm"})
     assert changed.rod("suit").length == 0.2
+
+
+ALTERNATIVES = (
+    BASE.split("[constants.soft]")[0].replace('use = "soft"', "")
+    + """
+[variants.long]
+bodies.suit.length = "30 cm"
+bodies.suit.young_modulus = "30 kPa"
+
+[variants.thin]
+bodies.suit.radius = { base = "8 mm", tip = "6 mm" }
+bodies.suit.young_modulus = "20 kPa"
+
+[variants.slender]
+weight = 2
+bodies.suit.radius = "5 mm"
+bodies.suit.young_modulus = "30 kPa"
+
+[variants.dense]
+bodies.suit.density = "1100 kg/m^3"
+bodies.suit.young_modulus = "30 kPa"
+"""
+)
+
+
+@pytest.mark.parametrize("first", ["long", "thin", "slender"])
+def test_variants_are_alternatives_also_where_one_is_applied(first: str) -> None:
+    """Each gives the same model, whichever has been applied before."""
+    written = parse(ALTERNATIVES, use=first).to_toml()
+    for name in ("long", "thin", "slender"):
+        assert Model(parse(written, use=name)).hash == Model(parse(ALTERNATIVES, use=name)).hash
+    assert parse(written) == parse(ALTERNATIVES, use=first)
+    assert Model(parse(written)).variants["slender"] == 2.0
+
+
+def test_what_a_variant_adds_cannot_be_taken_away() -> None:
+    """Another variant would silently keep it, and is not offered."""
+    dense = parse(ALTERNATIVES, use="dense")
+    assert list(dense.variants) == ["dense"] and dense.use == "dense"
+
+
+def test_a_section_of_another_kind_takes_the_place_of_the_first() -> None:
+    document = load("pneumatic-finger").file.to_document()
+    tube = {"kind": "tube", "wall": "2 mm"}
+    document["variants"] = {
+        "tube": {"bodies": {"exosuit": {"section": tube}}},
+        "thin": {"bodies": {"exosuit": {"section": {"wall": "1.5 mm"}}}},
+    }
+    changed = check(document, use="tube")
+    assert changed.rod("exosuit").section.kind == "tube"
+    thin = check(changed.to_document(), use="thin").rod("exosuit").section
+    assert (thin.kind, thin.wall, thin.floor) == ("half-round", 0.0015, 0.0025)
+
+
+def test_the_preset_s_sets_are_variants() -> None:
+    assert set(load("finger").variants) == {
+        "surface",
+        "printed",
+        "calibrated",
+        "calibrated-optimum",
+    }
+    assert load("finger", constants="printed").hash == load("finger", "printed").hash
+    with pytest.raises(InputError, match="two names of the same"):
+        load("finger", "printed", constants="printed")
+    with pytest.raises(InputError, match=r'unknown variant "prined" \(did you mean "printed"\?\)'):
+        load("finger", "prined")
 
 
 @pytest.mark.parametrize(

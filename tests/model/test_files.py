@@ -33,7 +33,7 @@ def test_presets_read_and_are_named_after_their_file(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_presets_round_trip(name: str) -> None:
     written = read(locate(name))
-    for use in (None, *written.constants):
+    for use in (None, *written.variants):
         file = read(locate(name), use=use)
         assert parse(file.to_toml()) == file
 

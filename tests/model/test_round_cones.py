@@ -142,7 +142,7 @@ def test_gradients_are_those_of_differences(per_length: bool) -> None:
     model = load("finger", "calibrated", changes=SOLID)
     if per_length:
         text = model.file.to_document()
-        text.pop("constants")
+        text.pop("variants")
         text.pop("use")
         text["contacts"]["skin"].pop("stiffness")
         text["contacts"]["skin"]["stiffness_per_length"] = "32 kPa"

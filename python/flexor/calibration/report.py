@@ -58,7 +58,7 @@ def rows(fit: Fit) -> list[Row]:
 
 
 def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
-    """Write constants (a set called `name`), table and report into a folder; return the files."""
+    """Write constants (a variant `name`), table and report into a folder; return the files."""
     texts = {
         CONSTANTS: constants_toml(calibration, name),
         TARGETS: targets_csv(calibration.best),
@@ -74,7 +74,7 @@ def write(calibration: Calibration, folder: Path, name: str) -> list[Path]:
 
 
 def constants_toml(calibration: Calibration, name: str) -> str:
-    """Return the best constants as a set called `name`, to paste into each model file."""
+    """Return the best constants as a variant called `name`, to paste into each model file."""
     best, identifiability = calibration.best, calibration.identifiability
     ranges = {
         constant.name: tuple(constant.shown(end, 4) for end in identifiability.interval(i))
@@ -92,7 +92,7 @@ def constants_toml(calibration: Calibration, name: str) -> str:
             block.append(f"{field} = {text}  # 95 % confidence: {one_line(f'{low} to {high}')}")
         blocks.setdefault("\n".join(block), []).append(model)
     for block_text, models in blocks.items():
-        lines += ["", f"# for {one_line(' and '.join(models))}", f"[constants.{name}]", block_text]
+        lines += ["", f"# for {one_line(' and '.join(models))}", f"[variants.{name}]", block_text]
     return "\n".join(lines) + "\n"
 
 

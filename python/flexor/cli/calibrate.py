@@ -57,11 +57,11 @@ def calibrate(
         typer.Option(callback=options.at_least(1), help="Number of these points that are refined."),
     ] = None,
     name: Annotated[
-        str, typer.Option(help="Name of the set of constants, or of the material.")
+        str, typer.Option(help="Name of the variant that the constants become, or of the material.")
     ] = "calibrated",
     threads: options.Threads = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     law: Law = None,
     strains: Strains = None,
@@ -100,7 +100,7 @@ def calibrate(
 
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
-    loaded = load_changed(model, constants, changes)
+    loaded = load_changed(model, variant, changes)
     if resume and folder is None:
         raise InputError("--resume needs --out, the folder to resume.")
     place = folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)

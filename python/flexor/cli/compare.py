@@ -65,7 +65,7 @@ def compare(
         ),
     ] = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
@@ -96,7 +96,7 @@ def compare(
         place, work = resume, partial(comparison.resume_comparison, resume, workers=workers)
     else:
         assert model is not None
-        loaded = load_changed(model, constants, changes)
+        loaded = load_changed(model, variant, changes)
         place = folder or new_folder(loaded.name, objective, "comparison")
         work = partial(
             comparison.compare,

@@ -55,7 +55,7 @@ def landscape(
     resume: options.Resume = None,
     threads: options.Threads = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
@@ -73,7 +73,7 @@ def landscape(
     --------
     * `flexor landscape finger --parameters R01 --objective f_b`
     * `flexor landscape finger -p L+R01 --axes L,R_1 --start "R_0=0.7 cm" --grid 41`
-    * `flexor landscape finger -p L --grid 201 --constants printed --out studies/length`
+    * `flexor landscape finger -p L --grid 201 --variant printed --out studies/length`
     * `flexor landscape finger -p R01 --study studies/finger-R01-bending`
     """
     from flexor import study as studies
@@ -88,7 +88,7 @@ def landscape(
         place, work = resume, partial(landscapes.resume_landscape, resume)
     else:
         assert model is not None
-        loaded = load_changed(model, constants, changes)
+        loaded = load_changed(model, variant, changes)
         chosen = parameter_set(parameters, loaded.design)
         for each, search in overlays:
             _check_same_set(each, search, chosen)

@@ -10,7 +10,7 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import print_json
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import load_changed, numbers, one_or_assignments, ranges
+from flexor.cli.values import assignments, load_changed, numbers, one_or_assignments, ranges
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,11 +52,16 @@ def optimize(
             "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
         ),
     ] = None,
+    scenarios: options.Scenarios = None,
+    aggregate: options.Aggregate = None,
+    tolerance: options.Tolerance = None,
+    samples: options.Samples = None,
     method: Annotated[
         str | None,
         typer.Option(
+            autocompletion=options.method_names,
             help="Search method (see `flexor methods`); by default `auto` with --maximise and "
-            "--minimise, otherwise `pattern-search`."
+            "--minimise, otherwise `pattern-search`.",
         ),
     ] = None,
     method_options: Annotated[
@@ -84,7 +89,7 @@ def optimize(
     resume: options.Resume = None,
     threads: options.Threads = 0,
     cluster: options.Cluster = None,
-    constants: options.Constants = None,
+    variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
@@ -105,6 +110,8 @@ def optimize(
     * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
     * `flexor optimize pneumatic-finger --vary "exosuit.section.wall=1.5 mm:3 mm" --maximise
       range-of-motion --subject-to "overlap <= 1.5 mm"`
+    * `flexor optimize pneumatic-finger --tolerance "exosuit.section.wall=0.1 mm"`
+    * `flexor optimize glove.toml --scenarios all --aggregate "served 60 deg"`
     * `flexor optimize --resume studies/press`
 
     The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
@@ -123,7 +130,7 @@ def optimize(
         place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
         assert model is not None
-        loaded = load_changed(model, constants, changes)
+        loaded = load_changed(model, variant, changes)
         given = {"--parameters": "parameters", "--objective": "objective"}
         stated = [option for option, name in given.items() if _is_given(context, name)]
         stated_there = loaded.file.design or Design.model_construct()
@@ -150,6 +157,11 @@ def optimize(
             method,
             subject_to=subject_to or stated_there.subject_to,
             without=without or stated_there.without,
+            scenarios=scenarios or stated_there.scenarios,
+            aggregate=aggregate or stated_there.aggregate,
+            tolerance=assignments("--tolerance", tolerance or [], "exosuit.section.wall=0.1 mm")
+            or stated_there.tolerance,
+            samples=stated_there.samples if samples is None else samples,
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),

@@ -20,6 +20,20 @@ def _writable(figure: Path | None) -> Path | None:
     return figure
 
 
+def preset_names(incomplete: str) -> list[str]:
+    """Complete the name of a preset, or leave files to the shell."""
+    from flexor.model.reading import presets
+
+    return [name for name in presets() if name.startswith(incomplete)]
+
+
+def method_names(incomplete: str) -> list[str]:
+    """Complete the name of a search method."""
+    from flexor.optimizers import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
 def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | None]:
     """Return the check of an option that is a number of at least ``least``."""
 
@@ -31,16 +45,55 @@ def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | No
 
 Model = Annotated[
     str,
-    typer.Argument(metavar="MODEL", help="Model file, or name of a preset (see `flexor presets`)."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file, or name of a preset (see `flexor presets`).",
+        autocompletion=preset_names,
+    ),
 ]
 OptionalModel = Annotated[
     str | None,
-    typer.Argument(metavar="MODEL", help="Model file or preset; omit with --resume."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file or preset; omit with --resume.",
+        autocompletion=preset_names,
+    ),
 ]
 Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
 Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
+Scenarios = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAMES",
+        help="Variants of the file under which each design is evaluated, such as "
+        "`healthy,stiff=0.5` with other weights than those of the file, or `all`.",
+    ),
+]
+Aggregate = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HOW",
+        help="What counts over the scenarios: `mean`, `worst`, `quantile 0.9`, or `served 60 deg`, "
+        "the share that reaches that and keeps the constraints.",
+    ),
+]
+Tolerance = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FIELD=ERROR",
+        help="Error of a field for which constraints hold, such as `exosuit.section.wall=0.1 mm`, "
+        "or its standard deviation, `0.1 mm normal`; may be repeated.",
+    ),
+]
+Samples = Annotated[
+    int | None,
+    typer.Option(
+        callback=at_least(0),
+        help="Number of errors within the tolerances over which the objective counts as well.",
+    ),
+]
 Load = Annotated[
     list[str] | None,
     typer.Option(
@@ -71,12 +124,12 @@ Cluster = Annotated[
         "workers. Does not affect results.",
     ),
 ]
-Constants = Annotated[
+Variant = Annotated[
     str | None,
     typer.Option(
         "--variant",
         "--constants",
-        help="Variant or set of constants of the file to use, such as `printed`.",
+        help="Variant of the file to apply, such as `printed` of the preset `finger`.",
     ),
 ]
 Set = Annotated[

@@ -11,7 +11,6 @@ from flexor.cli.console import err, say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show, with_unit
-from flexor.objectives import Extremum
 
 if TYPE_CHECKING:
     from flexor.study import Sensitivity, Study
@@ -38,11 +37,11 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    if study.problem.constraints or isinstance(study.problem.objective, Extremum):
+    if study.problem.constraints or study.problem.objective.of_observable:
         verdict.print_verdict(study.best)
     show(("", start_title(study), "optimum", "change"), rows)
     say(_improvement(study))
-    if isinstance(study.problem.objective, Extremum):
+    if study.problem.objective.of_observable:
         verdict.print_tolerances(study.best)
     elif math.isfinite(study.best.value) and study.problem.model.joints:
         _print_sensitivity(study.best.sensitivity)
@@ -152,14 +151,14 @@ def _signed(degrees: float) -> str:
 def _improvement(study: Study) -> str:
     start, best, first = study.start, study.best, start_title(study)
     force = study.problem.model.show_loads(study.problem.loads[-1])
-    objective = study.problem.objective
+    problem = study.problem
     if not math.isfinite(start.value):
         return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
-    if objective.quantity != "bending":
+    if problem.quantity != "bending":
         return (
-            f"At {force} the optimum's {objective.quantity} is "
-            f"{with_unit(best.shown, objective.unit)}, that of the {first} "
-            f"{with_unit(start.shown, objective.unit)}{_ratio(start.shown, best.shown)}."
+            f"At {force} the optimum's {problem.quantity} is "
+            f"{with_unit(best.shown, problem.unit)}, that of the {first} "
+            f"{with_unit(start.shown, problem.unit)}{_ratio(start.shown, best.shown)}."
         )
     return (
         f"At {force} the optimum bends {_degrees(best.bending)}, "

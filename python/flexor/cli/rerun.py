@@ -31,7 +31,7 @@ def rerun(
 ) -> int:
     """Repeat a study from its folder and check that the results are bit-identical.
 
-    A study folder contains everything that determines its results (model and constants, parameter
+    A study folder contains everything that determines its results (model and variant, parameter
     set and bounds, objective, forces, method and options, start, seed, solver options, budget)
     and its provenance (versions of Flexor, Python and numerical packages, hash of the compiled
     engine, system). This command repeats the study without modifying the folder and compares

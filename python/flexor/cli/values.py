@@ -57,8 +57,8 @@ def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     return result
 
 
-def load_changed(model: str, constants: str | None, changes: list[str] | None) -> Model:
-    """Load a model with a set of constants and overrides such as `exosuit.length=8 cm`."""
+def load_changed(model: str, variant: str | None, changes: list[str] | None) -> Model:
+    """Load a model with a variant and overrides such as `exosuit.length=8 cm`."""
     from flexor.model import load
 
-    return load(model, constants, assignments("--set", changes or [], "exosuit.length=8 cm"))
+    return load(model, variant, assignments("--set", changes or [], "exosuit.length=8 cm"))

@@ -63,7 +63,8 @@ def print_tolerances(design: Design) -> None:
 def constraints_as_json(design: Design) -> list[dict[str, Any]]:
     """Return the constraints of a design: worst values along the path, SI."""
     problem = design.problem
-    excess = problem.excesses_of(design.constraint_values)
+    values = problem.worst_of(design.constraint_values)
+    excess = problem.worst_excesses(design.constraint_values)
     return [
         {
             "constraint": each.text(problem.model),
@@ -71,7 +72,5 @@ def constraints_as_json(design: Design) -> list[dict[str, Any]]:
             "value": float(value) if math.isfinite(value) else None,
             "kept": bool(over <= 0.0),
         }
-        for each, value, over in zip(
-            problem.constraints, design.constraint_values, excess, strict=True
-        )
+        for each, value, over in zip(problem.constraints, values, excess, strict=True)
     ]

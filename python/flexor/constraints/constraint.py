@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -94,7 +94,7 @@ class Constraint:
     def place(self, path: Path) -> str:
         """Return where along a path and on which body the worst value is, for display."""
         found = self.observable(path.model)
-        values = found.values(_one(path))[0]
+        values = found.values(path.as_batch)[0]
         if np.isnan(values).all():
             return ""
         step = int(np.nanargmax(values) if self.sense == "<=" else np.nanargmin(values))
@@ -138,14 +138,3 @@ def constraint(text: str, model: Structure, default: str = "") -> Constraint:
     scale = abs(number) or found.unit[0]
     sense: Literal["<=", ">="] = "<=" if match["sense"] == "<=" else ">="
     return Constraint(found.name, sense, number, scale, default)
-
-
-def _one(path: Path) -> Paths:
-    """Return a path as paths of one design."""
-    arrays = {}
-    for each in fields(path):
-        value = getattr(path, each.name)
-        if value is not None and each.metadata["axes"].startswith("n"):
-            value = np.asarray(value)[None] if each.name != "event_table" else None
-        arrays[each.name] = value
-    return Paths(**arrays)

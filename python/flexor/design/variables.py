@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from flexor.arrays import Array
 from flexor.design.fields import keys_of, value_of
 from flexor.design.parameter_set import ParameterSet
-from flexor.design.slot_map import SlotMap, slot_map
+from flexor.design.slot_map import SlotMap, refitted, slot_map
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, SlotValues
 from flexor.model.quantity import Unit, infer_quantity
@@ -80,17 +81,20 @@ class Variables(ParameterSet):
         return {label: kind.exact(value) for label, kind, value in rows}
 
     def _map(self, model: Structure) -> SlotMap:
-        key = model.file.to_toml()
-        found = self._maps.get(key)
+        found = self._maps.get(model)
         if found is None:
             keys = [keys_of(label, model.file) for label in self.labels]
-            found = slot_map(model, keys, self.labels, self.lower, self.upper)
-            self._maps[key] = found
+            # Models that differ in values have the same polynomials.
+            known = next(iter(list(self._maps.values())), None)
+            found = refitted(known, model, keys) if known is not None else None
+            if found is None:
+                found = slot_map(model, keys, self.labels, self.lower, self.upper)
+            self._maps[model] = found
         return found
 
     @cached_property
-    def _maps(self) -> dict[str, SlotMap]:
-        return {}
+    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap]:
+        return WeakKeyDictionary()
 
     def __getstate__(self) -> dict[str, Any]:
         return {key: value for key, value in self.__dict__.items() if key != "_maps"}

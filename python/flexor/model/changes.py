@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
-from flexor.model import constants
+from flexor.model import variants
 from flexor.model.schema import ModelFile
 from flexor.model.toml import MAX_DEPTH
 from flexor.model.validation import describe
@@ -22,7 +22,7 @@ _NAMED = tuple(ModelFile.named_tables())
 
 
 def changed(document: Document, path: str, value: object, source: str) -> dict[str, Any]:
-    """Return a document with one field changed, in all sets of constants that define it.
+    """Return a document with one field changed, in all variants that define it.
 
     The path is dotted, such as ``"bodies.exosuit.length"``, or begins with a named entry, such as
     ``"exosuit.length"``; a value may be its text in a model file (``"8 cm"``, ``"0.3"``).
@@ -33,7 +33,7 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
     keys = resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
     result: dict[str, Any] = _with(document, keys, value)
-    for table in constants.TABLES:
+    for table in variants.TABLES:
         sets = document.get(table)
         if not isinstance(sets, Mapping):
             continue
@@ -55,8 +55,8 @@ def resolve(document: Document, keys: list[str], source: str) -> list[str]:
             allowed = (*tables, *ModelFile.model_fields)
             raise InputError(f"{source}: {unknown_name('field', keys[0], allowed)}.")
         keys = [tables[keys[0]], *keys]
-    if keys[0] in (*constants.TABLES, "use"):
-        raise InputError(f"{source}: {keys[0]} cannot be changed: select a set by name.")
+    if keys[0] in (*variants.TABLES, "use"):
+        raise InputError(f"{source}: {keys[0]} cannot be changed: select a variant by name.")
     if keys[0] in _NAMED and len(keys) > 1 and keys[1] not in document.get(keys[0], {}):
         what = unknown_name("entry", keys[1], document.get(keys[0], {}))
         raise InputError(f"{source}: {keys[0]} has an {what}.")

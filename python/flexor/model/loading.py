@@ -15,8 +15,10 @@ from flexor.model.validation import describe
 
 def load(
     model: str | os.PathLike[str] | ModelFile,
-    constants: str | None = None,
+    variant: str | None = None,
     changes: Mapping[str, object] | None = None,
+    *,
+    constants: str | None = None,
 ) -> Model:
     """Load a model.
 
@@ -24,10 +26,12 @@ def load(
     ----------
     model
         Path of a model file, name of a preset (see `presets`), or a `ModelFile`.
-    constants
-        Variant or set of constants to use instead of the file's own choice.
+    variant
+        Variant of the file to apply instead of its own choice.
     changes
         Values that override those of the file, by dotted path such as ``"exosuit.length"``.
+    constants
+        The same as ``variant``.
 
     Raises
     ------
@@ -43,15 +47,18 @@ def load(
     --------
     >>> flexor.load("finger").dof
     25
-    >>> flexor.load("finger", constants="printed", changes={"exosuit.length": "8 cm"}).dof
+    >>> flexor.load("finger", "printed", changes={"exosuit.length": "8 cm"}).dof
     25
     """
+    if variant is not None and constants is not None:
+        raise InputError("variant and constants are two names of the same: give one.")
+    use = variant if constants is None else constants
     if isinstance(model, ModelFile):
-        file = check(model.to_document(), use=constants, changes=changes, source=model.name)
+        file = check(model.to_document(), use=use, changes=changes, source=model.name)
         loaded = Model(file)
     elif isinstance(model, (str, os.PathLike)):
         path = locate(model)
-        loaded = Model(read(path, use=constants, changes=changes), source=str(path))
+        loaded = Model(read(path, use=use, changes=changes), source=str(path))
     else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
     warn_about_gaps(loaded)

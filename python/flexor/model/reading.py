@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from flexor.errors import InputError, shortened, unknown_name
-from flexor.model import constants
+from flexor.model import variants
 from flexor.model.changes import changed
 from flexor.model.schema import ModelFile
 from flexor.model.toml import check_depth, read_text, tables
@@ -54,7 +54,7 @@ def read(
     path
         The file.
     use
-        Set of constants to use instead of the file's own choice.
+        Variant to apply instead of the file's own choice.
     changes
         Values that override those of the file, by dotted path; see `flexor.model.changes`.
 
@@ -98,22 +98,31 @@ def check(
     changes: Mapping[str, object] | None = None,
     source: str = "model",
 ) -> ModelFile:
-    """Validate a parsed model file with each of its sets of constants."""
+    """Validate a parsed model file with each of its variants."""
     check_depth(document, source)
     for path, value in (changes or {}).items():
         document = changed(document, path, value, source)
-    chosen = constants.choose(document, use, source)
-    for name in constants.names(document, source):
+    chosen = variants.choose(document, use, source)
+    for name in variants.names(document, source):
         if name != chosen:
             _validated(document, name, source)
     return _validated(document, chosen, source)
 
 
+def with_changes(file: ModelFile, values: Mapping[str, Any], source: str) -> ModelFile:
+    """Return a file with changes such as those of a variant, and no variants of its own.
+
+    InputError, beginning with ``source``, if it is then no valid model.
+    """
+    document = file.to_document()
+    return _validated(variants.with_changes(document, values), None, source)
+
+
 def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> ModelFile:
-    complete = constants.applied(document, chosen)
+    complete = variants.applied(document, chosen)
     try:
         return ModelFile.model_validate(complete)
     except ValidationError as error:
         path, tail = first_error(error, complete)
-    path = shortened(constants.place(document, chosen, path), 200)
+    path = shortened(variants.place(document, chosen, path), 200)
     raise InputError(f"{source}: {path} {tail}." if path else f"{source}: it {tail}.")

@@ -346,6 +346,19 @@ class Path(Results):
     def __iter__(self) -> Iterator[State]:
         return (self[step] for step in range(len(self)))
 
+    @property
+    def as_batch(self) -> Paths:
+        """The same as paths of one design."""
+        arrays: dict[str, Any] = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if value is not None and each.metadata["axes"].startswith("n"):
+                table = each.name == "event_table"
+                one = np.fromiter([value], dtype=object, count=1) if table else None
+                value = np.asarray(value)[None] if one is None else one
+            arrays[each.name] = value
+        return Paths(**arrays)
+
     def frames(self, step: int = -1) -> dict[str, Array]:
         """Return the frames along each body in one step; see `State.frames`."""
         return self[step].frames()
@@ -567,10 +580,10 @@ class Paths(Results):
                 joined[each.name] = np.concatenate(column)
         return cls(**joined)
 
-    def recorded(self) -> Paths:
+    def recorded(self, without: Sequence[str] = ()) -> Paths:
         """Return the same paths with those arrays only that a study records."""
         recorded = [each.name for each in fields(self) if each.metadata["recorded"]]
-        return Paths(**{name: getattr(self, name) for name in recorded})
+        return Paths(**{name: getattr(self, name) for name in recorded if name not in without})
 
     def scatter(self, into: Paths, rows: NDArray[np.intp]) -> None:
         """Write these paths into rows of others, as far as both have the same arrays."""

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
-from flexor.model.constants import weights
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.units import FORCE, Dimension
+from flexor.model.variants import weights
 
 
 class Structure:

@@ -51,6 +51,15 @@ class Objective(ABC):
         )
 
     @property
+    def of_observable(self) -> bool:
+        """Whether it maximises or minimises an observable, of a design that is to be made and worn.
+
+        Constraints hold by default then, and there is a verdict. The paper's objectives are stated
+        without constraints, and so are users' own.
+        """
+        return False
+
+    @property
     def differentiable(self) -> bool:
         """Whether it has a `gradient`."""
         return type(self).gradient is not Objective.gradient

@@ -32,6 +32,11 @@ class Extremum(Objective):
     differentiable_observable: bool = False
 
     @property
+    def of_observable(self) -> bool:
+        """True."""
+        return True
+
+    @property
     def differentiable(self) -> bool:
         """Whether the observable has derivatives."""
         return self.differentiable_observable

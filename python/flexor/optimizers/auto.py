@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,11 @@ class Auto(Method):
     difference: float = option(1e-5, at_most(0.1))
     mesh: float = option(0.02, FRACTION)
     tolerance: float = option(1e-4, FRACTION)
+
+    @property
+    def local(self) -> Auto:
+        """The same from a start that is nearly optimal: without a sample."""
+        return replace(self, samples=1, starts=1)
 
     def run(self, run: Run) -> str:
         """Sample, run SLSQP from the best of it, and a pattern search from the best of all."""

@@ -17,6 +17,7 @@ from flexor.study.problem import Problem
 from flexor.study.record import Record
 from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.rerun import Changed, Difference, Rerun, rerun
+from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
 from flexor.study.study import Comparison, Study, StudyCallback, StudyProgress
@@ -38,12 +39,14 @@ __all__ = [
     "Record",
     "RecordedEvaluator",
     "Rerun",
+    "ScenarioProblem",
     "Sensitivity",
     "Settings",
     "Study",
     "StudyCallback",
     "StudyProgress",
     "Threads",
+    "Uncertainty",
     "Verdict",
     "chosen_executor",
     "objective_function",

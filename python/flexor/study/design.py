@@ -93,8 +93,8 @@ class Design:
     @property
     def result(self) -> str:
         """The reason of its failure, or the displayed quantity such as ``"bending 0.8 rad"``."""
-        objective = self.problem.objective
-        return self.reason or f"{objective.quantity} {self.shown:.4g} {objective.unit}".rstrip()
+        problem = self.problem
+        return self.reason or f"{problem.quantity} {self.shown:.4g} {problem.unit}".rstrip()
 
     def __repr__(self) -> str:
         return f"<Design {self.text}: {self.result}>"

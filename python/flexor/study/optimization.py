@@ -14,14 +14,17 @@ from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
 from flexor.optimizers import method as named_method
+from flexor.scenarios.scenario import Given
 from flexor.store import Kind, Workspace
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.recorded_evaluator import RecordedEvaluator
+from flexor.study.rounds import rounds
+from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 from flexor.study.settings import MODEL, STUDY, Settings, reopened, study_record, study_settings
 from flexor.study.study import Study, StudyCallback, StudyProgress
 
@@ -37,6 +40,10 @@ def optimize(
     *,
     subject_to: Sequence[str] = (),
     without: Sequence[str] = (),
+    scenarios: Given = (),
+    aggregate: str = "mean",
+    tolerance: Mapping[str, object] | None = None,
+    samples: int = 0,
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     force: Any = None,
@@ -71,6 +78,21 @@ def optimize(
     without : sequence of str
         Default constraints that are not to hold, of those of `flexor.constraints`; ``"defaults"``
         for all. They hold when an observable is maximised or minimised.
+    scenarios : sequence of str, str, dict or sequence of Scenario, optional
+        Variants of the model's file under which each design is evaluated, all of them with
+        ``"all"``, and other weights than those of the file as ``{"NAME": 2.0}``; see
+        `flexor.scenarios.scenarios`. By default the model as it is.
+    aggregate : str
+        What the objective's values in the scenarios become: ``"mean"`` (weighted), ``"worst"``,
+        ``"quantile 0.9"``, or ``"served 60 deg"``, the share of the scenarios in which the
+        objective reaches that and all constraints hold. Otherwise these hold in every scenario.
+    tolerance : dict, optional
+        Largest errors of fields, ``{"exosuit.section.wall": "0.1 mm"}``, or standard deviations,
+        ``"0.1 mm normal"``. Constraints hold for every error within (of a normal one twice its
+        deviation).
+    samples : int
+        Number of errors within the tolerances over which the objective is aggregated as well, a
+        Sobol sequence from the seed; with 0 it is that without an error.
     start : (k,) or (s, k) array, str or list of str, optional
         Where the search begins, SI, or texts such as ``"10 cm, 0.7 cm"`` or ``"R_0=0.7 cm"``;
         the parameter set's own start (the model's exosuit) by default, and drawn from the seed if
@@ -122,8 +144,11 @@ def optimize(
     problem = Problem.of(
         model, parameters, objective, force, bounds, engine_options, subject_to, without
     )
+    stated = Uncertainty(scenarios, aggregate, tolerance or {}, integer("samples", samples, 0))
+    if stated:
+        problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))
     if method is None:
-        method = "auto" if isinstance(problem.objective, Extremum) else "pattern-search"
+        method = "auto" if problem.objective.of_observable else "pattern-search"
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:
@@ -254,7 +279,9 @@ def run_search(
             work.check_reproduces(record.outcomes(best).value, found)
         work.save_settings()
         record.database.note("finished", None)
-        study.result = _search(study, search, first, seed, limit, progress, where)
+        for stage in rounds(study, search, first, limit):
+            study.result = _search(study, *stage, seed=seed, progress=progress, executor=where)
+        assert study.result is not None
         record.database.note("finished", study.result.reason)
         if finish is not None:
             finish(study)
@@ -265,8 +292,9 @@ def _search(
     study: Study,
     search: Search,
     start: FloatArray | None,
-    seed: int,
     budget: Budget,
+    *,
+    seed: int,
     progress: StudyCallback | None,
     executor: DesignEvaluator,
 ) -> SearchResult:

@@ -26,7 +26,7 @@ from flexor.model.loading import require_model
 from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
 from flexor.model.solver import solver_options
-from flexor.objectives import Extremum, Objective, evaluate_objective
+from flexor.objectives import Objective, evaluate_objective
 from flexor.objectives import objective as named_objective
 
 if TYPE_CHECKING:
@@ -88,9 +88,7 @@ class Problem:
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)
-        # The paper's objectives are stated without constraints, and so are users' own.
-        defaults = isinstance(wanted, Extremum)
-        kept = chosen_constraints(subject_to, without, model, defaults)
+        kept = chosen_constraints(subject_to, without, model, wanted.of_observable)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
         return cls(model, chosen, wanted, solver_options(options or {}), kept)
@@ -106,6 +104,26 @@ class Problem:
     def force(self) -> FloatArray:
         """Loads of the first input [N or Pa], (steps,); zero without one."""
         return self.loads[:, 0] if self.loads.shape[1] else np.zeros(len(self.loads))
+
+    @property
+    def nominal(self) -> Problem:
+        """The problem for the model as it is."""
+        return self
+
+    @property
+    def quantity(self) -> str:
+        """What is sought, for display."""
+        return self.objective.quantity
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return self.objective.unit
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether its value has a gradient."""
+        return self.objective.differentiable
 
     @property
     def sizes(self) -> tuple[int, int, int]:
@@ -148,9 +166,13 @@ class Problem:
         """How far each constraint is exceeded, (n, c), by its bound; kept where not above 0."""
         return excesses(self.constraints, paths.constraint_values)
 
-    def excesses_of(self, values: FloatArray) -> FloatArray:
-        """Return the same for the values (c,) of one design, (c,)."""
-        return np.asarray(excesses(self.constraints, values[None, :])[0])
+    def worst_of(self, values: FloatArray) -> FloatArray:
+        """Return the value of each constraint that counts, (c,), of the recorded ones."""
+        return values
+
+    def worst_excesses(self, values: FloatArray) -> FloatArray:
+        """Return how far each constraint is exceeded, (c,), of the recorded values of a design."""
+        return np.asarray(excesses(self.constraints, self.worst_of(values)[None, :])[0])
 
     def residuals(self, paths: Paths) -> FloatArray:
         """Vectors (n, r) whose norms are the objective's values; NaN where a design failed.
@@ -170,8 +192,8 @@ class Problem:
         return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
 
     @property
-    def differentiable(self) -> bool:
-        """Whether the objective and all constraints have exact derivatives."""
+    def linearizable(self) -> bool:
+        """Whether the value and all constraints have exact derivatives."""
         observed = (each.observable(self.model) for each in self.constraints)
         return self.objective.differentiable and all(each.differentiable for each in observed)
 

@@ -38,18 +38,19 @@ CREATE TABLE evaluations (
     events INTEGER NOT NULL,     -- snaps along the path
     iterations INTEGER NOT NULL, -- Newton iterations along the path
     {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
-    derivatives BLOB,            -- float64 (rows, parameters): of angles and tip force at the last
-                                 -- step, of the value, and of the value of each constraint
+    derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
     regularity TEXT,             -- what that of the value is worth; NULL without derivatives
     constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
     violation REAL,              -- how far constraints are exceeded; NULL if the design failed
+    slopes BLOB,                 -- float64 (1 + constraints, parameters): derivatives of the value
+                                 -- and of what each constraint bounds; NULL without
     UNIQUE (search, design)
 );
 """
 _COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
-_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 8)})"
+_INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 9)})"
 _DERIVATIVES = """
-UPDATE evaluations SET derivatives = ?, regularity = ? WHERE search = ? AND design = ?
+UPDATE evaluations SET derivatives = ?, regularity = ?, slopes = ? WHERE search = ? AND design = ?
 """
 
 
@@ -120,15 +121,21 @@ class Record:
             map(str, designs.tolist()),
             *(column.tolist() for column in (*values, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
-            *_slopes(outcomes),
+            *_derivatives(outcomes),
             *_kept(outcomes, good),
+            _gradients(outcomes),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
 
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already."""
-        columns = (*_slopes(outcomes), [self._search] * len(designs), _blobs(designs, "<f8"))
+        columns = (
+            *_derivatives(outcomes),
+            _gradients(outcomes),
+            [self._search] * len(designs),
+            _blobs(designs, "<f8"),
+        )
         self.database.write((_DERIVATIVES, zip(*columns, strict=True)))
 
     def derivatives(self, design: FloatArray) -> tuple[FloatArray, str] | None:
@@ -154,19 +161,20 @@ class Record:
         An unknown design gives outcomes of length zero.
         """
         names = (*_COLUMNS, "constraints", "violation")
-        names = names if design is None else (*names, "derivatives", "regularity")
+        names = names if design is None else (*names, "derivatives", "regularity", "slopes")
         rows = self._rows(", ".join(names), design=design)
         columns = zip(*rows, strict=True) if rows else [()] * len(names)
         found = {name: list(column) for name, column in zip(names, columns, strict=True)}
         slopes: dict[str, Any] = {}
         if any(blob is not None for blob in found.get("derivatives", ())):
             k, _, joints = self.sizes
-            count = len(found["derivatives"][0] or b"") // (8 * max(k, 1))
-            rows_of = self._decoded(found["derivatives"], "<f8", (max(count, joints + 2), k))
-            slopes["derivatives"] = rows_of[:, : joints + 1]
-            slopes["value_gradient"] = rows_of[:, joints + 1]
-            slopes["constraint_gradients"] = rows_of[:, joints + 2 :]
+            slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
+        if any(blob is not None for blob in found.get("slopes", ())):
+            count = 1 + len(found["constraints"][0]) // 8
+            every = self._decoded(found["slopes"], "<f8", (count, self.sizes[0]))
+            slopes["value_gradient"] = every[:, 0]
+            slopes["constraint_gradients"] = every[:, 1:]
         try:
             arrays: dict[str, Any] = {
                 name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
@@ -249,11 +257,17 @@ def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Se
     return _blobs(outcomes.constraint_values, "<f8"), broken
 
 
-def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
+def _gradients(outcomes: Paths) -> Sequence[bytes | None]:
+    """Return the gradients of value and constraints of each design, None without."""
+    if outcomes.value_gradient is None:
+        return [None] * len(outcomes)
+    rows = (outcomes.value_gradient[:, None], outcomes.constraint_gradients)
+    return _blobs(np.concatenate(rows, axis=1), "<f8")
+
+
+def _derivatives(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
     """Return derivatives and regularity of each design, None without."""
     if outcomes.derivatives is None:
         nothing = [None] * len(outcomes)
         return nothing, nothing
-    value = outcomes.value_gradient[:, None]
-    rows = np.concatenate((outcomes.derivatives, value, outcomes.constraint_gradients), axis=1)
-    return _blobs(rows, "<f8"), outcomes.regularity.tolist()
+    return _blobs(outcomes.derivatives, "<f8"), outcomes.regularity.tolist()

@@ -30,7 +30,7 @@ class RecordedEvaluator(CachedEvaluator):
     ) -> None:
         super().__init__(self, record.known())
         self._problem, self._record, self._executor = problem, record, executor
-        self._gradients = gradients and problem.objective.differentiable
+        self._gradients = gradients and problem.differentiable
 
     def residuals(self, designs: FloatArray) -> FloatArray:
         """Vectors (n, r) of designs (n, k), from the record; NaN for those that failed."""
@@ -68,7 +68,7 @@ class RecordedEvaluator(CachedEvaluator):
         Designs that are not known yet are differentiated as they are evaluated. None if the
         objective or a constraint has no derivative.
         """
-        if not self._problem.differentiable:
+        if not self._problem.linearizable:
             return None
         asked, self._gradients = self._gradients, True
         try:
@@ -110,7 +110,9 @@ class RecordedEvaluator(CachedEvaluator):
         designs = normalized(designs)
         self(designs)
         found = [self._record.outcomes(row) for row in designs]
-        missing = np.array([paths.derivatives is None for paths in found])
+        missing = np.array(
+            [paths.derivatives is None and paths.value_gradient is None for paths in found]
+        )
         if missing.any():  # recorded by a search that had no use for them
             for part, paths in self._parts(designs[missing], True):
                 self._record.append_derivatives(part, paths)

@@ -15,6 +15,7 @@ from flexor.optimizers import Budget, Search
 from flexor.optimizers import method as named_method
 from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import run_search
+from flexor.study.problem import FloatArray
 from flexor.study.record import Record
 from flexor.study.settings import Settings
 from flexor.study.study import Study, StudyCallback
@@ -111,7 +112,7 @@ def rerun(
     then = Study.open(place, model=model, parameters=parameters, objective=objective)
     try:
         values, record = then.settings.values, then.record
-        recorded = len(record)
+        recorded = then.evaluations
         if recorded == 0:
             raise InputError(f'the study "{place}" has no evaluation that could be run again.')
         given = Budget(**values["budget"])
@@ -143,7 +144,18 @@ def rerun(
 
 
 def _first_difference(then: Study, now: Study, whole: bool) -> Difference | None:
-    old, new = then.record, now.record
+    for old, new in zip(then.records, now.records, strict=False):
+        if (found := _in_round(old, new)) is not None:
+            return found
+    if then.evaluations != now.evaluations:
+        return _difference(0, "evaluations", then.evaluations, now.evaluations)
+    ended = now.result.reason if now.result is not None else None
+    if whole and then.finished != ended:
+        return _difference(0, "end", then.finished, ended)
+    return None
+
+
+def _in_round(old: Record, new: Record) -> Difference | None:
     columns = {"design": (old.designs(), new.designs())}
     outcomes = old.outcomes(), new.outcomes()
     columns |= {name: tuple(getattr(paths, name) for paths in outcomes) for name in _COLUMNS}
@@ -152,15 +164,16 @@ def _first_difference(then: Study, now: Study, whole: bool) -> Difference | None
             if _bits(before[row]) != _bits(after[row]):
                 return _difference(row + 1, _READ_AS.get(name, name), before[row], after[row])
     for row, design in enumerate(columns["design"][0][: len(new)]):
-        slopes = old.derivatives(design), new.derivatives(design)
+        slopes = _slopes(old, design), _slopes(new, design)
         if _bits(slopes[0]) != _bits(slopes[1]):
             return _difference(row + 1, "derivatives", *slopes)
-    if len(old) != len(new):
-        return _difference(0, "evaluations", len(old), len(new))
-    ended = now.result.reason if now.result is not None else None
-    if whole and then.finished != ended:
-        return _difference(0, "end", then.finished, ended)
     return None
+
+
+def _slopes(record: Record, design: FloatArray) -> tuple[Any, ...]:
+    found = record.outcomes(design)
+    regularity = None if found.regularity is None else str(found.regularity[0])
+    return found.derivatives, found.value_gradient, found.constraint_gradients, regularity
 
 
 def _bits(value: Any) -> Any:

@@ -45,6 +45,7 @@ class Sensitivity:
     @classmethod
     def of(cls, problem: Problem, design: FloatArray) -> Sensitivity:
         """Evaluate a design (k,), SI, and those around it."""
+        problem = problem.nominal
         chosen = problem.parameters
         texts, sizes = zip(*map(_step, chosen.units, chosen.scale), strict=True)
         step = np.array(sizes)

@@ -18,9 +18,11 @@ from flexor.model.loads import loads
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
+from flexor.scenarios import Scenario
 from flexor.store import RECORD, Database, Header, Kind, check_regular, read_settings
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import TABLES, Record
+from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -36,7 +38,7 @@ class ModelTable(_Table):
     """Which model; the file itself is beside the settings."""
 
     name: str
-    constants: str | None
+    variant: str | None
     hash: str
 
 
@@ -75,6 +77,24 @@ class LimitsTable(_Table):
         return self
 
 
+class ScenarioTable(_Table):
+    """A scenario: what it changes in the model file, as a variant does."""
+
+    name: str
+    weight: FiniteFloat
+    changes: dict[str, Any]
+
+
+class UncertaintyTable(_Table):
+    """Scenarios and tolerances, and what is made of the values of all."""
+
+    scenarios: list[ScenarioTable]
+    aggregate: str
+    tolerance: dict[str, str]
+    samples: NonNegativeInt
+    seed: NonNegativeInt
+
+
 class _Parameters(LimitsTable):
     name: str
     units: list[str]
@@ -90,6 +110,7 @@ class _Shape(Header):
     parameters: _Parameters
     objective: ObjectiveTable
     constraints: list[ConstraintTable]
+    uncertainty: UncertaintyTable | None
     method: MethodTable
     start: list[list[FiniteFloat]] | None
     seed: NonNegativeInt
@@ -119,8 +140,9 @@ class Settings:
     """Settings of a study, as plain JSON values; numbers are SI and read back exactly.
 
     They are ``format``, ``kind``, ``flexor`` (version), ``environment`` (engine, Python, packages,
-    system), ``created``, ``model`` (name, constants, hash), ``parameters`` (name, labels, units,
-    bounds), ``objective`` (name, forces), ``constraints`` (texts), ``method`` (name, options),
+    system), ``created``, ``model`` (name, variant, hash), ``parameters`` (name, labels, units,
+    bounds), ``objective`` (name, forces), ``constraints`` (texts), ``uncertainty``
+    (scenarios, tolerances; or nothing), ``method`` (name, options),
     ``start``, ``seed``, ``engine`` (options) and ``budget``.
     """
 
@@ -148,6 +170,7 @@ def study_settings(
             {"text": each.text(problem.model), "default": each.default}
             for each in problem.constraints
         ],
+        "uncertainty": _uncertainty(problem),
         "parameters": {
             "name": chosen.name,
             "units": list(chosen.units),
@@ -160,11 +183,36 @@ def study_settings(
     }
 
 
+def _uncertainty(problem: Problem) -> dict[str, Any] | None:
+    if not isinstance(problem, ScenarioProblem):
+        return None
+    return {
+        "scenarios": [asdict(each) for each in problem.scenarios],
+        "aggregate": problem.aggregate.text,
+        "tolerance": {each.field: each.text for each in problem.tolerances},
+        "samples": problem.samples,
+        "seed": problem.seed,
+    }
+
+
+def _over(nominal: Problem, table: Mapping[str, Any] | None) -> Problem:
+    """Return the problem over the recorded scenarios and tolerances, if there are any."""
+    if table is None:
+        return nominal
+    stated = Uncertainty(
+        tuple(Scenario(**each) for each in table["scenarios"]),
+        table["aggregate"],
+        table["tolerance"],
+        table["samples"],
+    )
+    return ScenarioProblem.over(nominal, stated, table["seed"])
+
+
 def common_settings(problem: Problem) -> dict[str, Any]:
     """Describe what is common to all parameter sets: the model, the objective and the solver."""
     model = problem.model
     return {
-        "model": {"name": model.name, "constants": model.file.use, "hash": model.hash},
+        "model": {"name": model.name, "variant": model.file.use, "hash": model.hash},
         "objective": {"name": problem.objective.name, "force": _recorded(problem.loads)},
         "engine": dict(problem.options),
     }
@@ -221,7 +269,8 @@ def reopened(
     if parameters is None:
         chosen = within_limits(chosen, values["parameters"])
     wanted = at_loads(wanted, values, model)
-    return Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+    nominal = Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+    return _over(nominal, values["uncertainty"])
 
 
 def at_loads(wanted: Objective, values: Mapping[str, Any], model: Model) -> Objective:
@@ -237,9 +286,11 @@ def recorded_model(folder: Path) -> Model:
     return load(folder / MODEL)
 
 
-def study_record(kind: Kind, folder: Path | None, problem: Problem, database: Database) -> Record:
+def study_record(
+    kind: Kind, folder: Path | None, problem: Problem, database: Database, search: str = ""
+) -> Record:
     """Return the record of a study in its database, if that is of this problem."""
-    record = Record(database)
+    record = Record(database, search=search)
     if record.sizes != problem.sizes:
         record.close()
         raise InputError(

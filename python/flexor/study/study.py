@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
 from flexor.store import open_record
 from flexor.study.design import Design
-from flexor.study.problem import Problem
+from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
+from flexor.study.scenario_problem import ScenarioProblem
 from flexor.study.settings import Settings, reopened, study_record
 
 if TYPE_CHECKING:
@@ -77,12 +78,33 @@ class Study:
         problem = reopened(place, settings, model, parameters, objective)
         database = open_record(settings.kind, place, write=False)
         record = study_record(settings.kind, place, problem, database)
-        return cls(problem, settings, record, place)
+        study = cls(problem, settings, record, place)
+        study.take_round([np.array(each) for each in database.noted("rounds") or ()])
+        return study
+
+    def take_round(self, corners: Sequence[FloatArray]) -> None:
+        """Take the problem and the record of a round; see `flexor.study.rounds`.
+
+        Parameters
+        ----------
+        corners : sequence of (e, m) arrays
+            Errors of this round and of those before it; none in the first.
+        """
+        if isinstance(self.problem, ScenarioProblem):
+            self.problem = self.problem.with_corners(corners[-1] if corners else np.zeros((0, 0)))
+            self.record = Record(self.record.database, search=_search(len(corners)))
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The record of every round, of which there is one without tolerances."""
+        database = self.record.database
+        count = len(database.noted("rounds") or ())
+        return tuple(Record(database, search=_search(i)) for i in range(count + 1))
 
     @property
     def evaluations(self) -> int:
-        """Number of distinct designs evaluated."""
-        return len(self.record)
+        """Number of distinct designs evaluated, in all rounds."""
+        return sum(map(len, self.records))
 
     @property
     def finished(self) -> str | None:
@@ -117,9 +139,10 @@ class Study:
         ends = [(design.vector / chosen.scale).tolist() for design in (start, best)]
         lines = list(map(Comparison, chosen.labels, chosen.units, *ends))
         lines.append(Comparison("bending", "rad", start.bending, best.bending))
-        if objective.quantity != "bending":
-            lines.append(Comparison(objective.quantity, objective.unit, start.shown, best.shown))
-        if not isinstance(objective, Extremum):
+        if self.problem.quantity != "bending":
+            sought = self.problem.quantity, self.problem.unit
+            lines.append(Comparison(*sought, start.shown, best.shown))
+        if not objective.of_observable:
             lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
         return lines
 
@@ -157,6 +180,11 @@ class Study:
             f"<Study of {chosen.name} for {self.problem.objective.name} in {place}: "
             f"{self.evaluations} designs>"
         )
+
+
+def _search(round: int) -> str:
+    """Return what the record calls a round."""
+    return f"round {round}" if round else ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,7 +75,8 @@ class Verdict:
         problem, x = design.problem, design.vector
         chosen = problem.parameters
         path, model = design.path, problem.model
-        excess = problem.excesses_of(design.constraint_values)
+        worst = problem.worst_of(design.constraint_values)
+        excess = problem.worst_excesses(design.constraint_values)
         constraints = tuple(
             Kept(
                 each.text(model),
@@ -84,9 +85,7 @@ class Verdict:
                 float(over),
                 each.default,
             )
-            for each, value, over in zip(
-                problem.constraints, design.constraint_values, excess, strict=True
-            )
+            for each, value, over in zip(problem.constraints, worst, excess, strict=True)
         )
         step = np.array([_error(value, unit) for value, unit in zip(x, chosen.units, strict=True)])
         percent = 0.01 * np.abs(x)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
@@ -179,8 +180,7 @@ class Rod(Table):
     def gauss_rule(self) -> tuple[NDArray[np.intp], Array]:
         """Which sample points are Gauss points, and their shares of the length, each (G,)."""
         points = np.arange(self.sample_count)
-        _, weights = np.polynomial.legendre.leggauss(self.gauss_points)
-        shares = np.tile(0.5 * weights / self.elements, self.elements)
+        shares = np.tile(0.5 * _weights(self.gauss_points) / self.elements, self.elements)
         return np.flatnonzero(points % (self.gauss_points + 1)), shares
 
     def point_at(self, fraction: float) -> int | None:
@@ -208,6 +208,11 @@ class Link(Table):
         if self.placement.reference != "axis":
             raise field_error('is "underside": only rods support it', path="placement.reference")
         return self
+
+
+@lru_cache(maxsize=64)
+def _weights(points: int) -> Array:
+    return np.asarray(np.polynomial.legendre.leggauss(points)[1])
 
 
 def _count(number: int, noun: str) -> str:

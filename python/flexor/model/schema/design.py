@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
 from flexor.model import units
 from flexor.model.schema.table import Name, Number, Table, Text
@@ -45,7 +45,8 @@ class Design(Table):
     """What varies and what is wanted.
 
     Parameter sets vary ``rod`` within the bounds of its length and radius; ``variable`` are any
-    numeric fields of the file.
+    numeric fields of the file. ``scenarios`` are variants under which designs are evaluated,
+    ``tolerance`` the errors of fields for which constraints hold; see `flexor.optimize`.
     """
 
     rod: Name | None = None
@@ -57,6 +58,10 @@ class Design(Table):
     minimise: Text | None = None
     subject_to: tuple[Text, ...] = ()
     without: tuple[Text, ...] = ()
+    scenarios: tuple[Text, ...] = ()
+    aggregate: Text = "mean"
+    tolerance: dict[Text, End] = Field(default_factory=dict)
+    samples: Annotated[int, Strict(), Field(ge=0)] = 0
 
     @property
     def aim(self) -> str | None:

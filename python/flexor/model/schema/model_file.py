@@ -60,11 +60,10 @@ AnyActuator = Annotated[
 
 
 class ModelFile(BodySystem):
-    """A model file with one of its sets of constants applied.
+    """A model file with one of its variants applied, or none.
 
-    ``constants`` holds the sets as written, ``use`` the name of the one whose values have been
-    applied to the other tables, ``variants`` those that can be applied. With a variant applied the
-    file has none of these; see `flexor.model.constants`.
+    ``variants`` holds those that can be applied, ``use`` the name of the one whose values are in
+    the other tables, ``constants`` sets of constants as written; see `flexor.model.variants`.
     """
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)

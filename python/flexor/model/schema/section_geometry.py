@@ -118,11 +118,11 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     """
     built: dict[tuple[int, float], Built] = {}
     of_gauss = []
+    vary = [any(isinstance(size, tuple) for size in _sizes(piece)) for piece in rod.pieces]
     for x in rod.sample_points[gauss_points(rod)]:
         place = rod.piece_at(x)
         piece = rod.pieces[place]
-        varies = any(isinstance(size, tuple) for size in _sizes(piece))
-        key = (place, float(x) if varies else 0.0)
+        key = (place, float(x) if vary[place] else 0.0)
         if key not in built:
             geometry = None
             if not isinstance(piece, Stiffness):

@@ -1,8 +1,9 @@
-"""Variants of a model and sets of constants in its file, one of which is active.
+"""Variants of a model in its file, one of which may be applied.
 
-Both assign values to fields of the other tables (``variants.long.bodies.rod.length``). A variant
-changes what it names and may have a ``weight``; all sets of constants of a file define the same
-fields, so that switching sets overrides all of them.
+A variant assigns values to fields of the other tables (``variants.long.bodies.rod.length``) and may
+have a ``weight``. Sets of ``constants`` are variants all of which define the same fields, one of
+them always applied, so that switching sets overrides every value of another. Variants of a file
+with sets of constants change the set in use.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ TABLES = ("constants", "variants")
 
 
 def names(document: Document, source: str) -> tuple[str, ...]:
-    """Validate the sets of a document and return their names."""
+    """Validate the variants and sets of constants of a document and return their names."""
     for table in TABLES:
         sets = document.get(table, {})
         if not isinstance(sets, Mapping):
@@ -32,7 +33,7 @@ def names(document: Document, source: str) -> tuple[str, ...]:
                 raise InputError(
                     f"{source}: {table}.{name} is {describe(values)}: expected a table of fields."
                 )
-            _check_targets(document, f"{table}.{name}", _changes(values), source)
+            _check_targets(document, f"{table}.{name}", changes(values), source)
     variants = document.get("variants", {})
     for name in variants:
         if name in document.get("constants", {}):
@@ -63,9 +64,9 @@ def weights(document: Document, source: str) -> dict[str, float]:
 
 
 def choose(document: Document, requested: str | None, source: str) -> str | None:
-    """Return the name of the active set: the requested one, or else that selected by the file.
+    """Return the name of the variant to apply: the requested one, or else that of the file.
 
-    None where there are no sets of constants, and no variant is selected.
+    None where none is to be applied.
     """
     allowed = names(document, source)
     chosen = requested if requested is not None else document.get("use")
@@ -75,41 +76,55 @@ def choose(document: Document, requested: str | None, source: str) -> str | None
             raise InputError(f"{source}: use is missing: select a set of constants, {listed}.")
         return None
     if chosen not in allowed:
-        kind = "variant" if document.get("variants") else "set of constants"
+        kind = "set of constants" if document.get("constants") else "variant"
         raise InputError(f"{source}: {unknown_name(kind, str(chosen), allowed)}.")
     return str(chosen)
 
 
 def applied(document: Document, chosen: str | None) -> dict[str, Any]:
-    """Return the document with the values of a set applied."""
+    """Return the document with a variant or a set of constants applied.
+
+    Its other variants then restore what this one has changed, so that each of them can be applied
+    to the result as to the document.
+    """
     if chosen is None:
         return dict(document)
-    if chosen in document.get("variants", {}):
-        base = document.get("use")
-        if base in document.get("constants", {}):
-            document = applied(document, base)
-        changed = _merged(document, _changes(document["variants"][chosen]))
-        # No other set can be applied to what is left.
-        return {key: value for key, value in changed.items() if key not in (*TABLES, "use")}
-    values: Document = document["constants"][chosen]
-    return {**_merged(document, values), "use": chosen}
+    sets: Document = document.get("constants", {})
+    if chosen in sets:
+        return {**_merged(document, sets[chosen]), "use": chosen}
+    base = with_changes(document, sets.get(document.get("use", ""), {}))
+    result = _merged(base, changes(document["variants"][chosen]))
+    variants = {}
+    for name, values in document["variants"].items():
+        if name == chosen:
+            variants[name] = values
+        elif (restored := _leading(result, _merged(base, changes(values)))) is not None:
+            variants[name] = _merged(restored, values)
+    return {**result, "variants": variants, "use": chosen}
+
+
+def with_changes(document: Document, values: Document) -> dict[str, Any]:
+    """Return a document with changes such as those of a variant, and no variants of its own."""
+    base = {key: value for key, value in document.items() if key not in (*TABLES, "use")}
+    return _merged(base, changes(values))
 
 
 def place(document: Document, chosen: str | None, path: str) -> str:
-    """Return the full path of a field, which may be one that the chosen set defines."""
+    """Return the full path of a field, which may be one that the chosen variant defines."""
     for table in TABLES:
         values = document.get(table, {}).get(chosen)
-        if values is not None and path in leaves(_changes(values)):
+        if values is not None and path in leaves(changes(values)):
             return f"{table}.{chosen}.{path}"
     return path
 
 
-def _changes(values: Document) -> Document:
+def changes(values: Document) -> Document:
+    """Return what a variant changes, without its weight."""
     return {key: value for key, value in values.items() if key != "weight"}
 
 
 def leaves(values: Document, prefix: str = "") -> Iterator[str]:
-    """Yield the dotted paths of the fields that a set defines."""
+    """Yield the dotted paths of the fields that a variant defines."""
     for key, value in values.items():
         if isinstance(value, Mapping) and value:
             yield from leaves(value, f"{prefix}{key}.")
@@ -133,11 +148,36 @@ def _check_targets(document: Document, path: str, values: Document, source: str)
 
 
 def _merged(base: Document, override: Document) -> dict[str, Any]:
+    """Return a table with values of another; one of another kind takes its place."""
     result = dict(base)
     for key, value in override.items():
         existing = result.get(key)
-        if isinstance(value, Mapping) and isinstance(existing, Mapping):
+        if isinstance(existing, Mapping) and _mergeable(existing, value):
             result[key] = _merged(existing, value)
         else:
             result[key] = value
     return result
+
+
+def _mergeable(existing: object, value: object) -> bool:
+    """Return whether two values are tables of the same kind."""
+    if not (isinstance(existing, Mapping) and isinstance(value, Mapping)):
+        return False
+    return "kind" not in value or value["kind"] == existing.get("kind")
+
+
+def _leading(here: Document, there: Document) -> dict[str, Any] | None:
+    """Return the changes that lead from one document to another; None if there are none."""
+    if set(here) - set(there):
+        return None  # a field cannot be taken away
+    found: dict[str, Any] = {}
+    for key, value in there.items():
+        if key in here and here[key] == value:
+            continue
+        if key not in here or not _mergeable(here[key], value):
+            found[key] = value
+        elif (within := _leading(here[key], value)) is not None:
+            found[key] = within
+        else:
+            return None
+    return found

@@ -1,0 +1,94 @@
+"""Reading tolerances of design parameters and of other fields of a model file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from flexor.design import ParameterSet, Variables
+from flexor.design.fields import keys_of, value_of
+from flexor.errors import InputError, unknown
+from flexor.model.quantity import infer_quantity
+from flexor.model.validation import describe
+from flexor.scenarios.tolerance import Tolerance, split
+
+if TYPE_CHECKING:
+    from flexor.model.structure import Structure
+
+
+def tolerances(
+    given: Mapping[str, object] | None,
+    chosen: ParameterSet,
+    model: Structure,
+    source: str = "--tolerance",
+) -> tuple[Tolerance, ...]:
+    """Read tolerances.
+
+    Parameters
+    ----------
+    given
+        By label of a design parameter or, where these are fields, by any numeric field: the largest
+        error with its unit such as ``"0.1 mm"``, or ``"0.1 mm normal"`` for a standard deviation.
+    chosen
+        The design parameters.
+    model
+        The model.
+    source
+        Where they come from, for messages.
+
+    Raises
+    ------
+    InputError
+        If there is no such field, two are for one field, or an error has no unit, one of another
+        kind, or is not above 0.
+    """
+    found: dict[tuple[str, ...], Tolerance] = {}
+    for name, value in (given or {}).items():
+        size, kind = split(value, f"{source}: {name}")
+        keys, label = _place(name, chosen, model)
+        if keys in found:
+            raise InputError(f'{source}: "{name}" is the same field as "{found[keys].field}".')
+        number = _size(name, label, size, chosen, model, source)
+        if not number > 0.0:
+            raise InputError(f"{source}: {name} is {describe(value)}: it must be above 0.")
+        found[keys] = Tolerance(label, kind, number, str(value))
+    return tuple(found.values())
+
+
+def _place(name: str, chosen: ParameterSet, model: Structure) -> tuple[tuple[str, ...], str]:
+    """Return what identifies a field, and its label."""
+    if not isinstance(chosen, Variables):
+        if name not in chosen.labels:
+            raise unknown(f"parameter of {chosen.name}", name, chosen.labels)
+        return (name,), name
+    keys = keys_of(name, model.file)
+    for label in chosen.labels:
+        if keys_of(label, model.file) == keys:
+            return keys, label
+    return keys, name
+
+
+def _size(
+    name: str,
+    label: str,
+    size: object,
+    chosen: ParameterSet,
+    model: Structure,
+    source: str,
+) -> float:
+    if label in chosen.labels and (isinstance(size, str) or not isinstance(chosen, Variables)):
+        return chosen.parse(label, str(size), source)
+    own = value_of(keys_of(name, model.file), model.file)
+    _, unit = infer_quantity(getattr(own, "text", own), name)
+    if isinstance(size, str) and not unit.si:
+        try:
+            size = float(size)
+        except ValueError:
+            raise InputError(
+                f"{source}: {name} is {describe(size)}: expected a plain number."
+            ) from None
+    number, found = infer_quantity(size, f"{source}: {name}")
+    if found.si != unit.si:
+        wanted = f"a value with its unit, such as {unit.text}" if unit.si else "a plain number"
+        raise InputError(f"{source}: {name} is {describe(size)}: expected {wanted}.")
+    return number

@@ -1,0 +1,108 @@
+"""Errors within tolerances for which a design breaks its constraints.
+
+Constraints that hold for every error within the tolerances are a problem with infinitely many
+constraints. It is solved by a cutting-set method (Mutapcic and Boyd 2009): a search keeps the
+constraints for a few errors, the worst errors of its optimum join them, and the search goes on from
+there until none breaks a constraint.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexor.constraints import excesses
+from flexor.scenarios.tolerance import within
+from flexor.study.problem import FloatArray
+from flexor.study.scenario_problem import ScenarioProblem
+
+# Rounds of searches after the first.
+ROUNDS = 8
+# Errors within the tolerances at which a design is checked, besides those that slopes point to.
+CHECKED = 128
+# A constraint that an error exceeds, or nearly so (in units of the bound), holds for it in the next
+# round.
+NEAR = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class WorstErrors:
+    """The worst errors of a design for each of c constraints; made by `worst_errors`."""
+
+    errors: FloatArray  # (c, m), SI
+    values: FloatArray  # (c,), what is constrained there, SI; NaN where the design then fails
+    excess: FloatArray  # (c,), in units of the bounds; +inf where the design then fails
+    scenario: tuple[str, ...]  # c names
+    # The objective's quantity, for display, and the errors that change it most for the worse.
+    shown: float
+    error: FloatArray  # (m,)
+
+    @property
+    def kept(self) -> bool:
+        """Whether every constraint holds for every error that was tried."""
+        return not (self.excess > 0.0).any()
+
+
+def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0) -> WorstErrors:
+    """Find the errors within the tolerances that matter most for a design (k,).
+
+    The slopes over the whole tolerance of each field point to a corner of the box for each
+    constraint, scenario and the objective; these corners and errors all over the box are evaluated.
+    """
+    reach = np.array([each.reach for each in problem.tolerances])
+    axes = np.concatenate([np.diag(reach), -np.diag(reach)])
+    slopes = _evaluated(problem, design, axes, threads)
+    m = len(reach)
+    rise = slopes[:, :m] - slopes[:, m:]  # (S, m, c + 1)
+    signs = np.sign(np.where(np.isfinite(rise), rise, 0.0))
+    corners = np.unique(np.moveaxis(signs, 1, 2).reshape(-1, m) * reach, axis=0)
+    tried = np.concatenate([axes, corners, within(problem.tolerances, CHECKED, problem.seed + 1)])
+    found = _evaluated(problem, design, tried, threads)
+    return _worst(problem, tried, found)
+
+
+def _evaluated(
+    problem: ScenarioProblem, design: FloatArray, errors: FloatArray, threads: int
+) -> FloatArray:
+    """Return excesses and the value to minimise, in every scenario, (S, e, c + 1)."""
+    rows = []
+    for paths in problem.by_case(design[None, :], errors, threads):
+        over = excesses(problem.constraints, paths.constraint_values)
+        failed = ~np.isfinite(paths.value)
+        over[failed] = np.inf
+        rows.append(np.concatenate([over, paths.value[:, None]], axis=1))
+    return np.stack(rows)
+
+
+def _worst(problem: ScenarioProblem, errors: FloatArray, found: FloatArray) -> WorstErrors:
+    c = len(problem.constraints)
+    flat = found.reshape(-1, c + 1)
+    places = np.argmax(flat, axis=0)  # (c + 1,)
+    scenarios, rows = np.divmod(places, len(errors))
+    excess = flat[places, np.arange(c + 1)]
+    signs = np.array([1.0 if each.sense == "<=" else -1.0 for each in problem.constraints])
+    bounds = np.array([each.bound for each in problem.constraints])
+    scales = np.array([each.scale for each in problem.constraints])
+    with np.errstate(invalid="ignore"):
+        values = bounds + signs * scales * excess[:c]
+    sign, factor = problem.objective.sign, problem.factor  # type: ignore[attr-defined]
+    return WorstErrors(
+        errors=errors[rows[:c]],
+        values=np.where(np.isfinite(excess[:c]), values, np.nan),
+        excess=excess[:c],
+        scenario=tuple(problem.scenarios[i].name for i in scenarios[:c]),
+        shown=float(sign * excess[c] / factor) if np.isfinite(excess[c]) else np.nan,
+        error=errors[rows[c]],
+    )
+
+
+def next_corners(problem: ScenarioProblem, found: WorstErrors) -> FloatArray | None:
+    """Return the errors of the next round, (e, m); None if the design keeps all constraints."""
+    if found.kept:
+        return None
+    joining = found.errors[found.excess > -NEAR]
+    known = problem.corners.reshape(len(problem.corners), joining.shape[1])
+    merged = np.concatenate([known, joining])
+    _, first = np.unique(merged, axis=0, return_index=True)
+    return merged[np.sort(first)]
