@@ -67,14 +67,17 @@ _PACKAGES = (
     "inverse",
     "materials",
     "model",
+    "notebook",
     "objectives",
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "scenarios",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 

@@ -166,3 +166,44 @@ def test_fixed_options_cannot_be_given_when_resuming(flexor) -> None:
         in ran.err
     )
     assert flexor("optimize", "--resume", "study", "--budget", "12", "--json").code == 0
+
+
+SEVERAL = (
+    *("optimize", "pneumatic-finger", "--vary", "exosuit.section.wall=1.5 mm:3 mm"),
+    *("--vary", "exosuit.radius.base=6 mm:10 mm"),
+    *("--maximise", "range-of-motion", "--minimise", "mass", "--budget", "60"),
+    *("--option", "population=8", "--option", "generations=3", "--out", "s"),
+)
+
+
+def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
+    ran = flexor(*SEVERAL)
+    assert ran.code == 0
+    assert "range-of-motion" in ran.out
+    assert "designs that no other is better than in all, to maximise range-of-motion" in ran.out
+    for name in ("front.csv", "front.png", "front.svg"):
+        assert (tmp_path / "s" / name).stat().st_size > 100
+    shown = flexor("front", "s", "--point", "1", "--save", "light.toml")
+    assert shown.code == 0
+    assert "overlap <= 1.5 mm" in shown.out
+    told = json.loads(flexor("front", "s", "--json").out)
+    best = told["front"][0]
+    point = json.loads(flexor("front", "s", "--point", "1", "--json").out)
+    assert point["parameters"] == best["parameters"]
+    assert point["feasible"]
+    path = json.loads(flexor("simulate", "light.toml", "--json").out)
+    moved = sum(path["joint_angles"][-1]) - sum(path["joint_angles"][0])
+    assert moved == pytest.approx(best["objectives"]["maximise range-of-motion"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nowhere",), "is not a study"),
+        (("nowhere", "--save", "x.toml"), "--save needs --point"),
+        (("nowhere", "--point", "1", "--save", "x.txt"), "must end in .toml"),
+        (("nowhere", "--point", "0"), "at least 1"),
+    ],
+)
+def test_bad_fronts_get_one_sentence(flexor, arguments, words) -> None:
+    assert words in flexor("front", *arguments).error

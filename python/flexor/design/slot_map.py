@@ -236,7 +236,7 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     """
     lowered = _Lowered(model, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
-    u = 0.999 * _points(most + _CHECKS, len(fields))
+    u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     samples = np.array([lowered.at(like._middle + like._half * row) for row in u])
     others = np.setdiff1d(np.arange(samples.shape[1]), like._every)
     largest = np.abs(samples).max(axis=0)
@@ -250,7 +250,7 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     fits = []
     for fit in like._fits:
         columns = like._every[fit.columns]
-        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form)
+        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form, most)
         if not (good | (largest[columns] <= noise[columns])).all():
             return None
         fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))

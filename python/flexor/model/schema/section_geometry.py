@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -212,17 +212,44 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
     places = np.array([rod.piece_at(x) for x in points])
-    for place, piece in enumerate(rod.pieces):
-        if isinstance(piece, Stiffness):
-            continue
-        varies = any(isinstance(size, tuple) for size in _sizes(piece))
-        rows = np.flatnonzero(places == place)
-        # Sections that are the same all along are evaluated at once.
-        for group in rows[:, None] if varies else [rows] if len(rows) else []:
-            parts = _geometry(piece, rod.material, materials, float(points[group[0]])).parts
-            each = [np.broadcast_to(p.shape.extent(radius[group])[1], group.shape) for p in parts]
-            found[group] = np.max(each, axis=0)
+    for place in range(len(rod.pieces)):
+        of_piece = np.flatnonzero(places == place)
+        for rows, geometry in along(rod, materials, place, points[of_piece]):
+            if geometry is not None:
+                here = of_piece[rows]
+                shapes = [part.shape for part in geometry.parts]
+                each = [np.broadcast_to(a.extent(radius[here])[1], here.shape) for a in shapes]
+                found[here] = np.max(each, axis=0)
     return found
+
+
+def along(
+    rod: Rod, materials: Materials, place: int, points: Array
+) -> Iterator[tuple[NDArray[np.intp], Geometry | None]]:
+    """Return one of a rod's sections at points along it.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    place
+        Which of its sections.
+    points : (n,) array
+        X in [0, 1].
+
+    Yields
+    ------
+    rows, geometry : (k,) array and Geometry
+        Points with the same sizes, and the section there; None if it is given by its stiffness.
+    """
+    piece, rows = rod.pieces[place], np.arange(len(points))
+    varies = any(isinstance(size, tuple) for size in _sizes(piece))
+    for group in rows[:, None] if varies else [rows] if len(rows) else []:
+        x = float(points[group[0]])
+        given = isinstance(piece, Stiffness)
+        yield group, None if given else _geometry(piece, rod.material or "", materials, x)
 
 
 def roundness(rod: Rod, materials: Materials) -> float:
