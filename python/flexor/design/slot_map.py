@@ -10,7 +10,7 @@ rounding. With them a thousand designs, and their exact derivatives, cost less t
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import comb
@@ -189,10 +189,14 @@ def slot_map(
         fits.append(_Fit(places, powers, centre[None, constant], "polynomial"))
     most = max(len(pattern) for pattern in patterns)
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
-    # A few points suffice for most files.
-    for count in (2 * max(comb(most + 2, 2), 7), 2 * max(comb(most + 3, 3), MAX_DEGREE + 1)):
+    known = np.zeros((0, centre.size))
+    # A few points suffice for most files; others take more besides them.
+    few, more = 2 * max(comb(most + 2, 2), 7), (3 * comb(most + 3, 3) + 1) // 2
+    for count in (few, max(few, more, 2 * MAX_DEGREE + 2)):
         u = np.concatenate([_points(count, k), 0.999 * _points(count + _CHECKS, k)[count:]])
-        samples = np.array([lowered.at(middle + half * row) for row in u])
+        rows = [lowered.at(middle + half * row) for row in u[len(known) :]]
+        samples = np.concatenate([known, rows])
+        known = samples[:count]
         for pattern in left:
             for form, degree in _attempts(len(pattern), count):
                 columns = left[pattern]
@@ -253,6 +257,27 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
             return None
         fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))
     return replace(like, _fits=tuple(fits))
+
+
+def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) -> Array | None:
+    """Return the engine's parameters (P,) of a model with other values of some fields, SI.
+
+    None if it is then no model, or one that is made of other things.
+
+    Parameters
+    ----------
+    model
+        The model.
+    changes
+        By the keys of a field; see `flexor.design.fields`.
+    """
+    try:
+        described = lower(replaced(model.file, changes))
+        _keep(described, model.description)
+        engine = _engine.Model(json.dumps(described))
+    except ValueError:  # of the file, too: an `InputError` is one
+        return None
+    return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
 class _Lowered:
