@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.population import DifferentialEvolution
-from flexor.optimizers.sqp import Linearization, differences, minimize_slsqp
+from flexor.optimizers.sqp import linearization, minimize_slsqp
 
 # Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of
 # variation, pattern search, differential evolution and, from each of the best, CMA-ES. The rest is
@@ -49,6 +48,9 @@ class Auto(Method):
     stall, SLSQP from the best, and the refinement. These stages see ranks: feasible designs before
     all others.
 
+    Slopes of values and constraints are exact; where one of these has no derivative, they are
+    one-sided differences, one batch for each.
+
     Attributes
     ----------
     evaluations : int
@@ -67,7 +69,6 @@ class Auto(Method):
     title = "sample, SQP and global stages"
     description = "sample, SQP with constraints, and where these leave doubt global stages"
     packages = ("scipy", "pymoo", "cma")
-    gradients: ClassVar[bool] = True
 
     evaluations: int = option(3000, at_least(1))
     explore: bool = True
@@ -133,15 +134,12 @@ class Auto(Method):
 
     def _descend(self, run: Run, known: Known, start: FloatArray) -> FloatArray:
         """Run SLSQP from a point (k,); return where it ends (k,)."""
-
-        def linearize(point: FloatArray) -> Linearization:
-            values, excesses = run.constrained(point[None, :])
-            exact = None if excesses.shape[1] else run.gradient(point[None, :])
-            if exact is None or not np.isfinite(exact).all():
-                return differences(run.constrained, point, self.difference)
-            return Linearization(values, exact, excesses[0], np.zeros((0, run.size)))
-
-        end = minimize_slsqp(run, start, linearize, self.iterations)
+        end = minimize_slsqp(
+            run,
+            start,
+            lambda point: linearization(run, point, self.difference),
+            self.iterations,
+        )
         known(end[None, :])
         return end
 
