@@ -39,6 +39,23 @@ def recorded() -> dict[str, dict[str, Any]]:
     return found
 
 
+def record(name: str, run: dict[str, Any], stated: Problem) -> None:
+    """Add a run to the record of a problem, with its best design if that is better than all."""
+    table = recorded()
+    entry = table.setdefault(name, {"runs": []})
+    entry["runs"].append(run)
+    best = min(entry["runs"], key=lambda each: (each["violation"], each["value"]))
+    start = stated.evaluate(stated.parameters.start[None, :])
+    entry |= {
+        "labels": stated.parameters.labels,
+        "design": best["design"],
+        "value": best["value"],
+        "start": float(start.value[0]),
+        "flexor": flexor.__version__,
+    }
+    BEST_KNOWN.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+
+
 def best_known(make: Callable[[str], Problem] = problem) -> dict[str, float]:
     """Evaluate the best known designs with this engine: the values of the feasible ones."""
     values = {}

@@ -9,15 +9,13 @@ seed until its designs are spent. The best feasible design and every run go into
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from pathlib import Path
 from typing import Any
 
-from _design_problems import BEST_KNOWN, NAMES, problem, recorded
+from _design_problems import NAMES, problem, record, recorded
 
-import flexor
 from flexor.optimizers import Auto, CmaEs, DifferentialEvolution, PatternSearch, Search
 from flexor.study import Problem
 from flexor.study.optimization import run_search
@@ -73,24 +71,12 @@ def main() -> None:
     options = parser.parse_args()
     for number in range(options.runs):
         for name in options.problems:
-            table = recorded()
-            entry = table.setdefault(name, {"runs": []})
-            if any(each["run"] == number for each in entry["runs"]):
+            runs = recorded().get(name, {}).get("runs", [])
+            if any(each["run"] == number for each in runs):
                 continue
             wanted = problem(name)
             found = run(wanted, number, options.designs)
-            entry["runs"].append(found)
-            best = min(entry["runs"], key=lambda each: (each["violation"], each["value"]))
-            start = wanted.evaluate(wanted.parameters.start[None, :])
-            entry |= {
-                "labels": wanted.parameters.labels,
-                "design": best["design"],
-                "value": best["value"],
-                "start": float(start.value[0]),
-                "flexor": flexor.__version__,
-            }
-            text = json.dumps(table, indent=1)
-            BEST_KNOWN.write_text(text + "\n", encoding="utf-8")
+            record(name, found, wanted)
             print(f"{name}, run {number}: {found['method']} {found['value']:.6f}", flush=True)
 
 

@@ -17,7 +17,7 @@ from flexor import optimizers
 from flexor.errors import InputError
 from flexor.optimizers import Budget, Progress, SearchResult
 
-METHODS = [name for name in optimizers.names() if name != "grid"]
+METHODS = [name for name in optimizers.names() if name not in ("grid", "pareto")]
 # Enough for every method to converge; less for the slowest one.
 BUDGET = {"surrogate": Budget(evaluations=60)}
 

@@ -34,13 +34,40 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int =
 def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> None:
     """Print a table to stdout; see `table`.
 
-    If the numbers do not fit, lines exceed the width of the terminal rather than being cropped.
+    Columns that do not fit go into further tables below, each with the first column again. Of a
+    column that is too wide by itself, lines exceed the width of the terminal rather than being
+    cropped.
     """
-    result = table(headings, rows, left=left)
-    minimum = out.measure(result, options=out.options.update(width=10_000)).minimum
-    if minimum > out.width:
-        result.width = minimum
-    out.print(result, crop=False)
+    rows = [tuple(row) for row in rows]
+    for columns in _fitting(headings, rows, left):
+        chosen = [[row[column] for column in columns] for row in rows]
+        result = table([headings[column] for column in columns], chosen, left=left)
+        if (minimum := _minimum(result)) > out.width:
+            result.width = minimum
+        out.print(result, crop=False)
+
+
+def _fitting(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], left: int
+) -> list[tuple[int, ...]]:
+    """Return the columns of each table, as few tables as fit the width of the terminal."""
+    every = tuple(range(len(headings)))
+    repeated, parts = every[: max(left, 1)], list[tuple[int, ...]]()
+    current = repeated
+    for column in every[len(repeated) :]:
+        wider = (*current, column)
+        cells = [[row[each] for each in wider] for row in rows]
+        found = table([headings[each] for each in wider], cells, left=left)
+        if len(current) > len(repeated) and _minimum(found) > out.width:
+            parts.append(current)
+            wider = (*repeated, column)
+        current = wider
+    return [*parts, current]
+
+
+def _minimum(result: Table) -> int:
+    """Return the least width of a table."""
+    return out.measure(result, options=out.options.update(width=10_000)).minimum
 
 
 def _longest_word(texts: Sequence[str]) -> int:

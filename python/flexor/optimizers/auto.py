@@ -145,10 +145,14 @@ class Auto(Method):
 
     def _refine(self, run: Run, known: Known, most: int) -> str:
         """Run a pattern search from the best design."""
+        left = run.function.remaining
         share = max(most - run.function.evaluations, most // 10, 1)
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
-        _stage(run, known, search, known.best(1, 0.0), share, "refinement")
-        return f"{run.function.evaluations} evaluations"
+        # A budget that is less than the evaluations ends it by itself.
+        limit = None if left is not None and left <= share else float(share)
+        _stage(run, known, search, known.best(1, 0.0), limit, "refinement")
+        run.function.check()
+        return f"refined to a mesh of {self.tolerance:g}"
 
 
 def _sample(run: Run, known: Known, count: int) -> None:
@@ -176,7 +180,7 @@ def _vary(run: Run, known: Known, count: int) -> None:
 
 
 def _stage(
-    run: Run, known: Known, search: Search, start: FloatArray, share: float, stage: str
+    run: Run, known: Known, search: Search, start: FloatArray, share: float | None, stage: str
 ) -> None:
     def report_progress(at: Progress) -> None:
         run.step(f"{stage}: {at.detail}", at.remaining)
@@ -187,7 +191,7 @@ def _stage(
         np.ones(run.size),
         start=start,
         seed=run.seed,
-        budget=Budget(evaluations=max(int(share), 1)),
+        budget=None if share is None else Budget(evaluations=max(int(share), 1)),
         progress=report_progress,
     )
 

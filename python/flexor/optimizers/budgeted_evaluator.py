@@ -66,6 +66,11 @@ class BudgetedEvaluator:
         limit = self._budget.evaluations
         return None if limit is None else max(limit - self.evaluations, 0)
 
+    def check(self) -> None:
+        """Raise BudgetExhausted if no evaluations are left."""
+        if self.remaining == 0:
+            raise BudgetExhausted(f"the budget of {self._budget.evaluations} evaluations is spent")
+
     @property
     def design(self) -> FloatArray:
         """Best design, or the first one while all have failed, (k,)."""
