@@ -66,9 +66,9 @@ def test_a_misspelt_preset() -> None:
     with pytest.raises(InputError) as caught:
         locate("fingr")
     assert str(caught.value) == (
-        'unknown preset "fingr" (did you mean "finger"?): expected one of "exosuit-alone", '
-        '"finger", '
-        '"finger-2-links", "pneumatic-finger", "tendon-arm", or the path of a model file.'
+        'unknown preset "fingr" (did you mean "finger"?): expected one of '
+        + ", ".join(f'"{name}"' for name in ALL)
+        + ", or the path of a model file."
     )
 
 
