@@ -75,6 +75,7 @@ _PACKAGES = (
     "scenarios",
     "sections",
     "store",
+    "studio",
     "study",
     "viewer",
 )
