@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import flexor as package
 from flexor.study import Study
 
 SMALL = ("optimize", "finger", "--parameters", "R01", "--budget", "30")
@@ -207,3 +208,32 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
 )
 def test_bad_fronts_get_one_sentence(flexor, arguments, words) -> None:
     assert words in flexor("front", *arguments).error
+
+
+def test_scenarios_and_tolerances_are_stated_and_answered(flexor, tmp_path) -> None:
+    text = package.load("pneumatic-finger").file.to_toml()
+    (tmp_path / "glove.toml").write_text(
+        f'{text}\n[variants.stiff]\nbodies.ph_1.joint.stiffness = "0.08 N*m/rad"\n'
+    )
+    vary = ("--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "bending")
+    words = ("optimize", "glove.toml", *vary, "--budget", "40", "--scenarios", "stiff")
+    ran = flexor(*words, "--tolerance", "exosuit.section.wall=0.1 mm")
+    assert ran.code == 0, ran.err
+    assert "within the tolerances bending is at worst" in ran.out
+    assert "exosuit.section.wall + 0.1 mm in scenario stiff" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (("--scenarios", "stif"), 'the model "pneumatic-finger" has no variants'),
+        (("--tolerance", "exosuit.section.wall=0.1"), "write a value with its unit"),
+        (("--aggregate", "wrost"), 'did you mean "worst"'),
+        (("--samples", "-1"), "--samples"),
+    ],
+)
+def test_bad_scenarios(flexor, option: tuple[str, str], message: str) -> None:
+    vary = ("--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "bending")
+    ran = flexor("optimize", "pneumatic-finger", *vary, *option)
+    assert ran.code == 2
+    assert message in ran.err

@@ -14,6 +14,7 @@ from typer.core import TyperCommand
 from flexor.cli import (
     calibrate,
     compare,
+    export,
     front,
     landscape,
     listings,
@@ -75,6 +76,7 @@ app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
 app.command("share", cls=Command)(share.share)
 app.command("studio", cls=Command)(studio.studio)

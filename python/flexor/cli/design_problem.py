@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexor.cli.values import ranges
+from flexor.cli.values import assignments, ranges
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -84,6 +84,33 @@ def stated(
         subject_to=tuple(subject_to or there.subject_to),
         without=tuple(without or there.without),
     )
+
+
+def uncertainty(
+    model: Model,
+    problem: Statement,
+    scenarios: str | None,
+    aggregate: str | None,
+    tolerance: Sequence[str] | None,
+    samples: int | None,
+) -> dict[str, Any]:
+    """Return scenarios and tolerances as `flexor.optimize` takes them.
+
+    What the file states holds for problems such as its own: one observable, over fields.
+    """
+    from flexor.model.schema import Design
+    from flexor.objectives import needs_model
+
+    there = Design.model_construct()
+    if problem.varied is not None and len(problem.aims) == 1 and needs_model(problem.aim):
+        there = model.file.design or there
+    given = assignments("--tolerance", list(tolerance or []), "exosuit.section.wall=0.1 mm")
+    return {
+        "scenarios": scenarios or there.scenarios,
+        "aggregate": aggregate or there.aggregate,
+        "tolerance": given or there.tolerance,
+        "samples": there.samples if samples is None else samples,
+    }
 
 
 def _is_given(context: typer.Context, name: str) -> bool:

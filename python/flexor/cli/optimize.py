@@ -10,9 +10,9 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json
-from flexor.cli.design_problem import stated
+from flexor.cli.design_problem import stated, uncertainty
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import assignments, load_changed, numbers, one_or_assignments
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -100,7 +100,6 @@ def optimize(
     from flexor.cli.progress import SearchProgress
     from flexor.design import parameter_set
     from flexor.design.start import starts
-    from flexor.model.schema import Design
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
@@ -112,7 +111,6 @@ def optimize(
         problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         aims = [each.replace(" ", "-") for each in problem.aims]
-        there = loaded.file.design or Design.model_construct()
         place = folder or new_folder(loaded.name, chosen.name, *aims)
         work = partial(
             studies.optimize,
@@ -122,11 +120,7 @@ def optimize(
             method,
             subject_to=problem.subject_to,
             without=problem.without,
-            scenarios=scenarios or there.scenarios,
-            aggregate=aggregate or there.aggregate,
-            tolerance=assignments("--tolerance", tolerance or [], "exosuit.section.wall=0.1 mm")
-            or there.tolerance,
-            samples=there.samples if samples is None else samples,
+            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples),
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.display import Displayed
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
 from flexor.store import open_record
 from flexor.study.design import Design
@@ -38,7 +39,7 @@ class Comparison:
 
 
 @dataclass(eq=False, repr=False)
-class Study:
+class Study(Displayed):
     """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
@@ -148,7 +149,7 @@ class Study:
         if self.problem.quantity != "bending":
             sought = self.problem.quantity, self.problem.unit
             lines.append(Comparison(*sought, start.shown, best.shown))
-        if not isinstance(objective, Extremum):
+        if not objective.of_observable:
             lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
         return lines
 

@@ -118,18 +118,38 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     """
     built: dict[tuple[int, float], Built] = {}
     of_gauss = []
-    vary = [any(isinstance(size, tuple) for size in _sizes(piece)) for piece in rod.pieces]
+    vary = [varies(piece) for piece in rod.pieces]
     for x in rod.sample_points[gauss_points(rod)]:
         place = rod.piece_at(x)
-        piece = rod.pieces[place]
         key = (place, float(x) if vary[place] else 0.0)
         if key not in built:
-            geometry = None
-            if not isinstance(piece, Stiffness):
-                geometry = _geometry(piece, rod.material, materials, float(x))
-            built[key] = (place, geometry)
+            built[key] = (place, section_at(rod, materials, place, float(x)))
         of_gauss.append(list(built).index(key))
     return list(built.values()), of_gauss
+
+
+def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
+    """Return one of a rod's sections as it is at X; None if only its stiffness is given.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    piece
+        Which of its sections.
+    x
+        X in [0, 1].
+    """
+    section = rod.pieces[piece]
+    given = isinstance(section, Stiffness)
+    return None if given else _geometry(section, rod.material or "", materials, x)
+
+
+def varies(section: Section) -> bool:
+    """Whether a section has sizes that are given at several places along the rod."""
+    return any(isinstance(size, tuple) for size in _sizes(section))
 
 
 def _sizes(section: Section) -> list[object]:
@@ -245,11 +265,8 @@ def along(
         Points with the same sizes, and the section there; None if it is given by its stiffness.
     """
     piece, rows = rod.pieces[place], np.arange(len(points))
-    varies = any(isinstance(size, tuple) for size in _sizes(piece))
-    for group in rows[:, None] if varies else [rows] if len(rows) else []:
-        x = float(points[group[0]])
-        given = isinstance(piece, Stiffness)
-        yield group, None if given else _geometry(piece, rod.material or "", materials, x)
+    for group in rows[:, None] if varies(piece) else [rows] if len(rows) else []:
+        yield group, section_at(rod, materials, place, float(points[group[0]]))
 
 
 def roundness(rod: Rod, materials: Materials) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 
 from flexor.constraints import INFEASIBLE, ranks
+from flexor.display import Displayed
 from flexor.errors import InputError
 from flexor.optimizers import SearchResult, grid_axes, grid_designs
 from flexor.store.files import csv_text, reason, replaced, write_text
@@ -21,7 +22,7 @@ from flexor.study.study import Study
 
 
 @dataclass(frozen=True, eq=False)
-class Landscape:
+class Landscape(Displayed):
     """Values on a grid; every array has the grid's shape (n,) or (n, n), first axis first."""
 
     study: Study  # its record has the designs
