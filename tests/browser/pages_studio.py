@@ -40,12 +40,8 @@ def page(tab: Browser, url: str) -> Browser:
 
 
 def settled(page: Browser) -> None:
-    """Wait until the last move has been solved."""
-    before = -1
-    while (now := int(page.run("document.body.dataset.solves"))) != before:
-        before = now
-        page.run("new Promise(r => setTimeout(r, 400))")
-    page.wait("document.body.dataset.solves")
+    """Wait until the last move has been solved and is shown."""
+    page.wait("!document.body.dataset.busy")
 
 
 def view(page: Browser) -> np.ndarray:

@@ -175,6 +175,7 @@
   let running = false, waiting = false;
   const solve = async () => {
     waiting = true;
+    document.body.dataset.busy = "true";
     if (running) return;
     running = true;
     while (waiting) {
@@ -200,7 +201,7 @@
     }
     running = false;
     document.body.dataset.ready = "true";
-    document.body.dataset.solves = Number(document.body.dataset.solves || 0) + 1;
+    delete document.body.dataset.busy;
   };
   // Drop arrays of designs that are no longer shown.
   const forget = () => {
