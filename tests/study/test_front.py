@@ -129,7 +129,7 @@ def test_a_designed_model_of_a_parameter_set() -> None:
 def test_nothing_feasible_gives_an_empty_front(model: Model) -> None:
     """It is said when a point is asked for."""
     study = flexor.optimize(
-        model, VARIED, AIMS, subject_to=["overlap <= 0.001 mm"], budget=10, method_options=SMALL
+        model, VARIED, AIMS, subject_to=["overlap <= 0.001 mm"], method_options=SMALL
     )
     assert len(study.front) == 0
     assert study.finished == "no design that was tried keeps the constraints"

@@ -54,7 +54,7 @@ class Auto(Method):
     Attributes
     ----------
     evaluations : int
-        Maximum number of evaluations, or the budget if that is less.
+        Maximum number of evaluations, over which the stages are spread.
     explore : bool
         Whether to search the whole box; without, only SLSQP from the starts, and the refinement.
     iterations : int
@@ -84,8 +84,8 @@ class Auto(Method):
 
     def run(self, run: Run) -> str:
         """Run all stages that are needed."""
-        known, left = Known(run), run.function.remaining
-        most = self.evaluations if left is None else min(self.evaluations, left)
+        # Nothing depends on the budget: with another one a search is resumed by replaying it.
+        known, most = Known(run), self.evaluations
         starts = run.starts(0 if self.explore else 1)
         if len(starts):
             known(starts)
@@ -145,12 +145,9 @@ class Auto(Method):
 
     def _refine(self, run: Run, known: Known, most: int) -> str:
         """Run a pattern search from the best design."""
-        left = run.function.remaining
         share = max(most - run.function.evaluations, most // 10, 1)
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
-        # A budget that is less than the evaluations ends it by itself.
-        limit = None if left is not None and left <= share else float(share)
-        _stage(run, known, search, known.best(1, 0.0), limit, "refinement")
+        _stage(run, known, search, known.best(1, 0.0), share, "refinement")
         run.function.check()
         return f"refined to a mesh of {self.tolerance:g}"
 
@@ -180,7 +177,7 @@ def _vary(run: Run, known: Known, count: int) -> None:
 
 
 def _stage(
-    run: Run, known: Known, search: Search, start: FloatArray, share: float | None, stage: str
+    run: Run, known: Known, search: Search, start: FloatArray, share: float, stage: str
 ) -> None:
     def report_progress(at: Progress) -> None:
         run.step(f"{stage}: {at.detail}", at.remaining)
@@ -191,7 +188,7 @@ def _stage(
         np.ones(run.size),
         start=start,
         seed=run.seed,
-        budget=None if share is None else Budget(evaluations=max(int(share), 1)),
+        budget=Budget(evaluations=max(int(share), 1)),
         progress=report_progress,
     )
 

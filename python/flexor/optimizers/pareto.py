@@ -44,8 +44,7 @@ class Pareto(Method):
     Attributes
     ----------
     population, generations : int
-        Of NSGA-II; the first generation includes the given starts. It gets at most a third of a
-        budget.
+        Of NSGA-II; the first generation includes the given starts.
     descents : int
         Number of searches by SLSQP.
     iterations : int
@@ -62,7 +61,7 @@ class Pareto(Method):
     several: ClassVar[bool] = True
 
     population: int = option(40, at_least(4))
-    generations: int = option(30, at_least(1))
+    generations: int = option(13, at_least(1))
     descents: int = option(60, at_least(0))
     iterations: int = option(12, at_least(1))
     difference: float = option(1e-5, at_most(0.1))
@@ -94,11 +93,7 @@ class Pareto(Method):
             pop_size=self.population, sampling=starts, crossover=SBX(), mutation=PM()
         )
         algorithm.setup(problem, termination=NoTermination(), seed=run.seed, verbose=False)
-        left = run.function.remaining
-        generations = self.generations
-        if left is not None:
-            generations = min(generations, 1 + left // (3 * self.population))
-        for _ in range(generations):
+        for _ in range(self.generations):
             infills = algorithm.ask()
             if infills is None or len(infills) == 0:
                 return
