@@ -132,14 +132,15 @@ def _together(ours: MethodComparison, rivals: MethodComparison) -> MethodCompari
 def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
     """Return docs/search-methods.md."""
     problems = list(ours.sets)
+    demo = " and on the problem that `examples/pneumatic-finger.toml` states, with its constraints"
+    demo = f"{demo}, without tolerances (demo)" if DEMO in problems else ""
     lines = [
         "# Search methods, measured",
         "",
         "<!-- Written by `python benchmarks/search_methods.py`; do not edit. -->",
         "",
         f"Searches with at most {ours.budget:,} designs from random starts, on the seven sets of "
-        f"the paper (f_b, variant `{CONSTANTS}`) and on the problem that "
-        "`examples/pneumatic-finger.toml` states, with its constraints (demo). A search succeeds "
+        f"the paper (f_b, variant `{CONSTANTS}`){demo}. A search succeeds "
         "when it reaches 99 % of the gain of the best known design over the default design; if "
         "that is infeasible, over the worst of the first feasible designs.",
         "",
