@@ -89,7 +89,7 @@ class Auto(Method):
 
         bounds = {
             "type": "ineq",
-            "fun": lambda point: -at(point)[2],
+            "fun": lambda point: -at(point)[2] - _MARGIN,
             "jac": lambda point: -at(point)[3],
         }
         result = minimize(
@@ -123,6 +123,8 @@ class Auto(Method):
         return value, _finite(slope), np.nan_to_num(excesses[0], nan=1.0), _finite(rise)
 
 
+# Of the bounds, by which SLSQP keeps away: it holds constraints to its accuracy only.
+_MARGIN = 1e-8
 # Value of a design that failed: worse than any.
 _FAILED = 1e6
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.design import Variables
+from flexor.observables.snap_margin import snap_margin
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
@@ -57,6 +58,9 @@ class Verdict:
     shown: float  # the quantity of the objective
     finer: float | None  # the same with twice the elements; None where that is not known
     snaps: int  # along the path
+    # How far beyond the last load the next one is, as a share of it; see
+    # `flexor.observables.snap_margin`. None for the model without loads.
+    snap_margin: float | None
 
     @property
     def feasible(self) -> bool:
@@ -109,6 +113,7 @@ class Verdict:
             shown=design.shown,
             finer=_finer(problem, x),
             snaps=design.events,
+            snap_margin=float(snap_margin(path.as_batch)[0, -1]) if model.inputs else None,
         )
 
 
@@ -145,5 +150,7 @@ def _finer(problem: Problem, x: FloatArray) -> float | None:
     for name in model.rods:
         changes[f"bodies.{name}.elements"] = 2 * model.file.rod(name).elements
     finer = load(model.file, changes=changes)
-    paths = finer.evaluate(finer.own_design, problem.loads, 1, **dict[str, Any](problem.options))
+    paths = finer.evaluate(
+        finer.own_design, problem.loads_of(x), 1, **dict[str, Any](problem.options)
+    )
     return float(evaluate_objective(problem.objective, paths).shown[0])
