@@ -64,17 +64,21 @@ _PACKAGES = (
     "constraints",
     "design",
     "errors",
+    "export",
     "inverse",
     "materials",
     "model",
+    "notebook",
     "objectives",
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "scenarios",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 

@@ -27,6 +27,7 @@ def outcomes(n: int, seed: int) -> Paths:
     angles[0, 2:] = np.nan
     return Paths(
         value=value,
+        objective_values=random.normal(size=(n, 3)),
         shown=shown,
         reason=reason,
         joint_angles=angles,
@@ -58,7 +59,7 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
     recorded = [field for field in fields(Paths) if field.metadata["recorded"]]
-    assert len(recorded) == 16
+    assert len(recorded) == 17
     for field in recorded:
         if getattr(back, field.name) is None:
             slopes = ("derivatives", "value_gradient", "constraint_gradients", "regularity")

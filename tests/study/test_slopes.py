@@ -161,6 +161,6 @@ def test_what_a_derivative_is_worth_is_said() -> None:
     )
     paths = problem.evaluate(problem.parameters.start[None], gradient=True)
     assert paths.constraint_regularity.tolist() == [["tied", "no-derivative"]]
-    assert not problem.differentiable
+    assert not problem.linearizable
     with pytest.raises(InputError, match='objective "minimise energy" has no gradient'):
         Problem.of(model, fields, "minimise energy").gradients(paths)

@@ -14,12 +14,15 @@ from typer.core import TyperCommand
 from flexor.cli import (
     calibrate,
     compare,
+    export,
+    front,
     landscape,
     listings,
     materials,
     new,
     optimize,
     rerun,
+    share,
     simulate,
 )
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
@@ -67,11 +70,14 @@ app = typer.Typer(
 # One line per command.
 app.command("simulate", cls=Command)(simulate.simulate)
 app.command("optimize", cls=Command)(optimize.optimize)
+app.command("front", cls=Command)(front.front)
 app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
+app.command("share", cls=Command)(share.share)
 app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)

@@ -63,6 +63,36 @@ Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
 Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FIELD=LOW:HIGH",
+        help="Vary a numeric field of the model file instead of `--parameters`, such as "
+        "`exosuit.length=8 cm:11 cm`; may be repeated.",
+    ),
+]
+Maximise = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME", help="Maximise an observable (see `flexor sets`); several give a front."
+    ),
+]
+Minimise = Annotated[list[str] | None, typer.Option(metavar="NAME", help="Minimise an observable.")]
+SubjectTo = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="CONSTRAINT",
+        help="Constraint along the whole path, such as `overlap <= 0.5 mm`; may be repeated.",
+    ),
+]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Switch off a default constraint: `overlap`, `strain`, `stress`, `stretch` or "
+        "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
+    ),
+]
 Scenarios = Annotated[
     str | None,
     typer.Option(

@@ -94,6 +94,7 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
         "sensitivity": _sensitivity(study.best.sensitivity),
         "feasible": study.best.feasible,
         "constraints": verdict.constraints_as_json(study.best),
+        "within_tolerances": verdict.within_as_json(study.best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,

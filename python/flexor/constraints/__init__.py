@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from flexor.constraints.choice import chosen_constraints, excesses, ranks, violation, worst_values
+from flexor.constraints.choice import (
+    INFEASIBLE,
+    chosen_constraints,
+    excesses,
+    ranks,
+    violation,
+    worst_values,
+)
 from flexor.constraints.constraint import Constraint, constraint
 from flexor.constraints.defaults import default_constraints
 from flexor.constraints.possible import check_possible
 
 __all__ = [
+    "INFEASIBLE",
     "Constraint",
     "check_possible",
     "chosen_constraints",

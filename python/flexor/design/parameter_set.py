@@ -99,6 +99,11 @@ class ParameterSet:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
 
+    @property
+    def si_units(self) -> tuple[str, ...]:
+        """SI unit of each parameter, ``"1"`` for plain numbers."""
+        return tuple({"cm": "m", "mm": "m", "deg": "rad"}.get(unit, unit) for unit in self.units)
+
     def parse(self, label: str, text: str, option: str) -> float:
         """Read the value of a parameter, SI; InputError, beginning with ``option``, if none."""
         return parse_value(text, label, self.units[self.labels.index(label)], option)

@@ -11,7 +11,7 @@ cost less than one file.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import comb
@@ -171,7 +171,7 @@ def slot_map(
             raise InputError(f'"{name}" cannot be varied: it has no effect on the model.')
     varied = np.flatnonzero(moved.any(axis=0))
     if not k:
-        return SlotMap(np.zeros(0, dtype=np.intp), middle, half, (), ())
+        return SlotMap(varied, middle, half, (), (), varied)
     # The entries of one parameter, such as the numbers of all fibres, have the same variables.
     patterns: dict[tuple[int, ...], list[int]] = {}
     for start, stop in lowered.ranges:
@@ -194,8 +194,8 @@ def slot_map(
     most = max(len(pattern) for pattern in patterns)
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
     sampled = _Sampled(lowered, middle, half)
-    # A few points suffice for most files.
-    for count in _rounds(2 * max(comb(most + 3, 3), MAX_DEGREE + 1)):
+    # A few points suffice for most files; others take more besides them.
+    for count in _rounds(max((3 * comb(most + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)):
         u, samples = sampled.first(count)
         for pattern in left:
             for form, degree in _attempts(len(pattern), count):
@@ -238,7 +238,7 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     """
     lowered = _Lowered(model, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
-    u = 0.999 * _points(most + _CHECKS, len(fields))
+    u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     samples = np.array([lowered.at(like._middle + like._half * row) for row in u])
     others = np.setdiff1d(np.arange(samples.shape[1]), like._every)
     largest = np.abs(samples).max(axis=0)
@@ -252,7 +252,7 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     fits = []
     for fit in like._fits:
         columns = like._every[fit.columns]
-        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form)
+        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form, most)
         if not (good | (largest[columns] <= noise[columns])).all():
             return None
         fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))
@@ -310,6 +310,27 @@ def _vertices(k: int) -> Array:
 
     signs = hadamard(1 << (k - 1).bit_length())[:, :k]
     return np.unique(np.concatenate([signs, -signs]), axis=0).astype(float)
+
+
+def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) -> Array | None:
+    """Return the engine's parameters (P,) of a model with other values of some fields, SI.
+
+    None if it is then no model, or one that is made of other things.
+
+    Parameters
+    ----------
+    model
+        The model.
+    changes
+        By the keys of a field; see `flexor.design.fields`.
+    """
+    try:
+        described = lower(replaced(model.file, changes))
+        _keep(described, model.description)
+        engine = _engine.Model(json.dumps(described))
+    except ValueError:  # of the file, too: an `InputError` is one
+        return None
+    return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
 class _Lowered:

@@ -53,6 +53,11 @@ class Variables(ParameterSet):
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([kind.factor for kind in self.kinds])
 
+    @property
+    def si_units(self) -> tuple[str, ...]:
+        """SI unit of each parameter, ``"1"`` for plain numbers."""
+        return tuple(kind.si or "1" for kind in self.kinds)
+
     def on(self, rod: DesignSpace) -> Variables:
         """Return the same set, as fields belong to no exosuit."""
         return self

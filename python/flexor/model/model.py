@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError
 from flexor.model.derivatives import Derivatives, Differential, differentiate
 from flexor.model.follow import follow as follow_loads
@@ -29,7 +30,7 @@ from flexor.model.validation import describe
 Force = Forces | Mapping[str, Forces]
 
 
-class Model(Structure):
+class Model(Displayed, Structure):
     """A system of rods, links, contacts and actuators, built once and never changed.
 
     Parameters

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
@@ -126,6 +127,8 @@ class Results:
         Value of the objective of a study; +inf where the design failed, never NaN.
     shown : (n,) array
         The objective's quantity for display; NaN where the design failed.
+    objective_values : (n, m) array
+        Value of each of several objectives of a study, to be minimised, SI; no columns with one.
     reason : (n,) array of str
         Empty, or why the design failed.
     constraint_values : (n, c) array
@@ -175,6 +178,7 @@ class Results:
     regularity: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    objective_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     constraint_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     violation: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -325,7 +329,7 @@ class States(Results):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Path(Results):
+class Path(Displayed, Results):
     """Equilibria of one design over load steps, each followed from the one before.
 
     ``path[step]`` is a `State`, ``path[start:stop]`` a part of the path.
@@ -545,6 +549,7 @@ class Paths(Results):
         reason: str,
         parameters: int | None = None,
         constraints: int = 0,
+        objectives: int = 0,
     ) -> Paths:
         """Paths of ``count`` designs that could not be evaluated, for this reason.
 
@@ -561,6 +566,7 @@ class Paths(Results):
         return cls(
             value=np.full(count, np.inf),
             shown=np.full(count, np.nan),
+            objective_values=np.full((count, objectives), np.nan),
             reason=np.full(count, reason, dtype=object),
             constraint_values=np.full((count, constraints), np.nan),
             violation=np.full(count, np.inf),

@@ -44,6 +44,19 @@ class Objective(ABC):
     def shown(self, paths: Paths) -> Array:
         """Quantity for display, (n,), in `unit`."""
 
+    @property
+    def count(self) -> int:
+        """How many objectives these are, if they are several; 0 for one."""
+        return 0
+
+    def values(self, paths: Paths) -> Array:
+        """Return the values of several objectives, (n, m); (n, 0) for one."""
+        return np.zeros((len(paths), 0))
+
+    def displayed(self, value: Array) -> Array:
+        """Return values for tables and figures: the quantity in `unit` where it alone decides."""
+        return value
+
     def residual(self, paths: Paths) -> Array:
         """Vector (n, r) whose norm is the value, for least squares; InputError without one."""
         raise InputError(
@@ -58,6 +71,11 @@ class Objective(ABC):
         without constraints, and so are users' own.
         """
         return False
+
+    @property
+    def is_norm(self) -> bool:
+        """Whether it is the norm of a vector, a `residual`."""
+        return type(self).residual is not Objective.residual
 
     @property
     def differentiable(self) -> bool:

@@ -24,11 +24,14 @@ class Extremum(Objective):
     ----------
     sign : float
         -1 to maximise, 1 to minimise.
+    factor : float
+        SI value of the unit.
     differentiable_observable : bool
         Whether the observable has exact derivatives.
     """
 
     sign: float = 1.0
+    factor: float = 1.0
     differentiable_observable: bool = False
 
     @property
@@ -47,8 +50,11 @@ class Extremum(Objective):
 
     def shown(self, paths: Paths) -> Array:
         """Return the observable in its unit, (n,)."""
-        found = self._observable(paths.model)
-        return found.last(paths) / found.unit[0]
+        return self._observable(paths.model).last(paths) / self.factor
+
+    def displayed(self, value: Array) -> Array:
+        """Return values of this objective as the observable in its unit."""
+        return self.sign * value / self.factor + 0.0
 
     def differential(self, paths: Paths) -> Differential:
         """Return the first-order change of the value; InputError if there is none."""
@@ -82,5 +88,6 @@ def extremum(sense: str, name: str, model: Structure) -> Extremum:
         quantity=found.name,
         unit=found.unit[1],
         sign=SENSES[sense],
+        factor=found.unit[0],
         differentiable_observable=found.differentiable,
     )

@@ -21,6 +21,7 @@ from flexor.optimizers.interface import (
     LinearizedFunction,
     Progress,
     SearchResult,
+    SeveralFunction,
     VectorFunction,
 )
 
@@ -58,6 +59,12 @@ class BudgetedEvaluator:
     def evaluations(self) -> int:
         """Distinct designs evaluated."""
         return len(self._asked)
+
+    @property
+    def remaining(self) -> int | None:
+        """How many evaluations are left of the budget; None without one."""
+        limit = self._budget.evaluations
+        return None if limit is None else max(limit - self.evaluations, 0)
 
     @property
     def design(self) -> FloatArray:
@@ -145,6 +152,16 @@ class BudgetedEvaluator:
                 return None
         self(designs)
         return self._function.linearized(designs)
+
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) of designs (n, k).
+
+        InputError if the function has one objective only; BudgetExhausted as for values.
+        """
+        if not isinstance(self._function, SeveralFunction):
+            raise InputError("the function has one objective: this method needs several.")
+        self(designs)
+        return self._function.objectives(designs)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

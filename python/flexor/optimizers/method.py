@@ -121,6 +121,10 @@ class Run:
         span = self.upper - self.lower
         return values, excesses, slopes * span, rises * span
 
+    def objectives(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) at points (n, k)."""
+        return self.function.objectives(self.designs(points))
+
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.
 

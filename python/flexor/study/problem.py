@@ -74,7 +74,7 @@ class Problem:
         cls,
         model: Model,
         parameters: str | ParameterSet | Mapping[str, Sequence[object]],
-        objective: str | Objective,
+        objective: str | Objective | Sequence[str | Objective],
         force: Any = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
         options: Mapping[str, float] | None = None,
@@ -244,6 +244,7 @@ class Problem:
             "has a length or radius that is not positive",
             self.parameters.size if gradient else None,
             len(self.constraints),
+            self.objective.count,
         )
         if not valid.any():
             return every

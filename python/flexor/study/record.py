@@ -33,6 +33,7 @@ CREATE TABLE evaluations (
     design BLOB NOT NULL,        -- parameters, SI, little-endian float64: the exact design
     parameters TEXT NOT NULL,    -- the same for reading, as a JSON list
     value REAL,                  -- of the objective; NULL if the design failed
+    objectives BLOB NOT NULL,    -- float64: value of each of several objectives; empty with one
     shown REAL,                  -- the objective's quantity for display; NULL if failed
     reason TEXT NOT NULL,        -- empty, or why the design failed
     events INTEGER NOT NULL,     -- snaps along the path
@@ -47,7 +48,15 @@ CREATE TABLE evaluations (
     UNIQUE (search, design)
 );
 """
-_COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
+_COLUMNS = (
+    "value",
+    "objectives",
+    "shown",
+    "reason",
+    "events",
+    "iterations",
+    *(name for name, *_ in _ARRAYS),
+)
 _INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 9)})"
 _DERIVATIVES = """
 UPDATE evaluations SET derivatives = ?, regularity = ?, slopes = ? WHERE search = ? AND design = ?
@@ -114,12 +123,14 @@ class Record:
         """
         good, now = np.isfinite(outcomes.value), time.time()
         # A NaN becomes NULL.
-        values = (np.where(good, each, np.nan) for each in (outcomes.value, outcomes.shown))
+        value, shown = (np.where(good, each, np.nan) for each in (outcomes.value, outcomes.shown))
         others = outcomes.reason, outcomes.event_count, outcomes.total_iterations
         columns = (
             _blobs(designs, "<f8"),
             map(str, designs.tolist()),
-            *(column.tolist() for column in (*values, *others)),
+            value.tolist(),
+            _vectors(outcomes.objective_values, len(outcomes)),
+            *(column.tolist() for column in (shown, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
             *_derivatives(outcomes),
             *_kept(outcomes, good),
@@ -184,7 +195,8 @@ class Record:
                 value=self._numbers(found["value"], np.inf),
                 shown=self._numbers(found["shown"], np.nan),
                 reason=np.array(found["reason"], dtype=object),
-                constraint_values=self._constraints(found["constraints"]),
+                objective_values=self._vectors(found["objectives"]),
+                constraint_values=self._vectors(found["constraints"]),
                 violation=self._numbers(found["violation"], np.inf),
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
@@ -229,8 +241,8 @@ class Record:
             raise self.database.damaged("a value is not finite")
         return np.array([missing if value is None else value for value in column], dtype="f8")
 
-    def _constraints(self, blobs: list[bytes]) -> FloatArray:
-        """Values of constraints, whose number is that of the first row."""
+    def _vectors(self, blobs: list[bytes]) -> FloatArray:
+        """Values of constraints or objectives, whose number is that of the first row."""
         first = blobs[0] if blobs else b""
         size = len(first) // 8 if isinstance(first, bytes) else 0
         return self._decoded(blobs, "<f8", (size,))
@@ -251,10 +263,14 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
 
 def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Sequence[float]]:
     """Return values of constraints and violation of each design; of paths without, none and 0."""
-    if outcomes.constraint_values is None:
-        return [b""] * len(outcomes), np.where(good, 0.0, np.nan).tolist()
-    broken = np.where(good, outcomes.violation, np.nan).tolist()
-    return _blobs(outcomes.constraint_values, "<f8"), broken
+    broken = 0.0 if outcomes.violation is None else outcomes.violation
+    vectors = _vectors(outcomes.constraint_values, len(outcomes))
+    return vectors, np.where(good, broken, np.nan).tolist()
+
+
+def _vectors(values: FloatArray | None, count: int) -> list[bytes]:
+    """Return the bytes of each row, or nothing of what was not evaluated."""
+    return [b""] * count if values is None else _blobs(values, "<f8")
 
 
 def _gradients(outcomes: Paths) -> Sequence[bytes | None]:

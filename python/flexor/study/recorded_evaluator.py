@@ -79,6 +79,16 @@ class RecordedEvaluator(CachedEvaluator):
         excesses = np.where(np.isfinite(values)[:, None], problem.excesses(paths), np.nan)
         return values, excesses, problem.gradients(paths), problem.excess_gradients(paths)
 
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c), from the record.
+
+        +inf and NaN for those that failed.
+        """
+        _, found = self.constrained(designs)
+        rows = [self._record.outcomes(design) for design in normalized(designs)]
+        values = np.concatenate([row.objective_values for row in rows])
+        return np.where(np.isnan(values), np.inf, values), found
+
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
 

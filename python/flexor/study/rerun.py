@@ -25,12 +25,13 @@ if TYPE_CHECKING:
 
 # Arrays of the record that are compared.
 _COLUMNS = (
-    *("value", "shown", "reason", "joint_angles", "tip_force", "touching"),
+    *("value", "objective_values", "shown", "reason", "joint_angles", "tip_force", "touching"),
     *("converged", "stable", "event_count", "total_iterations", "constraint_values", "violation"),
 )
 _READ_AS = {
     "event_count": "events",
     "total_iterations": "iterations",
+    "objective_values": "objectives",
     "constraint_values": "constraints",
 }
 

@@ -17,7 +17,7 @@ from flexor.design.fields import keys_of, value_of
 from flexor.errors import InputError
 from flexor.model.interruption import cancel_solves
 from flexor.model.quantity import infer_quantity
-from flexor.model.results import Paths
+from flexor.model.results import Path, Paths
 from flexor.objectives import Extremum
 from flexor.objectives import objective as named_objective
 from flexor.observables import observable
@@ -99,6 +99,10 @@ class ScenarioProblem(Problem):
         )
         if stated.samples and not made.tolerances:
             raise InputError("samples of errors need a tolerance: state one or leave them out.")
+        if wanted.kind != "mean" and len(made.weights) == 1:
+            raise InputError(
+                f'aggregate "{wanted.text}": there is one scenario; name several, or sample errors.'
+            )
         made.cases  # noqa: B018 - a scenario that breaks the model is said at once
         return made
 
@@ -212,6 +216,16 @@ class ScenarioProblem(Problem):
         ]
         return _all_of(work, threads)
 
+    def path_of(self, design: FloatArray, error: FloatArray, scenario: int = 0) -> Path:
+        """Follow the path of a design (k,) with an error (m,) in one of the scenarios."""
+        return self.cases[scenario].path(self._placed(design[None], error[None], scenario)[0])
+
+    def unit_of(self, tolerance: Tolerance) -> tuple[str, float]:
+        """Return the unit of a field with a tolerance, and its SI value."""
+        chosen = self.cases[0].parameters
+        i = chosen.labels.index(tolerance.field)
+        return chosen.units[i], float(chosen.scale[i])
+
     def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
         n, corners = len(designs), self.corners.reshape(len(self.corners), len(self.tolerances))
         errors = np.concatenate([self.errors, corners])
@@ -262,13 +276,14 @@ class ScenarioProblem(Problem):
         for i in np.flatnonzero(np.isinf(values).any(axis=(1, 2))):
             scenario, error = np.argwhere(np.isinf(values[i]))[0]
             reason = found[scenario].reason[i * values.shape[2] + error]
-            where = f' in scenario "{self.scenarios[scenario].name}"' if self._named else ""
+            where = f' in scenario "{self.scenarios[scenario].name}"' if self.named else ""
             within = " with an error within the tolerances" if len(self.tolerances) else ""
             every.value[i], every.shown[i], every.violation[i] = np.inf, np.nan, np.inf
             every.reason[i] = f"{reason}{where}{within}"
 
     @property
-    def _named(self) -> bool:
+    def named(self) -> bool:
+        """Whether there are scenarios besides the model as it is."""
         return self.scenarios != (AS_IT_IS,)
 
     def _shown(self, values: FloatArray, shown: FloatArray, broken: FloatArray) -> FloatArray:
