@@ -126,8 +126,14 @@ class Verdict:
             shown=float(off.shown[0]),
             finer=_finer(problem, x),
             snaps=design.events,
-            snap_margin=float(snap_margin(path.as_batch)[0, -1]) if model.inputs else None,
+            snap_margin=_snap_margin(design),
         )
+
+
+def _snap_margin(design: Design) -> float | None:
+    if not design.problem.model.inputs:
+        return None
+    return float(snap_margin(design.path.as_batch)[0, -1])
 
 
 def _kept(design: Design) -> Iterator[Kept]:
