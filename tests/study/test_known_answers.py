@@ -8,6 +8,7 @@ import pytest
 import flexor
 from flexor.errors import InputError
 from flexor.model import Model, parse
+from flexor.observables import observables
 from flexor.study import Problem
 
 BEAM = """
@@ -172,3 +173,18 @@ def test_loads_that_are_no_variables() -> None:
     ):
         with pytest.raises(InputError, match=message):
             Problem.of(model, bounds, "maximise bending")
+
+
+def test_the_distance_to_the_next_snap_is_that_of_the_truss() -> None:
+    """It snaps at the maximum of 2 k (l0 - l) z / l, and not again: the springs are then pulled."""
+    model = flexor.load("truss")
+    z = np.linspace(0.0, 0.02, 20001)
+    length, rest = np.sqrt(0.1**2 + z**2), np.hypot(0.1, 0.02)
+    limit = float((2e3 * (rest - length) * z / length).max())
+    path = model.equilibrium([0.0, 0.1, 0.2])
+    margin = observables(model)["snap-margin"].values(path.as_batch)
+    assert margin.shape == (1, 3)
+    np.testing.assert_allclose(margin, limit / 0.2 - 1.0, rtol=1e-3)
+    beyond = model.equilibrium([0.0, 0.2, 0.4])
+    assert [event.kind for event in beyond.events] == ["snap"]
+    np.testing.assert_array_equal(observables(model)["snap-margin"].values(beyond.as_batch), 1.0)
