@@ -99,16 +99,20 @@ class Variables(ParameterSet):
         if not self._of_loads.any():
             return None
         found = np.zeros((*loads.shape, self.size))
-        for k, each in enumerate(self.load_fields):
+        for k, each in enumerate(self._loads):
             if each is not None:
                 index = model.inputs.index(each.name)
                 found[:, index, k] = loads[:, index] / largest_of(loads[:, index], each.name)
         return found
 
     @property
+    def _loads(self) -> tuple[LoadVariable | None, ...]:
+        """The loads among the fields; None for others and for those appended."""
+        return self.load_fields + (None,) * (self.size - len(self.load_fields))
+
+    @property
     def _of_loads(self) -> NDArray[np.bool_]:
-        fields = self.load_fields or (None,) * self.size
-        return np.array([each is not None for each in fields], dtype=bool)
+        return np.array([each is not None for each in self._loads], dtype=bool)
 
     def slots(self, model: Structure) -> NDArray[np.intp]:
         """Return which of the engine's parameters the designs change; see `ParameterSet.slots`."""
@@ -125,20 +129,21 @@ class Variables(ParameterSet):
         """Return one design (k,) as changes of the model file, for `flexor.load`."""
         rows = zip(self.labels, self.kinds, np.asarray(p).tolist(), strict=True)
         made: dict[str, object] = {}
-        fields = self.load_fields or (None,) * self.size
-        for (label, kind, value), load in zip(rows, fields, strict=True):
+        for (label, kind, value), load in zip(rows, self._loads, strict=True):
             made |= {label: kind.exact(value)} if load is None else load.changes(value)
         return made
 
     def _map(self, model: Structure) -> SlotMap:
         found = self._maps.get(model)
         if found is None:
-            keys = [keys_of(label, model.file) for label in self.labels]
+            chosen = ~self._of_loads
+            labels = [label for label, own in zip(self.labels, chosen, strict=True) if own]
+            keys = [keys_of(label, model.file) for label in labels]
             # Models that differ in values have the same polynomials.
-            known = next(iter(list(self._maps.values())), None)
+            known = next(iter(list(self._maps.values())), None) if keys else None
             found = refitted(known, model, keys) if known is not None else None
             if found is None:
-                found = slot_map(model, keys, self.labels, self.lower, self.upper)
+                found = slot_map(model, keys, labels, self.lower[chosen], self.upper[chosen])
             self._maps[model] = found
         return found
 

@@ -18,7 +18,7 @@ from flexor.constraints import (
     violation,
     worst_values,
 )
-from flexor.design import Geometry, ParameterSet, parameter_set, variables
+from flexor.design import Geometry, ParameterSet, Variables, parameter_set, variables
 from flexor.design.start import bounds_in_si
 from flexor.errors import InputError
 from flexor.model.chunks import chunks
@@ -82,10 +82,13 @@ class Problem:
         without: Sequence[str] = (),
     ) -> Problem:
         """Make a problem of what users give; see `flexor.optimize`."""
-        space = require_model(model).design
+        require_model(model)
         if isinstance(parameters, Mapping):
             parameters = variables(parameters, model, "parameters")
-        chosen = parameter_set(parameters, space).on(space)
+        if isinstance(parameters, Variables):
+            chosen: ParameterSet = parameters
+        else:
+            chosen = parameter_set(parameters, model.design).on(model.design)
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)
