@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from flexor.cli import (
+    bench,
     calibrate,
     compare,
     export,
@@ -24,6 +25,7 @@ from flexor.cli import (
     rerun,
     share,
     simulate,
+    studio,
 )
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
@@ -76,8 +78,10 @@ app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
+app.command("bench", cls=Command)(bench.bench)
 app.command("materials", cls=Command)(materials.materials)
 app.command("share", cls=Command)(share.share)
+app.command("studio", cls=Command)(studio.studio)
 app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)
