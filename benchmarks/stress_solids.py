@@ -55,8 +55,10 @@ def main() -> int:
     finger = Finger()
     counts = {}
     for index, kind in enumerate((FINGER, *KINDS)):
-        count = counts[kind] = Count()
         designs = options.fingers if kind == FINGER else options.rods
+        if not designs:
+            continue
+        count = counts[kind] = Count()
         for number in track(range(designs), description=f"{kind:16s}", disable=designs < 50):
             random = np.random.default_rng([options.seed, index, number])
             examine(count, f"{kind} {number}", kind, random, finger)
