@@ -32,6 +32,7 @@ def optimize(
     aggregate: options.Aggregate = None,
     tolerance: options.Tolerance = None,
     samples: options.Samples = None,
+    wearers: options.Wearers = None,
     method: Annotated[
         str | None,
         typer.Option(
@@ -120,7 +121,7 @@ def optimize(
             method,
             subject_to=problem.subject_to,
             without=problem.without,
-            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples),
+            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples, wearers),
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),

@@ -117,6 +117,13 @@ Tolerance = Annotated[
         "or its standard deviation, `0.1 mm normal`; may be repeated.",
     ),
 ]
+Wearers = Annotated[
+    int | None,
+    typer.Option(
+        callback=at_least(1),
+        help="Number of wearers, drawn from the file's `[population]`, that are scenarios.",
+    ),
+]
 Samples = Annotated[
     int | None,
     typer.Option(

@@ -91,8 +91,8 @@ class Variables(ParameterSet):
         if found is None:
             keys = [keys_of(label, model.file) for label in self.labels]
             # Models that differ in values have the same polynomials.
-            known = next(iter(list(self._maps.values())), None)
-            found = refitted(known, model, keys) if known is not None else None
+            other = next(iter(list(self._maps.items())), None)
+            found = None if other is None else refitted(other[1], other[0], model, keys)
             if found is None:
                 found = slot_map(model, keys, self.labels, self.lower, self.upper)
             self._maps[model] = found
