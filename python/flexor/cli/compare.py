@@ -174,10 +174,9 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
 
 
 def _quantity(result: MethodComparison) -> str:
-    from flexor.objectives import Extremum
 
     objective = result.objective
-    if isinstance(objective, Extremum):
+    if objective.of_observable:
         return f"{objective.quantity} / {objective.unit}".removesuffix(" / ")
     return f"objective {objective.name}"
 

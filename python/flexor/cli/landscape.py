@@ -166,7 +166,6 @@ def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> 
 
 
 def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
-    from flexor.objectives import Extremum
 
     size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
@@ -174,7 +173,7 @@ def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> 
         best = result.minimum
         if result.infeasible.all():
             sentences.append("No design of the grid keeps the constraints.")
-        word = "Best" if isinstance(result.problem.objective, Extremum) else "Minimum"
+        word = "Best" if result.problem.objective.of_observable else "Minimum"
         word = word if best.feasible else "Least violation"
         sentences.append(f"{word} of the grid at {best.text}: {best.result}.")
         minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))

@@ -124,6 +124,13 @@ Wearers = Annotated[
         help="Number of wearers, drawn from the file's `[population]`, that are scenarios.",
     ),
 ]
+Sizes = Annotated[
+    int | None,
+    typer.Option(
+        callback=at_least(1),
+        help="Find so many designs that together serve the wearers or scenarios best.",
+    ),
+]
 Samples = Annotated[
     int | None,
     typer.Option(

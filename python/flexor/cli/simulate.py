@@ -105,8 +105,9 @@ def simulate(
         report(path)
         if inverse is not None:
             say(str(inverse))
-        elif force is None and len(path.model.inputs) > 1:
-            say(f"no load is given: --force {path.model.inputs[0]}=0:5:1 applies one")
+        elif force is None and path.model.inputs and not path.loads.any():
+            name, dimension = next(iter(path.model.input_dimensions.items()))
+            say(f'no load is given: --load {name}="{dimension.example}" applies one')
     if plot is not None:
         from flexor import plot as figures
 

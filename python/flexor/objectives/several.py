@@ -35,6 +35,11 @@ class Several(Objective):
         """Number m of objectives."""
         return len(self.parts)
 
+    @property
+    def of_observable(self) -> bool:
+        """Whether constraints hold by default: it is of designs that are to be made and worn."""
+        return True
+
     def value(self, paths: Paths) -> Array:
         """Return the value of the first objective, (n,)."""
         return self.parts[0].value(paths)

@@ -9,7 +9,7 @@ import numpy as np
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
-from flexor.optimizers.sqp import differences, minimize_slsqp
+from flexor.optimizers.sqp import linearization, minimize_slsqp
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,8 @@ class Auto(Method):
 
     The sample finds the valley, SLSQP its floor along the constraints, and the pattern search what
     lies beyond a snap or a lost contact, where slopes say nothing. Slopes of values and constraints
-    are one-sided differences, one batch for each.
+    are exact; where one of these has no derivative, they are one-sided differences, one batch for
+    each.
 
     Attributes
     ----------
@@ -68,7 +69,7 @@ class Auto(Method):
             end = minimize_slsqp(
                 run,
                 points[i],
-                lambda point: differences(run.constrained, point, self.difference),
+                lambda point: linearization(run, point, self.difference),
                 self.iterations,
             )
             ends.append((float(run.values(end[None, :])[0]), end))

@@ -73,6 +73,21 @@ class ConstrainedFunction(_Values, Protocol):
         ...
 
 
+Linearized = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+@runtime_checkable
+class LinearizedFunction(ConstrainedFunction, Protocol):
+    """A constrained function with exact gradients of values and excesses."""
+
+    def linearized(self, designs: FloatArray) -> Linearized | None:
+        """Return what `constrained` does, and the gradients of both, (n, k) and (n, c, k).
+
+        NaN for designs that fail. None if there are no gradients.
+        """
+        ...
+
+
 @runtime_checkable
 class SeveralFunction(_Values, Protocol):
     """A batch function of several objectives, with constraints."""

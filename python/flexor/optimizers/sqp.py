@@ -12,7 +12,7 @@ from flexor.optimizers.method import Run
 
 # Constraints are kept with this margin, in units of their bounds, so that where they are active
 # rounding does not break them.
-MARGIN = 1e-6
+MARGIN = 1e-7
 # Value of a design that failed: worse than any.
 FAILED = 1e6
 
@@ -47,6 +47,20 @@ def differences(evaluate: Evaluate, point: FloatArray, difference: float) -> Lin
         _finite(gradients),
         np.nan_to_num(excesses[0], nan=1.0),
         _finite(slopes),
+    )
+
+
+def linearization(run: Run, point: FloatArray, difference: float) -> Linearization:
+    """Linearize at a point (k,) exactly or, where something has no derivative, by differences."""
+    exact = run.linearized(point[None, :])
+    if exact is None:
+        return differences(run.constrained, point, difference)
+    values, excesses, gradients, slopes = exact
+    return Linearization(
+        np.where(np.isfinite(values), values, FAILED),
+        _finite(gradients),
+        np.nan_to_num(excesses[0], nan=1.0),
+        _finite(slopes[0]),
     )
 
 

@@ -14,7 +14,7 @@ from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import (
     Auto,
     Budget,
@@ -370,7 +370,7 @@ def check_objectives(search: Search, wanted: Objective) -> None:
 def _default_method(wanted: Objective) -> str:
     if wanted.count:
         return Pareto.name
-    return Auto.name if isinstance(wanted, Extremum) else PatternSearch.name
+    return Auto.name if wanted.of_observable else PatternSearch.name
 
 
 def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:

@@ -40,10 +40,11 @@ CREATE TABLE evaluations (
     iterations INTEGER NOT NULL, -- Newton iterations along the path
     {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
     derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
-    regularity TEXT,             -- what they are worth; NULL in searches without gradients
+    regularity TEXT,             -- what that of the value is worth; NULL without derivatives
     constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
     violation REAL,              -- how far constraints are exceeded; NULL if the design failed
-    slope BLOB,                  -- float64 (parameters,): of an aggregate over scenarios
+    slopes BLOB,                 -- float64 (1 + constraints, parameters): derivatives of the value
+                                 -- and of what each constraint bounds; NULL without
     UNIQUE (search, design)
 );
 """
@@ -58,7 +59,7 @@ _COLUMNS = (
 )
 _INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 9)})"
 _DERIVATIVES = """
-UPDATE evaluations SET derivatives = ?, regularity = ?, slope = ? WHERE search = ? AND design = ?
+UPDATE evaluations SET derivatives = ?, regularity = ?, slopes = ? WHERE search = ? AND design = ?
 """
 
 
@@ -131,9 +132,9 @@ class Record:
             _vectors(outcomes.objective_values, len(outcomes)),
             *(column.tolist() for column in (shown, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
-            *_slopes(outcomes),
+            *_derivatives(outcomes),
             *_kept(outcomes, good),
-            _slope(outcomes),
+            _gradients(outcomes),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
@@ -141,8 +142,8 @@ class Record:
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already."""
         columns = (
-            *_slopes(outcomes),
-            _slope(outcomes),
+            *_derivatives(outcomes),
+            _gradients(outcomes),
             [self._search] * len(designs),
             _blobs(designs, "<f8"),
         )
@@ -171,7 +172,7 @@ class Record:
         An unknown design gives outcomes of length zero.
         """
         names = (*_COLUMNS, "constraints", "violation")
-        names = names if design is None else (*names, "derivatives", "regularity", "slope")
+        names = names if design is None else (*names, "derivatives", "regularity", "slopes")
         rows = self._rows(", ".join(names), design=design)
         columns = zip(*rows, strict=True) if rows else [()] * len(names)
         found = {name: list(column) for name, column in zip(names, columns, strict=True)}
@@ -180,8 +181,11 @@ class Record:
             k, _, joints = self.sizes
             slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
-        if any(blob is not None for blob in found.get("slope", ())):
-            slopes["value_gradient"] = self._decoded(found["slope"], "<f8", self.sizes[:1])
+        if any(blob is not None for blob in found.get("slopes", ())):
+            count = 1 + len(found["constraints"][0]) // 8
+            every = self._decoded(found["slopes"], "<f8", (count, self.sizes[0]))
+            slopes["value_gradient"] = every[:, 0]
+            slopes["constraint_gradients"] = every[:, 1:]
         try:
             arrays: dict[str, Any] = {
                 name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
@@ -269,14 +273,15 @@ def _vectors(values: FloatArray | None, count: int) -> list[bytes]:
     return [b""] * count if values is None else _blobs(values, "<f8")
 
 
-def _slope(outcomes: Paths) -> Sequence[bytes | None]:
-    """Return the gradient of the value of each design, None without."""
+def _gradients(outcomes: Paths) -> Sequence[bytes | None]:
+    """Return the gradients of value and constraints of each design, None without."""
     if outcomes.value_gradient is None:
         return [None] * len(outcomes)
-    return _blobs(outcomes.value_gradient, "<f8")
+    rows = (outcomes.value_gradient[:, None], outcomes.constraint_gradients)
+    return _blobs(np.concatenate(rows, axis=1), "<f8")
 
 
-def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
+def _derivatives(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
     """Return derivatives and regularity of each design, None without."""
     if outcomes.derivatives is None:
         nothing = [None] * len(outcomes)

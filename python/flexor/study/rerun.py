@@ -174,7 +174,7 @@ def _in_round(old: Record, new: Record) -> Difference | None:
 def _slopes(record: Record, design: FloatArray) -> tuple[Any, ...]:
     found = record.outcomes(design)
     regularity = None if found.regularity is None else str(found.regularity[0])
-    return found.derivatives, found.value_gradient, regularity
+    return found.derivatives, found.value_gradient, found.constraint_gradients, regularity
 
 
 def _bits(value: Any) -> Any:

@@ -32,7 +32,7 @@ def rounds(
     corners: list[FloatArray] = []
     local = getattr(search, "local", search)
     problem, limit = study.problem, budget.evaluations
-    if isinstance(problem, ScenarioProblem) and problem.count > MANY and local is not search:
+    if isinstance(problem, ScenarioProblem) and problem.count > MANY and local != search:
         # The best of the model as it is, which takes as many times less, is a good beginning.
         study.take_nominal()
         yield search, start, budget

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from flexor.model import Model
 
 AS_IT_IS = Scenario("as it is")
+# Arrays of derivatives, which are those of the aggregate.
+_SLOPES = ("derivatives", "regularity", "value_gradient", "constraint_gradients")
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,22 @@ class ScenarioProblem(Problem):
             raise InputError("the paths have no gradient: evaluate them with gradient=True.")
         return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
 
+    @property
+    def linearizable(self) -> bool:
+        """Whether the aggregate and all constraints have exact derivatives."""
+        return super().linearizable and self.aggregate.differentiable
+
+    def excess_gradients(self, paths: Paths) -> FloatArray:
+        """Gradients (n, cases c, k) of `excesses`, per SI unit; NaN where a design failed."""
+        n, k = len(paths), self.parameters.size
+        if not self.aggregate.everywhere or not self.constraints:
+            return np.zeros((n, 0, k))
+        cases = paths.constraint_values.shape[1] // len(self.constraints)
+        signs = [each.sign / each.scale for each in self.constraints] * cases
+        found = paths.constraint_gradients * np.array(signs)[:, None]
+        found = np.where(np.isnan(paths.constraint_values)[..., None], 0.0, found)
+        return np.where(np.isfinite(paths.value)[:, None, None], found, np.nan)
+
     def by_case(
         self, designs: FloatArray, errors: FloatArray, threads: int = 0, gradient: bool = False
     ) -> list[Paths]:
@@ -263,7 +281,12 @@ class ScenarioProblem(Problem):
                     total += (
                         np.where(shares[:, i, None] > 0.0, slopes[:, i], 0.0) * shares[:, i, None]
                     )
-            every = replace(every, value_gradient=total)
+            kept_slopes = [
+                paths.constraint_gradients[..., : self.parameters.size].reshape(n, e, c, -1)
+                for paths in found
+            ]
+            bounded = np.stack(kept_slopes, axis=1).reshape(n, -1, self.parameters.size)
+            every = replace(every, value_gradient=total, constraint_gradients=bounded)
         return every
 
     def _mark_failures(self, every: Paths, found: list[Paths], values: FloatArray) -> None:
@@ -297,7 +320,7 @@ class ScenarioProblem(Problem):
         plain = [i for i, each in enumerate(self.scenarios) if not each.changes]
         if plain and not self.errors.any():
             rows = np.arange(len(designs)) * (len(found[plain[0]]) // max(len(designs), 1))
-            return found[plain[0]][rows].recorded(without=("derivatives", "regularity"))
+            return found[plain[0]][rows].recorded(without=_SLOPES)
         return self.nominal.evaluate(designs, threads).recorded()
 
     def _placed(self, designs: FloatArray, errors: FloatArray, index: int) -> FloatArray:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexor.display import Displayed
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
 from flexor.store import open_record
 from flexor.study.design import Design
@@ -165,7 +165,7 @@ class Study(Displayed):
         if self.problem.quantity != "bending":
             sought = self.problem.quantity, self.problem.unit
             lines.append(Comparison(*sought, start.shown, best.shown))
-        if not isinstance(objective, Extremum):
+        if not objective.of_observable:
             lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
         return lines
 

@@ -14,6 +14,7 @@ pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
 
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
+use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
@@ -23,7 +24,7 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
-use attached::{moved, points, relative};
+use attached::{points, relative};
 use definition::Foundation;
 use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
@@ -145,44 +146,49 @@ impl Foundations {
         foundation.tip[touch.first - foundation.first.start]
     }
 
-    /// What touches the tip, with its points p, a, b, and the derivatives with respect to these of the
-    /// force on the tip along a direction.
-    pub fn for_each_tip_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the depths of everything that touches.
+    pub fn for_each_depth<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
-        tree: &Tree<G, D, P>,
-        state: &[Touch<P>],
-        direction: &Vector<P>,
-        mut visit: impl FnMut([usize; 3], [Vector<P>; 3]),
+        at: &State<G, D, P>,
+        mut visit: impl FnMut(Depth<P>),
     ) {
-        for touch in state {
-            let share = self.tip_share(touch);
-            if share == 0.0 {
-                continue;
-            }
-            let mut changes = [Vector::ZERO; 3];
-            for (i, change) in changes.iter_mut().enumerate() {
-                for axis in 0..P {
-                    let mut motion = [Vector::ZERO; 3];
-                    motion[i] = Vector::unit(axis);
-                    change[axis] = -share * direction.dot(&touch.change_of_gradient(&moved(touch, &motion)));
-                }
-            }
-            visit(points(touch, tree), changes);
-        }
+        self.for_each_touch(at, |touch| visit(depth(&touch)));
     }
 
-    /// Adds the derivative of the force on the tip along a direction with frames and points held.
-    pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Adds a multiple of the change of the largest pressure.
+    pub fn add_pressure<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let mut largest = Largest::new();
+        self.for_each_touch(at, |touch| {
+            let here = depth(&touch);
+            largest.offer(touch.pressure(), touch, |other| depth(other).is_same(&here));
+        });
+        let Some(touch) = largest.place else { return };
+        out.tied |= largest.tied;
+        let change = |change: &Change<P>| weight * touch.change_of_pressure(change);
+        out.add_points(at.tree, spheres(&touch), attached::by_points(&touch, change));
+        self.add_explicit(at, &touch, change, &mut out.parameters);
+    }
+
+    /// Adds a multiple of the change of the force on the tip along a direction.
+    pub fn add_tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         state: &[Touch<P>],
         direction: &Vector<P>,
-        gradient: &mut [f64],
+        weight: f64,
+        out: &mut Differential<P>,
     ) {
         for touch in state {
-            let share = self.tip_share(touch);
-            if share != 0.0 {
-                self.add_work(at, touch, &(*direction * -share), gradient);
+            let along = *direction * (-weight * self.tip_share(touch));
+            if along != Vector::ZERO {
+                let change = |change: &Change<P>| along.dot(&touch.change_of_gradient(change));
+                out.add_points(at.tree, spheres(touch), attached::by_points(touch, change));
+                self.add_work(at, touch, &along, &mut out.parameters);
             }
         }
     }
@@ -196,28 +202,45 @@ impl Foundations {
         velocity: &Vector<P>,
         gradient: &mut [f64],
     ) {
+        let length = self.0[touch.foundation].length;
+        gradient[length] += velocity.dot(&touch.gradient()) / at.parameters()[length];
+        let change = |change: &Change<P>| velocity.dot(&touch.change_of_gradient(change));
+        self.add_explicit(at, touch, change, gradient);
+    }
+
+    /// Adds the slopes by every parameter, frames, points and the rod's length held, of what changes with a
+    /// touch in a given way.
+    fn add_explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        touch: &Touch<P>,
+        change: impl Fn(&Change<P>) -> f64,
+        gradient: &mut [f64],
+    ) {
         let (p, tree) = (at.parameters(), at.tree);
         let foundation = &self.0[touch.foundation];
         let cone = &foundation.cones[touch.cone];
-        let work = |i: usize| {
-            let mut explicit = [0.0; 6];
-            explicit[i] = 1.0;
-            let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
-            velocity.dot(&touch.change_of_gradient(&change))
-        };
-        gradient[foundation.length] += velocity.dot(&touch.gradient()) / p[foundation.length];
-        let spheres = [touch.first, touch.ends[0], touch.ends[1]];
-        for (sphere, i) in spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
-            add_radius_slope(tree, p, tree.spheres[sphere].radius, work(i), gradient);
+        let slope = |i: usize| attached::by_explicit(i, &change);
+        for (sphere, i) in spheres(touch).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+            add_radius_slope(tree, p, tree.spheres[sphere].radius, slope(i), gradient);
         }
         for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
-            gradient[slot] += work(i);
+            gradient[slot] += slope(i);
         }
         let point = touch.first - foundation.first.start;
-        let by_width = work(WIDTH);
+        let by_width = slope(WIDTH);
         gradient[foundation.half_width + point] += by_width;
         gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[touch.first];
     }
+}
+
+/// The spheres at p, a, b.
+fn spheres<const P: usize>(touch: &Touch<P>) -> [usize; 3] {
+    [touch.first, touch.ends[0], touch.ends[1]]
+}
+
+fn depth<const P: usize>(touch: &Touch<P>) -> Depth<P> {
+    Depth { depth: touch.depth, spheres: spheres(touch), t: touch.t, normal: touch.normal }
 }
 
 impl<const P: usize> ForceMemory<P> for Foundations {
