@@ -77,6 +77,7 @@ _PACKAGES = (
     "scenarios",
     "sections",
     "store",
+    "studio",
     "study",
     "viewer",
 )

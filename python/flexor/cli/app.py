@@ -24,6 +24,7 @@ from flexor.cli import (
     rerun,
     share,
     simulate,
+    studio,
 )
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
@@ -78,6 +79,7 @@ app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
 app.command("share", cls=Command)(share.share)
+app.command("studio", cls=Command)(studio.studio)
 app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)

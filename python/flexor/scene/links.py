@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,22 @@ def link_objects(
 
 def _cone(name: str, part: str, frames: Array, radii: tuple[float, float]) -> Attached:
     length = float(np.linalg.norm(frames[0, 1, :3, 3] - frames[0, 0, :3, 3]))
-    x, r = profile(length, *radii)
+    # Rounded to a picometre, so that a length of other frames is the same.
+    local, faces = _round_cone(round(length, 12), *radii)
+    return Attached(
+        name=name,
+        kind="link",
+        part=part,
+        faces=faces,
+        local=local,
+        frame=np.zeros(len(local), dtype=np.intp),
+        frames=frames[:, :1],
+    )
+
+
+@lru_cache(maxsize=64)
+def _round_cone(length: float, first: float, second: float) -> tuple[Array, NDArray[np.intp]]:
+    x, r = profile(length, first, second)
     angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
     rings = np.stack(
         [
@@ -51,16 +67,12 @@ def _cone(name: str, part: str, frames: Array, radii: tuple[float, float]) -> At
         axis=2,
     ).reshape(-1, 3)
     poles = np.array([[x[0], 0.0, 0.0], [x[-1], 0.0, 0.0]])
-    count = len(rings)
-    return Attached(
-        name=name,
-        kind="link",
-        part=part,
-        faces=np.concatenate([grid_faces(len(x) - 2, AROUND, closed=True), *_poles(count)]),
-        local=np.concatenate([rings, poles]),
-        frame=np.zeros(count + 2, dtype=np.intp),
-        frames=frames[:, :1],
-    )
+    local = np.concatenate([rings, poles])
+    sides = grid_faces(len(x) - 2, AROUND, closed=True)
+    faces = np.concatenate([sides, *_poles(len(rings))])
+    for each in (local, faces):
+        each.setflags(write=False)
+    return local, faces
 
 
 def _poles(count: int) -> list[NDArray[np.intp]]:

@@ -80,6 +80,11 @@ class Attached(Object):
         at = self.frames[step][self.frame]
         return np.asarray(np.einsum("vij,vj->vi", at[:, :3, :3], self.local) + at[:, :3, 3])
 
+    def sampled(self, every: int) -> Array:
+        """Return some of the vertices at all steps, (s, v / every, 3) [m]."""
+        local, at = self.local[::every], self.frames[:, self.frame[::every]]
+        return np.asarray((at[..., :3, :3] @ local[:, :, None])[..., 0] + at[..., :3, 3])
+
 
 @dataclass(frozen=True, eq=False)
 class Free(Object):

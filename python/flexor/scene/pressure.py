@@ -96,15 +96,17 @@ def footprints(
 
 def on_link(link: Attached, prints: Iterable[Footprint]) -> Array:
     """Return the pressure at the vertices of a link, (s, v); NaN where nothing touches."""
-    steps = len(link.frames)
-    found = np.zeros((steps, link.size))
-    x, radial = link.local[:, 0], link.local[:, 1:]
-    radius = np.linalg.norm(radial, axis=1)
-    angle = np.arctan2(radial[:, 1], radial[:, 0])
+    found = np.zeros((len(link.frames), link.size))
     for each in prints:
         for step in np.flatnonzero(each.pressure.any(axis=1)):
             order = np.argsort(each.points[step, :, 0])
             along = each.points[step, order, 0]
+            # From the last point before to the first after those that touch.
+            touched = np.flatnonzero(each.pressure[step, order])
+            ends = np.clip([touched[0] - 1, touched[-1] + 1], 0, len(along) - 1)
+            x = link.local[:, 0]
+            near = np.flatnonzero((x >= along[ends[0]]) & (x <= along[ends[1]]))
+            x, radial = x[near], link.local[near, 1:]
             values = [
                 np.interp(x, along, column[step, order])
                 for column in (each.pressure, each.depth, each.curvature)
@@ -112,12 +114,11 @@ def on_link(link: Attached, prints: Iterable[Footprint]) -> Array:
             across = each.points[step, order, 1:]
             y, z = (np.interp(x, along, column) for column in across.T)
             width = np.interp(x, along, each.half_width[order])
-            turned = np.angle(np.exp(1j * (angle - np.arctan2(z, y))))
-            distance = radius * np.sin(np.clip(turned, -0.5 * np.pi, 0.5 * np.pi))
+            turned = np.arctan2(radial[:, 1], radial[:, 0]) - np.arctan2(z, y)
+            distance = np.linalg.norm(radial, axis=1) * np.sin(turned)
             here = each.at(distance, *values)
-            outside = (np.abs(distance) > width) | (np.abs(turned) > 0.5 * np.pi)
-            outside |= (x < along[0]) | (x > along[-1])
-            found[step] = np.maximum(found[step], np.where(outside, 0.0, here))
+            outside = (np.abs(distance) > width) | (np.cos(turned) < 0.0)
+            found[step, near] = np.maximum(found[step, near], np.where(outside, 0.0, here))
     return _touched(found)
 
 
@@ -127,17 +128,16 @@ def on_rod(part: Attached, rod: Swept, prints: Iterable[Footprint]) -> Array:
     It is on the underside, where z < -S/2; NaN where nothing touches.
     """
     found = np.zeros((len(part.frames), part.size))
-    x, y, z = rod.x[part.frame], part.local[:, 1], part.local[:, 2]
+    lower = np.flatnonzero(part.local[:, 2] < -0.5 * rod.surface[part.frame])
+    x, y = rod.x[part.frame[lower]], part.local[lower, 1]
     points = rod.rod.sample_points
-    lower = z < -0.5 * rod.surface[part.frame]
-    for each in prints:
+    for each in prints if len(lower) else ():
         for step in np.flatnonzero(each.pressure.any(axis=1)):
             values = [
                 np.interp(x, points, column[step])
                 for column in (each.pressure, each.depth, each.curvature)
             ]
-            here = each.at(y, *values)
-            found[step] = np.maximum(found[step], np.where(lower, here, 0.0))
+            found[step, lower] = np.maximum(found[step, lower], each.at(y, *values))
     return _touched(found)
 
 

@@ -13,7 +13,7 @@ from flexor.model.schema import ModelFile
 from flexor.scene import pressure
 from flexor.scene.frames import frames_of
 from flexor.scene.links import link_objects
-from flexor.scene.objects import Free, Object
+from flexor.scene.objects import Attached, Free, Object
 from flexor.scene.rods import Swept, chambers, lines, rod_objects
 from flexor.scene.scale import Scale
 from flexor.scene.straps import strap_objects
@@ -47,12 +47,14 @@ class Scene:
     scales: dict[str, Scale]
 
     def extent(self) -> tuple[Array, Array]:
-        """Return the corners of the box of rods and links over all steps, each (3,) [m]."""
-        solid = [each for each in self.objects if each.kind in ("rod", "link")]
-        steps = range(len(self.path))
-        points = [each.vertices(step) for each in solid for step in steps]
-        low = np.min([p.min(axis=0) for p in points], axis=0)
-        return low, np.max([p.max(axis=0) for p in points], axis=0)
+        """Return the corners of a box with rods and links over all steps, each (3,) [m].
+
+        It is that of some vertices, for looking at.
+        """
+        solid = [each for each in self.objects if isinstance(each, Attached)]
+        points = [each.sampled(31).reshape(-1, 3) for each in solid if each.kind in ("rod", "link")]
+        every = np.concatenate(points) if points else np.zeros((1, 3))
+        return every.min(axis=0), every.max(axis=0)
 
 
 def scene(path: Path, file: ModelFile | None = None) -> Scene:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,17 +42,23 @@ class Scale:
         cls, name: str, label: str, unit: tuple[float, str], values: Iterable[Array], signed: bool
     ) -> Scale:
         """Make the scale of a field, from zero, or around zero if it is signed."""
-        largest = max((float(np.nanmax(np.abs(v), initial=0.0)) for v in values), default=0.0)
+        ends = [
+            float(end(v, axis=None)) for v in values for end in (np.fmin.reduce, np.fmax.reduce)
+        ]
+        largest = float(np.nanmax(np.abs(ends), initial=0.0))
         high = largest or unit[0]
         return cls(name, label, unit, -high if signed else 0.0, high, _table(signed))
 
     def codes(self, values: Array) -> NDArray[np.uint8]:
         """Return the index of the colour of each value; 255 where there is no value."""
-        share = (values - self.low) / (self.high - self.low)
-        index = np.clip(np.rint(share * (COLOURS - 1)), 0, COLOURS - 1)
-        return np.where(np.isfinite(values), np.nan_to_num(index), COLOURS).astype(np.uint8)
+        found = np.full(values.shape, COLOURS, dtype=np.uint8)
+        there = np.isfinite(values)
+        share = (values[there] - self.low) / (self.high - self.low)
+        found[there] = np.clip(np.rint(share * (COLOURS - 1)), 0, COLOURS - 1)
+        return found
 
 
+@cache
 def _table(signed: bool) -> NDArray[np.uint8]:
     import matplotlib  # deferred: slow to import
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexor.model import Path
 
 # Directions in which a strap is pulled taut, and points around what it encloses.
-DIRECTIONS, AROUND = 72, 48
+DIRECTIONS, AROUND = 60, 48
 # Where the file gives no width; and how far it is drawn above the surface [m].
 WIDTH, ABOVE = 6e-3, 2.5e-4
 
@@ -67,7 +67,7 @@ def _ribbon(
     up = up / np.maximum(np.linalg.norm(up, axis=1), 1e-12)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
     direction = np.cos(angle)[:, None] * lateral[:, None] + np.sin(angle)[:, None] * up[:, None]
-    farthest = np.argmax(np.einsum("sni,ski->skn", points, direction), axis=2)
+    farthest = np.argmax(direction @ points.transpose(0, 2, 1), axis=2)
     taken = np.take_along_axis(points, farthest[..., None], axis=1) + ABOVE * direction
     half = 0.5 * (WIDTH if strap.width is None else float(strap.width))
     side = half * np.take_along_axis(along, farthest[..., None], axis=1)

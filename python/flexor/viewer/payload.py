@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,7 @@ class Shown:
     constraints: tuple[Constraint, ...] = ()
     parameters: Sequence[tuple[str, float, str]] = ()
 
-    @property
+    @cached_property
     def path(self) -> Path:
         """The equilibria."""
         return self.paths[0]

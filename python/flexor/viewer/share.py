@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.constraints import chosen_constraints
-from flexor.design.design_file import drawn_file
+from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.store.environment import environment, installed
 from flexor.viewer.blobs import Blobs

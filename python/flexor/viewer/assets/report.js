@@ -143,7 +143,7 @@ Flexor.viewControls = (view, legend, current) => {
     const name = fields.value;
     view.setField(name || null);
     legend.replaceChildren();
-    const scale = name && current().scene.scales[name];
+    const scale = view.scale();
     if (scale) legend.append(Flexor.legend(scale, view.arrays.get(scale.colours)));
   };
   fields.addEventListener("change", pick);

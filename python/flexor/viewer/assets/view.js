@@ -37,14 +37,16 @@ Flexor.View = class {
   // Replace what is shown; `arrays` is the map of decoded arrays.
   show(designs, arrays, keepCamera = false) {
     if (!this.renderer) return;
-    for (const group of this.groups) {
+    const before = this.groups;
+    this.arrays = arrays;
+    this.groups = designs.map((design) => this.build(design));
+    // After the new ones, which use the same programs of the graphics card.
+    for (const group of before) {
       group.scene.traverse((each) => {
         if (each.geometry) each.geometry.dispose();
         if (each.material) each.material.dispose();
       });
     }
-    this.arrays = arrays;
-    this.groups = designs.map((design) => this.build(design));
     this.low = new THREE.Vector3(Infinity, Infinity, Infinity);
     this.high = new THREE.Vector3(-Infinity, -Infinity, -Infinity);
     for (const { scene } of designs) {
@@ -136,15 +138,22 @@ Flexor.View = class {
     const colour = mesh.geometry.attributes.color;
     const key = this.field && object.fields[this.field];
     const scale = this.field && design.scene.scales[this.field];
+    const common = this.scale();
     const solid = ["link", "rod"].includes(object.kind);
     // A field is seen best on neutral surfaces.
     const plain = this.field && solid ? new THREE.Color("#d3d7db") : base;
     if (key) {
       const table = this.arrays.get(scale.colours);
       const codes = this.arrays.get(key).subarray(object.size * step, object.size * (step + 1));
+      // From the colours of this design's scale to those of the common one.
+      const last = table.length / 3 - 1;
+      const index = Array.from({ length: last + 1 }, (_, code) => {
+        const value = scale.low + (code / last) * (scale.high - scale.low);
+        return Math.round((last * (value - common.low)) / (common.high - common.low));
+      });
       for (let i = 0; i < object.size; i++) {
-        const c = 3 * codes[i];
         const none = codes[i] === 255;
+        const c = none ? 0 : 3 * index[codes[i]];
         colour.array[3 * i] = none ? plain.r : Flexor.linear(table[c]);
         colour.array[3 * i + 1] = none ? plain.g : Flexor.linear(table[c + 1]);
         colour.array[3 * i + 2] = none ? plain.b : Flexor.linear(table[c + 2]);
@@ -164,6 +173,13 @@ Flexor.View = class {
     if (material.transparent !== transparent) material.needsUpdate = true;
     material.transparent = transparent;
     material.depthWrite = !transparent;
+  }
+
+  // The scale of the field for all designs that are shown, or null.
+  scale() {
+    const each = this.groups.map(({ design }) => design.scene.scales[this.field]).filter(Boolean);
+    if (!each.length) return null;
+    return { ...each[0], low: Math.min(...each.map((s) => s.low)), high: Math.max(...each.map((s) => s.high)) };
   }
 
   setField(field) {
