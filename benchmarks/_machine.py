@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from pathlib import Path
 
 import flexor
 
@@ -11,11 +12,21 @@ BUSY = 0.5
 
 
 def machine() -> str:
-    """Return versions, system and cores."""
+    """Return versions, system, cores and processor."""
     return (
         f"Flexor {flexor.__version__}, Python {platform.python_version()}, "
-        f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+        f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores{_processor()}"
     )
+
+
+def _processor() -> str:
+    """Return the name of the processor in brackets; nothing where it is not known."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return ""
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return f" ({names[0]})" if names else ""
 
 
 def others() -> float:

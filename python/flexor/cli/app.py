@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from flexor.cli import (
+    bench,
     calibrate,
     compare,
     export,
@@ -77,6 +78,7 @@ app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
+app.command("bench", cls=Command)(bench.bench)
 app.command("materials", cls=Command)(materials.materials)
 app.command("share", cls=Command)(share.share)
 app.command("studio", cls=Command)(studio.studio)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,10 +15,13 @@ from flexor.cli.values import load_changed
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
-    from flexor.export import Body, BodyOptions, Device, MouldOptions
-    from flexor.model import Model, Path
+    from flexor.export import Body, BodyOptions, FingerOptions, MouldOptions
+    from flexor.model import Model
+    from flexor.model.geometry import Geometry, SlotValues
+    from flexor.study import Design
 
 _BODY, _MOULD = "Dimensions of the body", "Dimensions of the mould"
+_FINGER = "Dimensions of the printed limb"
 
 
 def _length(text: str, panel: str) -> Any:
@@ -51,6 +53,14 @@ def export(
         FilePath | None,
         typer.Option(
             metavar="FILE", help="Write layers and straps as flat outlines: a DXF file, in mm."
+        ),
+    ] = None,
+    finger: Annotated[
+        FilePath | None,
+        typer.Option(
+            metavar="FILE|DIR",
+            help="Write the limb to print, links with hinges that take springs: into one STL or "
+            "3MF file, or into a folder with its parts, springs.csv, and bench.csv to fill in.",
         ),
     ] = None,
     index: Annotated[
@@ -103,10 +113,13 @@ def export(
         ),
     ] = 0.5,
     grip: Annotated[str, _length("Depth to which a lid takes the body.", _MOULD)] = "6 mm",
+    pin: Annotated[str, _length("Diameter of the pins.", _FINGER)] = "3 mm",
+    gap: Annotated[str, _length("Gap between what moves.", _FINGER)] = "0.4 mm",
+    seat: Annotated[str, _length("Length of the block behind.", _FINGER)] = "20 mm",
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
-    """Export what is made of a design: the body, its mould, and sheets to cut.
+    """Export what is made of a design: body, mould, sheets to cut, and a limb to print.
 
     The solids have the sections of the model, which the mechanics is computed with. Bores go from
     end to end of the spans of their pressures; caps are added at the ends of the rod, ears with
@@ -118,22 +131,41 @@ def export(
     * `flexor export studies/pneumatic-finger-fields-range-of-motion --mould mould/`
     * `flexor export studies/r01 --design 12 --body twelfth.3mf`
     * `flexor export pneumatic-finger --mould mould/ --draft "1 deg" --shrinkage 0.001`
+    * `flexor export pneumatic-finger --finger finger/`
     """
     from flexor import export as making
     from flexor.export import files
 
     given = dict(locals())
-    if body is None and mould is None and sheets is None and plot is None:
-        raise InputError("nothing to export: give --body, --mould, --sheets or --plot.")
+    if all(each is None for each in (body, mould, sheets, finger, plot)):
+        raise InputError("nothing to export: give --body, --mould, --sheets, --finger or --plot.")
+    files.require_packages()
     for path, formats in ((body, files.FORMATS), (sheets, (".dxf",))):
         if path is not None:
             files.check_target(path, force, formats)
-    if mould is not None:
-        files.check_folder(mould, force)
-    chosen, of_mould = _options(given)
-    device, equilibria = _device(design, index, rod, variant, changes)
+    for folder in (mould, finger):
+        if folder is not None and folder.suffix and folder is finger:
+            files.check_target(folder, force)
+        elif folder is not None:
+            files.check_folder(folder, force)
+    chosen, of_mould, of_finger = _options(given)
+    model, found, _ = designed(design, index, variant, changes)
     written: list[FilePath] = []
+    limb_only = body is None and mould is None and sheets is None and finger is not None
+    if finger is not None:
+        written += _print_finger(model, found, of_finger, finger, plot if limb_only else None)
+    if limb_only:
+        if as_json:
+            print_json({"files": written})
+        else:
+            _list(written)
+        return 0
     with err.status("making the body"):
+        if found is None:
+            device = making.device_of(model, rod, f'the model "{model.name}"')
+        else:
+            which = "the best design" if index is None else f"design {index}"
+            device = making.device_of_design(found, rod, f"{which} of {design}")
         made = making.body(device, chosen)
         if body is not None:
             files.write_solid(made.solid, body)
@@ -150,7 +182,7 @@ def export(
 
         with err.status("making the mould"):
             cast = making.mould(device, of_mould, chosen)
-            written += write_kit(cast, mould, equilibria())
+            written += write_kit(cast, mould, model.equilibrium() if found is None else found.path)
     if plot is not None:
         from flexor.export.drawing import making_figure
         from flexor.plot import save
@@ -164,54 +196,84 @@ def export(
     return 0
 
 
-def _options(given: dict[str, Any]) -> tuple[BodyOptions, MouldOptions]:
-    from flexor.export import BodyOptions, MouldOptions
+def _options(given: dict[str, Any]) -> tuple[BodyOptions, MouldOptions, FingerOptions]:
+    from flexor.export import BodyOptions, FingerOptions, MouldOptions
+
+    def values(kind: Any) -> Any:
+        return kind(**{each.name: _value(each.name, given[each.name]) for each in fields(kind)})
+
+    return values(BodyOptions), values(MouldOptions), values(FingerOptions)
+
+
+def _value(name: str, text: str | float) -> float:
+    """Return the value of an option [SI]."""
     from flexor.model.quantity import parse_quantity
     from flexor.model.units import ANGLE, LENGTH
 
-    def value(name: str) -> float:
-        text = given[name]
-        option = "--" + name.replace("_", "-")
-        if isinstance(text, float):
-            if not 0.0 <= text < 1.0:
-                raise InputError(f"{option} is {text:g}: expected a number from 0 to below 1.")
-            return text
-        found, _ = parse_quantity(text, ANGLE if name == "draft" else LENGTH, option)
-        low = name in ("draft", "clearance", "fold")
-        if found < 0.0 or (found == 0.0 and not low):
-            raise InputError(
-                f'{option} is "{text}": it must be {"at least" if low else "above"} 0.'
-            )
-        if name == "draft" and found > 0.35:
-            raise InputError(f'{option} is "{text}": it must be at most 20 deg.')
-        return found
-
-    return (
-        BodyOptions(**{each.name: value(each.name) for each in fields(BodyOptions)}),
-        MouldOptions(**{each.name: value(each.name) for each in fields(MouldOptions)}),
-    )
+    option = "--" + name.replace("_", "-")
+    if isinstance(text, float):
+        if not 0.0 <= text < 1.0:
+            raise InputError(f"{option} is {text:g}: expected a number from 0 to below 1.")
+        return text
+    found, _ = parse_quantity(text, ANGLE if name == "draft" else LENGTH, option)
+    may_vanish = name in ("draft", "clearance", "fold")
+    if found < 0.0 or (found == 0.0 and not may_vanish):
+        least = "at least 0" if may_vanish else "above 0"
+        raise InputError(f'{option} is "{text}": it must be {least}.')
+    if name == "draft" and found > 0.35:
+        raise InputError(f'{option} is "{text}": it must be at most 20 deg.')
+    return found
 
 
-def _device(
-    design: str,
-    index: int | None,
-    rod: str | None,
-    variant: str | None,
-    changes: list[str] | None,
-) -> tuple[Device, Callable[[], Path]]:
-    """Return the device, and what computes its path under the loads of its evaluation."""
+def designed(
+    design: str, index: int | None, variant: str | None, changes: list[str] | None
+) -> tuple[Model, Design | None, SlotValues | Geometry | None]:
+    """Return a model, and of a study the design and its values of the engine's parameters.
+
+    The model is that of the file, or of the study without its design.
+    """
     from flexor import export as making
 
     if FilePath(design).is_dir():
         if variant is not None or changes:
             raise InputError(f'"{design}" is a study: its model has no --set and --variant.')
         found = making.recorded(FilePath(design), index)
-        name = f"the best design of {design}" if index is None else f"design {index} of {design}"
-        return making.device_of_design(found, rod, name), lambda: found.path
+        problem = found.problem
+        values, _ = problem.parameters.designs(found.vector[None, :], problem.model)
+        return problem.model, found, values
     if index is not None:
         raise InputError(f'--design is for a study folder, and "{design}" is none.')
-    model: Model = load_changed(design, variant, changes)
-    return making.device_of(model, rod, f'the model "{model.name}"'), model.equilibrium
+    return load_changed(design, variant, changes), None, None
+
+
+def _print_finger(
+    model: Model,
+    design: Design | None,
+    chosen: FingerOptions,
+    target: FilePath,
+    plot: FilePath | None,
+) -> list[FilePath]:
+    """Write the limb and list its springs; return the files."""
+    from flexor import export as making
+    from flexor.export.finger_kit import HEADINGS, spring_row, write_finger
+
+    with err.status("making the limb"):
+        changed = model if design is None else making.model_of_design(design)
+        made = making.finger(changed.file, chosen)
+        written = write_finger(made, changed, target)
+    if plot is not None:
+        from flexor.export.drawing import finger_figure
+        from flexor.plot import save
+
+        written.append(save(finger_figure(made), plot))
+    if made.springs:
+        show(HEADINGS, [spring_row(each) for each in made.springs], left=1)
+    return written
+
+
+def _list(written: list[FilePath]) -> None:
+    for file in written:
+        say(f"file: {file}")
 
 
 def _print_summary(body: Body, written: list[FilePath]) -> None:
@@ -231,8 +293,7 @@ def _print_summary(body: Body, written: list[FilePath]) -> None:
     show(("cast", "material", "volume / mL", "mass / g"), rows, left=2)
     places = [(each.what, number(each.size, 3), number(each.x, 3)) for each in thinnest(body)]
     show(("thinnest", "mm", "at X"), places, left=1)
-    for file in written:
-        say(f"file: {file}")
+    _list(written)
 
 
 def _as_json(body: Body, written: list[FilePath]) -> dict[str, Any]:

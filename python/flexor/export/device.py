@@ -107,15 +107,13 @@ def device_of(model: Model, rod: str | None = None, source: str = "") -> Device:
 def device_of_design(design: Design, rod: str | None = None, source: str = "") -> Device:
     """Return the device of a design of a study; see `device_of`."""
     from flexor.design import Variables
-    from flexor.model import load
 
-    problem = design.problem
+    problem, model = design.problem, model_of_design(design)
     if isinstance(problem.parameters, Variables):
-        changed = load(problem.model.file, changes=problem.parameters.changes(design.vector))
-        return device_of(changed, rod, source)
-    space = problem.model.design
+        return device_of(model, rod, source)
+    space = model.design
     if rod not in (None, space.rod):
-        return device_of(problem.model, rod, source)
+        return device_of(model, rod, source)
     geometry = problem.geometry(design.vector[None, :])
     points, radius = space.points, geometry.radius[0]
     straight = np.interp(points, points[[0, -1]], radius[[0, -1]])
@@ -130,6 +128,17 @@ def device_of_design(design: Design, rod: str | None = None, source: str = "") -
             source,
         )
     )
+
+
+def model_of_design(design: Design) -> Model:
+    """Return the model of a design, with the values of the fields that vary."""
+    from flexor.design import Variables
+    from flexor.model import load
+
+    problem = design.problem
+    if not isinstance(problem.parameters, Variables):
+        return problem.model
+    return load(problem.model.file, changes=problem.parameters.changes(design.vector))
 
 
 def recorded(folder: Path, number: int | None) -> Design:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.export.body import Body
+from flexor.export.finger import Finger
 from flexor.export.mould import Mould
 from flexor.export.picture import draw
-from flexor.plot.style import CHAMBER, EXOSUIT, FORCE, LINE, STRAP, style
+from flexor.plot.style import CHAMBER, EXOSUIT, FINGER, FORCE, LINE, STRAP, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,6 +58,23 @@ def making_figure(body: Body, mould: Mould | None) -> Figure:
             draw(axes, {"body": (cut, EXOSUIT)}, *view)
         if mould is not None:
             _apart(figure.add_axes((0.0, 0.0, 1.0, 0.6)), mould)
+        return figure
+
+
+def finger_figure(finger: Finger) -> Figure:
+    """Draw the parts of a finger, apart from one another, from either side."""
+    from matplotlib.figure import Figure
+
+    colours = ("#9AA5AE", FINGER, "#56B4E9", EXOSUIT)
+    shown, x = {}, 0.0
+    for index, (name, solid) in enumerate(finger.parts.items()):
+        bounds = solid.bounding_box()
+        shown[name] = (solid.translate((x - bounds[0], 0, 0)), colours[min(index, 3)])
+        x += bounds[3] - bounds[0] + 8.0
+    with style():
+        figure = Figure(figsize=(7.2, 2.4))
+        for place, azimuth in enumerate((-60.0, -120.0)):
+            draw(figure.add_axes((0.5 * place, 0.0, 0.5, 1.0)), shown, azimuth, 22.0)
         return figure
 
 

@@ -14,6 +14,12 @@ FORMATS = (".stl", ".3mf")
 _SHORTEST = 1e-3  # edges [mm]: shorter ones may vanish where a file has single precision
 
 
+def require_packages() -> None:
+    """Check that the packages of the extra are installed; see `required`."""
+    for name in ("manifold3d", "trimesh", "ezdxf"):
+        required(name)
+
+
 def check_target(path: Path, force: bool, formats: tuple[str, ...] = FORMATS) -> None:
     """Check, before the work that fills it, that a file may be written.
 
@@ -76,3 +82,8 @@ def write(path: Path, save: Callable[[Path], object]) -> None:
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f'"{path}" cannot be written: {why}.') from None
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file in UTF-8; see `write`."""
+    write(path, lambda draft: draft.write_text(text, encoding="utf-8", newline=""))

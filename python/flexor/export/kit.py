@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexor.errors import InputError
-from flexor.export.files import write, write_solid
+from flexor.export.files import write, write_solid, write_text
 from flexor.export.instructions import page
 from flexor.export.mould import Mould
 from flexor.export.sheets import sheets, write_dxf
@@ -52,6 +52,5 @@ def write_kit(mould: Mould, folder: Path, path: Equilibria | None) -> list[Path]
         cut = folder / "sheets.dxf"
         write(cut, lambda draft: write_dxf(pieces, draft))
         files.append(cut)
-    text = page(mould, path)
-    write(folder / PAGE, lambda draft: draft.write_text(text, encoding="utf-8"))
+    write_text(folder / PAGE, page(mould, path))
     return [*files, folder / PAGE]

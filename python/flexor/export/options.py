@@ -69,3 +69,25 @@ class MouldOptions:
     least_wall: float = 1e-3
     stretch: float = 0.5
     grip: float = 6e-3
+
+
+@dataclass(frozen=True)
+class FingerOptions:
+    """Dimensions of a printed finger [m].
+
+    Attributes
+    ----------
+    pin : float
+        Diameter of the pins of its hinges.
+    gap : float
+        Between what moves.
+    strap : float
+        Width of the strap that holds the base of the exosuit.
+    seat : float
+        Length of the block behind the finger.
+    """
+
+    pin: float = 3e-3
+    gap: float = 0.4e-3
+    strap: float = 15e-3
+    seat: float = 20e-3
