@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 
 import numpy as np
-from _differences import check
+from _differences import TOLERANCE, WEIGHTS, check
 from _section import Section, table
 from _timing import progress
 from numpy.typing import NDArray
@@ -27,7 +28,9 @@ import flexor
 from flexor import optimizers
 from flexor.design import ParameterSet, parameter_set
 from flexor.model import Model
+from flexor.observables import observables
 from flexor.optimizers import Search, SearchResult
+from flexor.study import Problem
 
 SETS = ("L", "R01", "Rsc", "RLP", "L+R01", "L+Rsc", "L+RLP")
 METHODS: dict[str, Search] = {
@@ -38,6 +41,24 @@ METHODS: dict[str, Search] = {
     "polished pattern": optimizers.method("pattern-search+polish"),
 }
 WITHIN = (0.01, 0.001)
+# Lengths, profiles, sections, layers, places, straps, moduli, skins, joints, loads.
+VARIABLES: dict[str, tuple[object, object]] = {
+    "exosuit.length": ("9 cm", "11 cm"),
+    "exosuit.radius.base": ("7 mm", "10 mm"),
+    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
+    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
+    "exosuit.section.floor": ("1.8 mm", "3 mm"),
+    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
+    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
+    "proximal.to.at": (0.45, 0.65),
+    "middle.slack": ("0 mm", "1 mm"),
+    "distal.width": ("10 mm", "20 mm"),
+    "fabric.young_modulus": ("20 MPa", "40 MPa"),
+    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
+    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
+    "ph_3.length": ("2.2 cm", "2.5 cm"),
+    "evaluation.pressure": ("40 kPa", "60 kPa"),
+}
 
 
 def main() -> None:
@@ -51,8 +72,8 @@ def main() -> None:
     parser.add_argument("--budget", type=int, default=3000, help="evaluations per search")
     options = parser.parse_args()
     model, console = flexor.load("finger", "calibrated"), Console()
-    section = measure(options.designs, options.runs)
-    section.report()
+    for section in (measure, observed):
+        section(options.designs, options.runs).report()
     found = {name: searches(model, name, options.seeds, options.budget) for name in SETS}
     for within in WITHIN:
         saved = Table("set", "best f_b", *METHODS, "reduction factor")
@@ -80,6 +101,76 @@ def measure(designs: int, runs: int) -> Section:
         made,
     ]
     return section
+
+
+def observed(designs: int, runs: int) -> Section:
+    """Measure cost and error of the gradients of all observables of a device; return the report."""
+    made = table("observable", "regular", "compared", "median", "95 %", "worst", "above 1e-6")
+    problem = device()
+    chosen = problem.parameters
+    vectors = random_designs(chosen, designs)
+    ratio = np.median([device_cost(problem, vectors) for _ in range(runs)])
+    tight = replace(problem, options={"tolerance": TOLERANCE})
+    direction = np.random.default_rng(7).standard_normal(vectors.shape)
+    direction *= (chosen.upper - chosen.lower) / np.linalg.norm(direction, axis=1, keepdims=True)
+    here = tight.evaluate(vectors, gradient=True)
+    exact = np.einsum("nck,nk->nc", here.constraint_gradients, direction)
+    # Of each design relative to the largest component, so that a small one does not count.
+    components = np.abs(here.constraint_gradients * (chosen.upper - chosen.lower)).max(axis=2)
+    smooth = np.ones(len(vectors), dtype=np.bool_)
+    differences = np.zeros_like(exact)
+    for i, weight in enumerate(WEIGHTS):
+        for sign in (1.0, -1.0):
+            moved = tight.evaluate(vectors + sign * (i + 1) * 1e-4 * direction)
+            differences += sign * weight * moved.constraint_values / 1e-4
+            smooth &= (moved.touching == here.touching).all(axis=1)
+            smooth &= moved.event_count == here.event_count
+    units = np.array([each.observable(problem.model).unit[0] for each in problem.constraints])
+    error = np.abs(exact - differences) / np.maximum(components, 1e-2 * units)
+    for column, each in enumerate(problem.constraints):
+        regular = here.constraint_regularity[:, column] == "regular"
+        used = error[regular & smooth & ~np.isnan(error[:, column]), column]
+        quantiles = (
+            [f"{value:.1e}" for value in np.quantile(used, (0.5, 0.95, 1.0))]
+            if used.size
+            else ["–"] * 3
+        )
+        above = int((used > 1e-6).sum())
+        made.add_row(each.name, str(regular.sum()), str(used.size), *quantiles, str(above))
+    section = Section("Gradients of observables", "./dev bench gradients")
+    section.parts += [
+        f"Value and gradient of range of motion and of {len(problem.constraints)} constraints, one "
+        f"on each observable, of {designs} random designs of `examples/pneumatic-finger.toml` with "
+        f"{chosen.size} variables of every kind take {ratio:.2f} times the processor time of the "
+        f"values alone (median of {runs} runs). Errors are those of derivatives along a random "
+        "direction with respect to sixth-order central differences, relative to the largest "
+        "derivative by the range of a variable and to a hundredth of a display unit, at regular "
+        "designs whose stencil crosses no change of contact. At rest all stretches are tied.",
+        made,
+    ]
+    return section
+
+
+def device() -> Problem:
+    """Return the problem of a device: a constraint on every observable that has derivatives."""
+    model = flexor.load("pneumatic-finger", changes={"exosuit.self_contact": False})
+    bounds = []
+    for name, each in observables(model).items():
+        if each.differentiable:
+            sense = ">=" if name == "min-stretch" else "<="
+            bounds.append(f"{name} {sense} {1000 if sense == '<=' else 0} {each.unit[1]}".rstrip())
+    return Problem.of(model, VARIABLES, "maximise range-of-motion", subject_to=bounds)
+
+
+def device_cost(problem: Problem, vectors: NDArray[np.float64]) -> float:
+    """Return the processor time of values and gradients, relative to that of the values."""
+    problem.evaluate(vectors[:1], 1, gradient=True)
+    seconds = []
+    for gradient in (False, True):
+        began = time.process_time()
+        problem.evaluate(vectors, 1, gradient)
+        seconds.append(time.process_time() - began)
+    return seconds[1] / seconds[0]
 
 
 def accuracy(model: Model, name: str, count: int, runs: int) -> list[str]:

@@ -90,6 +90,7 @@ def quick(runs: int) -> Sections:
         "memory": lambda: (memory.measure(10_000, runs), True),
         "load steps": lambda: load_steps.measure(50, (3, 4, 5)[:runs]),
         "gradients": lambda: (gradients.measure(50, runs), True),
+        "observables": lambda: (gradients.observed(50, runs), True),
     }
 
 
@@ -104,6 +105,7 @@ def full(runs: int) -> Sections:
         "memory": lambda: (memory.measure(100_000, runs), True),
         "load steps": lambda: load_steps.measure(400, (3, 4, 5)[:runs]),
         "gradients": lambda: (gradients.measure(200, runs), True),
+        "observables": lambda: (gradients.observed(200, runs), True),
     }
 
 

@@ -229,8 +229,9 @@ impl Model {
         Ok(out)
     }
 
-    /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, start=None, **solver_options))]
+    /// Solves a batch of designs along a list of loads, the same for all or, of so many `steps` each, of one
+    /// design after another.
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, steps=None, base=None, start=None, **solver_options))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -239,6 +240,7 @@ impl Model {
         values: Table<'_>,
         loads: Table<'_>,
         threads: usize,
+        steps: Option<usize>,
         base: Option<Numbers<'_>>,
         start: Option<Numbers<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
@@ -248,7 +250,11 @@ impl Model {
         let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
         let varied = indices(&slot_indices);
         let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
-        let [steps, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
+        let [rows, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
+        let steps = steps.unwrap_or(rows);
+        if rows != steps && rows != designs * steps {
+            return value_error(format!("loads: found {rows} rows for {designs} designs of {steps} steps"));
+        }
         if base.len() != slots {
             return value_error(format!("base: found {} parameters, the model has {slots}", base.len()));
         }
@@ -430,6 +436,7 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (inputs, dof) = on_model!(&self.inner, m => (m.inputs().len(), m.dof()));
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        let rods = on_model!(&self.inner, m => m.rod_count());
         let [designs, steps] = shape;
         let out = PyDict::new(py);
         for (name, codes) in [("status", found.status), ("stability", found.stability)] {
@@ -450,9 +457,12 @@ impl Model {
         ] {
             out.set_item(name, values.into_pyarray(py).reshape(shape)?)?;
         }
-        for (name, values, width) in
-            [("q", found.q, dof), ("applied", found.applied, inputs), ("volume", found.volume, volumes)]
-        {
+        for (name, values, width) in [
+            ("q", found.q, dof),
+            ("applied", found.applied, inputs),
+            ("volume", found.volume, volumes),
+            ("rod_bending", found.rod_bending, rods),
+        ] {
             out.set_item(name, values.into_pyarray(py).reshape([designs, steps, width])?)?;
         }
         let stretch = found.stretch.into_pyarray(py);

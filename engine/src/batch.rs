@@ -19,7 +19,8 @@ pub struct Batch<'a> {
     pub values: &'a [f64],
     /// Number of designs (also when nothing varies).
     pub designs: usize,
-    /// Loads, one row of `model.inputs().len()` per step; the path starts at the first.
+    /// Loads, one row of `model.inputs().len()` per step, of all designs or of each; a path starts at its
+    /// first.
     pub loads: &'a [f64],
     /// Number of load steps.
     pub steps: usize,
@@ -82,9 +83,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let (steps, inputs) = (batch.steps, self.inputs.len());
         assert_eq!(batch.base.len(), self.parameters.len(), "base parameters");
         assert_eq!(batch.values.len(), batch.designs * batch.varied.len(), "values");
-        assert_eq!(batch.loads.len(), steps * inputs, "loads");
+        let own_loads = batch.loads.len() != steps * inputs;
+        assert!(!own_loads || batch.loads.len() == batch.designs * steps * inputs, "loads");
         assert!(batch.varied.iter().all(|i| *i < self.parameters.len()), "varied parameters");
-        let loads: Vec<&[f64]> = (0..steps).map(|s| &batch.loads[s * inputs..(s + 1) * inputs]).collect();
         let start = batch.start.map_or_else(|| vec![0.0; self.dof], <[f64]>::to_vec);
         let solve = |first: usize| {
             let mut path = Continuation::new(self, options, batch.cancel);
@@ -103,6 +104,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                     results.push_missing(self, Status::InvalidDesign, steps);
                     continue;
                 }
+                let first = if own_loads { design * steps } else { 0 };
+                let loads = (first..first + steps).map(|s| &batch.loads[s * inputs..(s + 1) * inputs]);
+                let loads: Vec<&[f64]> = loads.collect();
                 path.follow(&loads, &start, &mut BatchSink { results: &mut results, design });
             }
             results

@@ -236,6 +236,45 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         });
     }
 
+    /// Angle between both ends of each rod at the state evaluated last, without allocating: in the plane with
+    /// its sign, and in space at most π.
+    pub fn rod_bending(&self, model: &Model<G, D, P>, out: &mut [f64]) {
+        for (rod, out) in out.iter_mut().enumerate() {
+            let Some([base, tip]) = rod_frames(model, rod) else { continue };
+            let turning = |f: usize| {
+                (0..D).find(|axis| G::AXES[*axis].is_angular()).map(|k| self.kinematics.omega[f][k])
+            };
+            *out = if P == 2 {
+                (base + 1..=tip).filter_map(turning).sum()
+            } else {
+                let ([x, y, z], cos) = self.relative_rotation([base, tip]);
+                (x * x + y * y + z * z).sqrt().atan2(cos)
+            };
+        }
+    }
+
+    /// The frames at both ends of a rod, and the twist of the tip, relative to the base, that its bending is
+    /// the rate of; zero where the ends are parallel in space.
+    pub(crate) fn rod_axis(&self, model: &Model<G, D, P>, rod: usize) -> ([usize; 2], Vector<D>) {
+        let mut axis = Vector::ZERO;
+        let Some(frames) = rod_frames(model, rod) else { return ([0; 2], axis) };
+        let (sine, _) = self.relative_rotation(frames);
+        let size = if P == 2 { 1.0 } else { sine.iter().map(|x| x * x).sum::<f64>().sqrt() };
+        for (k, mode) in G::AXES.into_iter().enumerate().filter(|(_, mode)| mode.is_angular()) {
+            let part = if P == 2 { 1.0 } else { sine[mode.index()] };
+            axis[k] = if size > 0.0 { part / size } else { 0.0 };
+        }
+        (frames, axis)
+    }
+
+    /// sin θ n and cos θ of the rotation θ about n in the world that takes one frame to another.
+    fn relative_rotation(&self, [base, tip]: [usize; 2]) -> ([f64; 3], f64) {
+        let [a, b] = [base, tip].map(|frame| self.kinematics.pose[frame].to_homogeneous());
+        let entry = |i: usize, j: usize| (0..3).map(|k| b[i][k] * a[j][k]).sum::<f64>();
+        let sine = |i: usize, j: usize| 0.5 * (entry(i, j) - entry(j, i));
+        ([sine(2, 1), sine(0, 2), sine(1, 0)], 0.5 * (entry(0, 0) + entry(1, 1) + entry(2, 2) - 1.0))
+    }
+
     /// Frames of these fibres.
     pub fn stretch_frames(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<[Option<usize>; 2]> {
         let mut ends = vec![0.0; 2 * model.material_count()];
@@ -319,4 +358,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             Some(controls) => controls.with_applied_rate(&model.controls, change, add),
         }
     }
+}
+
+/// The frames at the base and at the tip of a rod.
+fn rod_frames<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    rod: usize,
+) -> Option<[usize; 2]> {
+    let body = model.bodies.iter().find(|body| matches!(body.shape, Shape::Rod(r) if r == rod))?;
+    Some([body.base_frame, body.tip_frame])
 }

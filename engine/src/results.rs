@@ -39,6 +39,8 @@ pub struct PathResults {
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
     pub stretch: Vec<f64>,
+    /// Angle between both ends of each rod.
+    pub rod_bending: Vec<f64>,
     /// (design, step, coordinate) of free motions, in order.
     pub free: Vec<[usize; 3]>,
     /// Events of all designs, in order.
@@ -95,6 +97,7 @@ impl PathResults {
         let applied = system.applied_load();
         last(&mut self.applied, applied.len()).copy_from_slice(applied);
         data.volumes(model, report.q, last(&mut self.volume, model.pressure_count()));
+        data.rod_bending(model, last(&mut self.rod_bending, model.rods.len()));
         data.stretches(model, report.q, last(&mut self.stretch, 2 * model.material_count()));
     }
 
@@ -142,7 +145,7 @@ impl PathResults {
     fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
-    ) -> [(&mut Vec<f64>, usize); 7] {
+    ) -> [(&mut Vec<f64>, usize); 8] {
         [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
@@ -150,6 +153,7 @@ impl PathResults {
             (&mut self.energy, 1),
             (&mut self.applied, model.inputs().len()),
             (&mut self.volume, model.pressure_count()),
+            (&mut self.rod_bending, model.rods.len()),
             (&mut self.stretch, 2 * model.material_count()),
         ]
     }
@@ -176,6 +180,7 @@ impl PathResults {
         self.overlap.extend(other.overlap);
         self.pressure.extend(other.pressure);
         self.volume.extend(other.volume);
+        self.rod_bending.extend(other.rod_bending);
         self.stretch.extend(other.stretch);
         self.free.extend(other.free);
         self.events.extend(other.events);

@@ -58,6 +58,7 @@ class Paths(TypedDict):
     max_overlap: NDArray[np.float64]
     max_contact_pressure: NDArray[np.float64]
     volume: NDArray[np.float64]  # (…, pressures)
+    rod_bending: NDArray[np.float64]  # (…, rods)
     stretch: NDArray[np.float64]  # (…, materials, 2): least and greatest
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
@@ -121,6 +122,7 @@ class Model:
         loads: ArrayLike,
         threads: int = 0,
         *,
+        steps: int | None = None,
         base: ArrayLike | None = None,
         start: ArrayLike | None = None,
         **solver_options: float,

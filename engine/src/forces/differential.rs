@@ -5,11 +5,14 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tree::Tree;
 
-/// The change of a number: the sum of these slopes times the changes of coordinates, points and parameters.
+/// The change of a number: the sum of these slopes times the changes of coordinates, frames, points and
+/// parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct Differential<const P: usize> {
+pub(crate) struct Differential<const D: usize, const P: usize> {
     /// By each coordinate.
     pub coordinates: Vec<f64>,
+    /// By the world twist of frames.
+    pub frames: Vec<(usize, Vector<D>)>,
     /// By the world position of points; a point may be listed more than once.
     pub points: Vec<(usize, Vector<P>)>,
     /// By each parameter, with coordinates and points held.
@@ -18,21 +21,22 @@ pub(crate) struct Differential<const P: usize> {
     pub tied: bool,
 }
 
-impl<const P: usize> Differential<P> {
+impl<const D: usize, const P: usize> Differential<D, P> {
     pub fn new(dof: usize, parameters: usize) -> Self {
         let (coordinates, parameters) = (vec![0.0; dof], vec![0.0; parameters]);
-        Self { coordinates, points: vec![], parameters, tied: false }
+        Self { coordinates, frames: vec![], points: vec![], parameters, tied: false }
     }
 
     pub fn clear(&mut self) {
         self.coordinates.fill(0.0);
+        self.frames.clear();
         self.points.clear();
         self.parameters.fill(0.0);
         self.tied = false;
     }
 
     /// Adds slopes by the points of three spheres.
-    pub fn add_points<G: LieGroup<D, P>, const D: usize>(
+    pub fn add_points<G: LieGroup<D, P>>(
         &mut self,
         tree: &Tree<G, D, P>,
         spheres: [usize; 3],
@@ -42,7 +46,7 @@ impl<const P: usize> Differential<P> {
     }
 
     /// Adds a slope by the radius of a sphere.
-    pub fn add_radius<G: LieGroup<D, P>, const D: usize>(
+    pub fn add_radius<G: LieGroup<D, P>>(
         &mut self,
         tree: &Tree<G, D, P>,
         p: &[f64],
@@ -104,7 +108,7 @@ impl<const P: usize> Depth<P> {
         tree: &Tree<G, D, P>,
         p: &[f64],
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let shares = [1.0, 1.0 - self.t, self.t];
         let [at_p, at_a, at_b] = [-shares[0], shares[1], shares[2]].map(|s| self.normal * (s * weight));

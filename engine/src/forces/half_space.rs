@@ -115,7 +115,7 @@ impl<const P: usize> HalfSpaces<P> {
         at: &State<G, D, P>,
         state: &HalfSpaceState,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let pressed = state.pressed.iter().filter(|pressed| pressed.half_space == index);
         for Pressed { sphere, depth, .. } in pressed {

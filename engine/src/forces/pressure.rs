@@ -203,7 +203,7 @@ impl Pressures {
         at: &State<G, D, P>,
         volumes: &Volumes,
         factor: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let (p, pressure) = (at.parameters(), &self.0[index]);
         for (dof, size) in volumes.of(index) {

@@ -101,7 +101,7 @@ impl Springs {
         index: usize,
         at: &State<G, D, P>,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let spring = &self.0[index];
         let Some(Taut { stretch, direction, .. }) = spring.taut(at, None) else { return };

@@ -84,6 +84,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.tree.spheres.len()
     }
 
+    /// Number of rods.
+    pub fn rod_count(&self) -> usize {
+        self.tree.rods.len()
+    }
+
     /// Number of pressurised cavities.
     pub fn pressure_count(&self) -> usize {
         self.forces.pressures.count()

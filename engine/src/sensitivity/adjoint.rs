@@ -34,7 +34,7 @@ pub struct Adjoint<const D: usize, const P: usize> {
     by_load: Vec<Vec<f64>>,
     outputs: Vec<Output>,
     /// What is differentiated.
-    differential: Differential<P>,
+    differential: Differential<D, P>,
     /// ∂y/∂q, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
@@ -151,6 +151,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             let jacobian = G::point_jacobian(&data.kinematics.points[*point]);
             self.wrench[model.points[*point].frame] += jacobian.transpose_times(slope);
         }
+        for (frame, slope) in &self.differential.frames {
+            self.wrench[*frame] += *slope;
+        }
         data.assembly.add_forces(model, &mut self.wrench, &mut lambda);
         system.solve_transposed(&mut lambda);
         let mut held = std::mem::take(&mut self.held);
@@ -161,9 +164,11 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             *total = explicit - *total;
         }
         for design_velocity in &self.design_velocities {
-            let velocities = design_velocity.velocities().points;
-            let moved = self.differential.points.iter().map(|(point, slope)| slope.dot(&velocities[*point]));
-            self.gradient[design_velocity.parameter] += moved.sum::<f64>();
+            let Velocities { twists, points } = design_velocity.velocities();
+            let Differential { frames, points: moved, .. } = &self.differential;
+            let turned: f64 = frames.iter().map(|(frame, slope)| slope.dot(&twists[*frame])).sum();
+            let moved: f64 = moved.iter().map(|(point, slope)| slope.dot(&points[*point])).sum();
+            self.gradient[design_velocity.parameter] += turned + moved;
         }
         for (out, parameter) in by_parameters.iter_mut().zip(&self.wanted) {
             *out = self.gradient[*parameter];

@@ -3,6 +3,7 @@
 use crate::data::Data;
 use crate::forces::differential::{Differential, Largest};
 use crate::lie::LieGroup;
+use crate::linalg::Vector;
 use crate::model::Model;
 
 /// What an equilibrium gives. Of the largest of several numbers the derivative is that of the one that is
@@ -27,6 +28,8 @@ pub(crate) enum Output {
     HalfSpace(usize),
     /// The volume of a cavity.
     Volume(usize),
+    /// The angle between both ends of a rod.
+    RodBending(usize),
     /// The load that an input has.
     Applied(usize),
 }
@@ -34,7 +37,7 @@ pub(crate) enum Output {
 /// Names of groups of outputs with the number of each, in their order.
 pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
-) -> [(&'static str, usize); 10] {
+) -> [(&'static str, usize); 11] {
     [
         ("joints", model.joints.len()),
         ("tip_force", 1),
@@ -45,6 +48,7 @@ pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
         ("loops", model.forces.loops.count()),
         ("half_spaces", model.forces.half_spaces.count()),
         ("volume", model.pressure_count()),
+        ("rod_bending", model.rod_count()),
         ("applied", model.inputs().len()),
     ]
 }
@@ -62,6 +66,7 @@ impl Output {
             6 => Self::Loop(index),
             7 => Self::HalfSpace(index),
             8 => Self::Volume(index),
+            9 => Self::RodBending(index),
             _ => Self::Applied(index),
         };
         let groups = output_groups(model);
@@ -75,7 +80,7 @@ impl Output {
         data: &Data<G, D, P>,
         q: &[f64],
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let (at, states) = (data.state(model, q, &[]), &data.assembly.forces);
         let forces = &model.forces;
@@ -107,6 +112,13 @@ impl Output {
             }
             Self::Volume(index) => {
                 forces.pressures.add_volume(index, &at, &data.design.forces.pressures, weight, out);
+            }
+            Self::RodBending(rod) => {
+                let (frames, axis) = data.rod_axis(model, rod);
+                out.tied |= axis == Vector::ZERO;
+                for (frame, sign) in frames.into_iter().zip([-weight, weight]) {
+                    out.frames.push((frame, axis * sign));
+                }
             }
             // With the state only if it is found; see `HeldConjugates`.
             Self::Applied(_) => {}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import say
 from flexor.cli.table import number, show, with_unit
+from flexor.observables.snap_margin import REACH
 from flexor.study.verdict import COARSE
 
 if TYPE_CHECKING:
@@ -56,6 +57,10 @@ def print_tolerances(design: Design) -> None:
         say(f"FRAGILE: 1 % of {each.name} {verb}{much}.")
     if found.snaps:
         say(f"FRAGILE: the optimum is reached through {found.snaps} snap(s).")
+    if found.snap_margin is not None and math.isfinite(found.snap_margin):
+        beyond = found.snap_margin < REACH - 1.0
+        where = f"{found.snap_margin:.0%} beyond" if beyond else f"none up to {REACH:g} times"
+        say(f"The next snap: {where} the last load.")
     if found.finer is not None:
         change = abs(found.finer - found.shown) / max(abs(found.shown), 1e-300)
         warning = "COARSE: " if not change <= COARSE else ""

@@ -12,10 +12,12 @@ from flexor.constraints.choice import (
 )
 from flexor.constraints.constraint import Constraint, constraint
 from flexor.constraints.defaults import default_constraints
+from flexor.constraints.possible import check_possible
 
 __all__ = [
     "INFEASIBLE",
     "Constraint",
+    "check_possible",
     "chosen_constraints",
     "constraint",
     "default_constraints",

@@ -16,7 +16,9 @@ from flexor.model.results import Path, Paths
 from flexor.model.structure import Structure
 from flexor.observables import Observable, observable
 
-_TEXT = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=|>=)\s*(?P<bound>[^<>=]+?)\s*")
+_TEXT = re.compile(
+    r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=|>=)\s*(?P<bound>[^<>=]+?)(?P<end>\s+at\s+end)?\s*"
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Constraint:
         What counts as an excess of one, SI: the bound, or one display unit if that is zero.
     default : str
         What it is called among those that hold by default; empty if it was asked for.
+    at_end : bool
+        Whether it has to hold at the last load only, where a path may begin beyond the bound.
     """
 
     name: str
@@ -42,10 +46,12 @@ class Constraint:
     bound: float
     scale: float
     default: str = ""
+    at_end: bool = False
 
     def text(self, model: Structure) -> str:
         """Return it as it is written, such as ``"overlap <= 0.5 mm"``."""
-        return f"{self.name} {self.sense} {self.observable(model).shown(self.bound, 12)}"
+        bound = self.observable(model).shown(self.bound, 12)
+        return f"{self.name} {self.sense} {bound}{' at end' if self.at_end else ''}"
 
     def observable(self, model: Structure) -> Observable:
         """Return what it bounds."""
@@ -61,7 +67,7 @@ class Constraint:
 
         NaN where the observable has no value at any load.
         """
-        values = self.observable(paths.model).values(paths)
+        values = self._at_loads(self.observable(paths.model).values(paths))
         reduce = np.fmax if self.sense == "<=" else np.fmin
         return np.asarray(reduce.reduce(values, axis=1))
 
@@ -71,7 +77,7 @@ class Constraint:
         It is that at the worst step, and tied where the value at another step equals it.
         """
         found = self.observable(paths.model)
-        values = found.values(paths)
+        values = self._at_loads(found.values(paths))
         ranked = values if self.sense == "<=" else -values
         ranked = np.where(np.isnan(ranked), -np.inf, ranked)
         steps = ranked.argmax(axis=1)
@@ -91,10 +97,18 @@ class Constraint:
         # What does not exist, such as a strain without fibres, breaks nothing.
         return np.where(np.isnan(worst), -1.0, beyond / self.scale)
 
+    def _at_loads(self, values: Array) -> Array:
+        """Leave out the values (n, s) at loads where it does not have to hold, as NaN."""
+        if not self.at_end:
+            return values
+        kept = np.full(values.shape, np.nan)
+        kept[:, -1] = values[:, -1]
+        return kept
+
     def place(self, path: Path) -> str:
         """Return where along a path and on which body the worst value is, for display."""
         found = self.observable(path.model)
-        values = found.values(path.as_batch)[0]
+        values = self._at_loads(found.values(path.as_batch))[0]
         if np.isnan(values).all():
             return ""
         step = int(np.nanargmax(values) if self.sense == "<=" else np.nanargmin(values))
@@ -109,7 +123,8 @@ def constraint(text: str, model: Structure, default: str = "") -> Constraint:
     Parameters
     ----------
     text
-        Such as ``"overlap <= 0.5 mm"`` or ``"min-stretch >= 0.2"``.
+        Such as ``"overlap <= 0.5 mm"``, ``"min-stretch >= 0.2"`` or, at the last load only,
+        ``"bending >= 60 deg at end"``.
     model
         The model.
     default
@@ -137,4 +152,4 @@ def constraint(text: str, model: Structure, default: str = "") -> Constraint:
     number, _ = parse_quantity(value, found.dimension, place)
     scale = abs(number) or found.unit[0]
     sense: Literal["<=", ">="] = "<=" if match["sense"] == "<=" else ">="
-    return Constraint(found.name, sense, number, scale, default)
+    return Constraint(found.name, sense, number, scale, default, bool(match["end"]))

@@ -174,6 +174,19 @@ class ParameterSet:
         chosen = (geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
         return Geometry(*chosen), valid
 
+    @property
+    def varied_inputs(self) -> tuple[str, ...]:
+        """Inputs whose loads depend on the design."""
+        return ()
+
+    def own_loads(self, p: Array, loads: Array, model: Structure) -> Array | None:
+        """Return the loads (n, s, u) of n designs, given those of all, (s, u); None if the same."""
+        return None
+
+    def load_jacobian(self, loads: Array, model: Structure) -> Array | None:
+        """Differentiate these by the parameters, (s, u, k); None if they do not depend on them."""
+        return None
+
     def slots(self, model: Structure) -> NDArray[np.intp]:
         """Return which of the engine's parameters the designs change, (m,)."""
         return model.geometry_indices

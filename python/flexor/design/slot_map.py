@@ -170,6 +170,8 @@ def slot_map(
         if not moved[i].any():
             raise InputError(f'"{name}" cannot be varied: it has no effect on the model.')
     varied = np.flatnonzero(moved.any(axis=0))
+    if not k:
+        return SlotMap(varied, middle, half, (), (), varied)
     # The entries of one parameter, such as the numbers of all fibres, have the same variables.
     patterns: dict[tuple[int, ...], list[int]] = {}
     for start, stop in lowered.ranges:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 from flexor.design.fields import keys_of, value_of
+from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.slot_map import SlotMap, refitted, slot_map
 from flexor.errors import InputError
@@ -37,9 +38,12 @@ class Variables(ParameterSet):
     ----------
     kinds : tuple of k Unit
         Units in which the fields are shown.
+    load_fields : tuple of k LoadVariable or None
+        What those fields are that are loads.
     """
 
     kinds: tuple[Unit, ...] = ()
+    load_fields: tuple[LoadVariable | None, ...] = ()
 
     def _check_units(self) -> None:
         """All units of model files are allowed."""
@@ -69,8 +73,46 @@ class Variables(ParameterSet):
     def designs(self, p: Array, model: Structure) -> tuple[SlotValues, NDArray[np.bool_]]:
         """Return the engine's parameters of designs; see `ParameterSet.designs`."""
         p = self._designs(p)
-        found = self._map(model)
-        return SlotValues(found.indices, found.values(p)), np.ones(len(p), dtype=bool)
+        found, of_file = self._map(model), ~self._of_loads
+        values = found.values(np.ascontiguousarray(p[:, of_file]))
+        return SlotValues(found.indices, values), np.ones(len(p), dtype=bool)
+
+    @property
+    def varied_inputs(self) -> tuple[str, ...]:
+        """Inputs whose loads are among the fields; see `ParameterSet.varied_inputs`."""
+        return tuple(each.name for each in self.load_fields if each is not None)
+
+    def own_loads(self, p: Array, loads: Array, model: Structure) -> Array | None:
+        """Return the loads of n designs, (n, s, u), if these vary; see `ParameterSet.own_loads`."""
+        slopes = self.load_jacobian(loads, model)
+        if slopes is None:
+            return None
+        varied = slopes.any(axis=(0, 2))
+        found = np.repeat(loads[None], len(p), axis=0)
+        found[:, :, varied] = 0.0
+        for k in np.flatnonzero(self._of_loads):
+            found += self._designs(p)[:, k, None, None] * slopes[:, :, k]
+        return found
+
+    def load_jacobian(self, loads: Array, model: Structure) -> Array | None:
+        """Differentiate these by the fields, (s, u, k); see `ParameterSet.load_jacobian`."""
+        if not self._of_loads.any():
+            return None
+        found = np.zeros((*loads.shape, self.size))
+        for k, each in enumerate(self._loads):
+            if each is not None:
+                index = model.inputs.index(each.name)
+                found[:, index, k] = loads[:, index] / largest_of(loads[:, index], each.name)
+        return found
+
+    @property
+    def _loads(self) -> tuple[LoadVariable | None, ...]:
+        """The loads among the fields; None for others and for those appended."""
+        return self.load_fields + (None,) * (self.size - len(self.load_fields))
+
+    @property
+    def _of_loads(self) -> NDArray[np.bool_]:
+        return np.array([each is not None for each in self._loads], dtype=bool)
 
     def slots(self, model: Structure) -> NDArray[np.intp]:
         """Return which of the engine's parameters the designs change; see `ParameterSet.slots`."""
@@ -78,22 +120,30 @@ class Variables(ParameterSet):
 
     def slot_jacobian(self, p: Array, model: Structure) -> Array:
         """Differentiate the engine's parameters that `designs` changes, (n, m, k)."""
-        return self._map(model).jacobian(self._designs(p))
+        found, of_file = self._map(model), ~self._of_loads
+        whole = np.zeros((len(p), len(found.indices), self.size))
+        whole[:, :, of_file] = found.jacobian(np.ascontiguousarray(self._designs(p)[:, of_file]))
+        return whole
 
     def changes(self, p: Array) -> dict[str, object]:
         """Return one design (k,) as changes of the model file, for `flexor.load`."""
         rows = zip(self.labels, self.kinds, np.asarray(p).tolist(), strict=True)
-        return {label: kind.exact(value) for label, kind, value in rows}
+        made: dict[str, object] = {}
+        for (label, kind, value), load in zip(rows, self._loads, strict=True):
+            made |= {label: kind.exact(value)} if load is None else load.changes(value)
+        return made
 
     def _map(self, model: Structure) -> SlotMap:
         found = self._maps.get(model)
         if found is None:
-            keys = [keys_of(label, model.file) for label in self.labels]
+            chosen = ~self._of_loads
+            labels = [label for label, own in zip(self.labels, chosen, strict=True) if own]
+            keys = [keys_of(label, model.file) for label in labels]
             # Models that differ in values have the same polynomials.
-            other = next(iter(list(self._maps.items())), None)
+            other = next(iter(list(self._maps.items())), None) if keys else None
             found = None if other is None else refitted(other[1], other[0], model, keys)
             if found is None:
-                found = slot_map(model, keys, self.labels, self.lower, self.upper)
+                found = slot_map(model, keys, labels, self.lower[chosen], self.upper[chosen])
             self._maps[model] = found
         return found
 
@@ -138,19 +188,21 @@ def variables(
     if not bounds:
         raise InputError(f"{source}: name at least one field and its bounds.")
     file, seen = model.file, dict[tuple[str, ...], str]()
-    lower, upper, start, kinds = [], [], [], []
+    lower, upper, start, kinds, loads = [], [], [], [], []
     for label, pair in bounds.items():
-        keys = keys_of(label, file)
+        load = load_variable(label, model)
+        keys = keys_of(label, file) if load is None else ("load", load.name)
         if keys in seen:
             raise InputError(f'{source}: "{label}" is the same field as "{seen[keys]}".')
         seen[keys] = label
-        value = value_of(keys, file)
+        value = value_of(keys, file) if load is None else _quantity(load)
         _, own = infer_quantity(getattr(value, "text", value), label)
         ends, shown = _ends(pair, label, own, isinstance(value, Quantity), source)
         lower.append(ends[0])
         upper.append(ends[1])
         kinds.append(shown)
         start.append(float(value))
+        loads.append(load)
     return Variables(
         name=NAME,
         labels=tuple(bounds),
@@ -159,7 +211,12 @@ def variables(
         upper=np.array(upper),
         start=np.array(start),
         kinds=tuple(kinds),
+        load_fields=tuple(loads),
     )
+
+
+def _quantity(load: LoadVariable) -> float:
+    return Quantity(load.start, f"{load.start!r} {load.unit}") if load.unit else load.start
 
 
 def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
@@ -188,7 +245,9 @@ def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
 
 
 def _text(value: float, label: str, model: Structure) -> object:
-    own = value_of(keys_of(label, model.file), model.file)
+    load = load_variable(label, model)
+    keys = () if load is not None else keys_of(label, model.file)
+    own = value_of(keys, model.file) if load is None else _quantity(load)
     _, unit = infer_quantity(getattr(own, "text", own), label)
     return unit.exact(value)
 

@@ -37,6 +37,7 @@ _PER_STEP = (
     "max_overlap",
     "max_contact_pressure",
     "volume",
+    "rod_bending",
     "stretch",
 )
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
@@ -55,28 +56,38 @@ def follow(
 ) -> Paths:
     """Follow n designs, or the model as it is, from one state through loads (steps, inputs) [N].
 
+    The loads are those of all designs, or those of each, (n, steps, inputs).
+
     A path begins under the start's load, zero unless it has one, even if its first load is another.
     With ``gradient`` the last step is differentiated with respect to the geometry.
     """
     settings, steps = _from_start(loads, start, options)
-    threads, lead = useful_threads(threads), len(steps) - len(loads)
+    threads, lead = useful_threads(threads), steps.shape[-2] - loads.shape[-2]
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
     if model.controlled and count == 1:
-        check_controlled(model, _parameters(model, geometry), loads)
+        check_controlled(model, _parameters(model, geometry), loads.reshape(-1, loads.shape[-1]))
+    if steps.ndim == 3 and len(steps) != count:
+        raise InputError(f"loads of {len(steps)} designs are given, but there are {count}.")
     whole: dict[str, Any] = {}
-    _check_memory(count, len(steps), model.engine.dof, threads)
+    _check_memory(count, steps.shape[-2], model.engine.dof, threads)
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = _slots(model, geometry[chunk])
         with _input_errors():
-            found = model.engine.path(indices, values, steps, threads, **settings)
+            own = steps if steps.ndim == 2 else steps[chunk].reshape(-1, steps.shape[-1])
+            listed = steps.shape[-2]
+            found = model.engine.path(indices, values, own, threads, steps=listed, **settings)
         arrays = _arrays(model, found, lead)
         arrays["converged"] = found["status"][:, lead:] == _CONVERGED
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    paths = Paths(model=model, loads=loads, **whole, **_geometry(model, geometry))
+    own_loads: Any = loads if loads.ndim == 3 else None
+    loads = loads if own_loads is None else own_loads[0]
+    paths = Paths(
+        model=model, loads=loads, own_loads=own_loads, **whole, **_geometry(model, geometry)
+    )
     if not gradient:
         return paths
     slopes = differentiate(paths, last_step(paths), indices, threads)
@@ -167,9 +178,10 @@ def _from_start(
     settings: dict[str, Any] = {**solver_options(options)}
     if start is not None:
         settings["start"] = start.q
-    first = np.zeros(loads.shape[1]) if start is None or start.load is None else start.load
-    if not np.array_equal(first, loads[0]):
-        loads = np.concatenate([first[None], loads])
+    first = np.zeros(loads.shape[-1]) if start is None or start.load is None else start.load
+    if not (loads[..., 0, :] == first).all():
+        lead = np.broadcast_to(first, (*loads.shape[:-2], 1, loads.shape[-1]))
+        loads = np.concatenate([lead, loads], axis=-2)
     return settings, loads
 
 

@@ -67,6 +67,6 @@ def load(
 
 def require_model(model: Model) -> Model:
     """Return the argument if it is a model or behaves like one."""
-    if not hasattr(model, "design"):
+    if not hasattr(model, "evaluate"):
         raise InputError(f"model is {model!r}: expected a Model, as returned by flexor.load.")
     return model

@@ -93,7 +93,7 @@ class Model(Displayed, Structure):
         geometry
             Geometry of n designs at the points `X`, or values of the engine's parameters.
         force
-            As for `equilibrium`.
+            As for `equilibrium`, or those of each design in an array (n, steps, inputs).
         threads
             How many; 0 for one per core. Results do not depend on it.
         gradient
@@ -190,6 +190,8 @@ class Model(Displayed, Structure):
         return {**self._solver, **given}
 
     def _loads(self, force: Force | None) -> Array:
+        if isinstance(force, np.ndarray) and force.ndim == 3 and np.isfinite(force).all():
+            return force
         if force is not None:
             return loads(force, self.input_dimensions)
         if len(self.inputs) != 1 and not self.file.evaluation.loads:

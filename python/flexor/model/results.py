@@ -57,6 +57,8 @@ class Results:
         All of the engine's parameters, of designs that were not given by a geometry.
     loads : (s, inputs) array
         Loads of every input [N or Pa; m or m³ of one that is controlled by its length or volume].
+    own_loads : (n, s, inputs) array
+        Loads of designs that have their own; ``loads`` are then those of the first.
     applied : (n, s, inputs) array
         The same, but of controlled inputs the force or pressure that was found [N or Pa].
     q : (n, s, dof) array
@@ -93,6 +95,8 @@ class Results:
         Largest pressure of contact through skins [Pa], likewise.
     volume : (n, s, pressures) array
         Volume of each cavity under pressure, in the order of the model's pressures [m³].
+    rod_bending : (n, s, rods) array
+        Angle between both ends of each rod [rad]: in the plane with its sign, in space at most π.
     stretch : (n, s, materials, 2) array
         Least and greatest stretch of the fibres of each of the file's materials; NaN if no section
         has it.
@@ -141,6 +145,7 @@ class Results:
     radius: Array = field(default=_NONE, metadata=_DESIGN)
     slope: Array = field(default=_NONE, metadata=_DESIGN)
     loads: Array = field(default=_NONE, metadata=_STEP)
+    own_loads: Array = field(default=_NONE, metadata=_PATH)
     q: Array = field(default=_NONE, metadata=_PATH)
     joint_angles: Array = field(default=_NONE, metadata=_PATH_RECORDED)
     status: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
@@ -159,6 +164,7 @@ class Results:
     max_overlap: Array = field(default=_NONE, metadata=_PATH)
     max_contact_pressure: Array = field(default=_NONE, metadata=_PATH)
     volume: Array = field(default=_NONE, metadata=_PATH)
+    rod_bending: Array = field(default=_NONE, metadata=_PATH)
     stretch: Array = field(default=_NONE, metadata=_PATH)
     slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
@@ -241,6 +247,8 @@ class Results:
                     value = value[(slice(None),) * place + (index.get(axis, slice(None)),)]
                     place += axis in left
             taken[each.name] = value
+        if taken["own_loads"] is not None and "n" not in left:
+            taken["loads"] = taken["own_loads"]
         if taken["event_table"] is not None and "s" in index:
             places = np.full(len(self.loads), -1)
             kept = np.atleast_1d(np.arange(len(self.loads))[index["s"]])

@@ -45,7 +45,8 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
             failure = "is unstable"
         else:
             failure = "is not a finite number"
-        reason[i] = f"{failure} at {paths.model.show_loads(paths.loads[step])}{status}"
+        loads = paths.loads if paths.own_loads is None else paths.own_loads[i]
+        reason[i] = f"{failure} at {paths.model.show_loads(loads[step])}{status}"
     if evaluated.any():
         chosen = paths if evaluated.all() else paths[evaluated]
         value[evaluated], shown[evaluated] = objective.value(chosen), objective.shown(chosen)

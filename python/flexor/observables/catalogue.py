@@ -14,6 +14,7 @@ from flexor.model.structure import Structure
 from flexor.model.units import ANGLE, FORCE, LENGTH, PRESSURE, VOLUME, Dimension
 from flexor.observables import quantities, slopes
 from flexor.observables.observable import Observable
+from flexor.observables.snap_margin import snap_margin
 
 ENERGY = Dimension("an energy", "J", "10 mJ")
 MASS = Dimension("a mass", "kg", "20 g")
@@ -48,6 +49,7 @@ class Kind:
     members: Callable[[Structure], dict[str, Member]]
     absent: str  # what a model without it lacks
     key: str = ""  # of `State.extremes`, where its place is found
+    lowest: float | None = None  # that its values are never below
 
 
 def observables(model: Structure) -> dict[str, Observable]:
@@ -118,6 +120,7 @@ def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
             text=kind.text,
             values=found.values,
             slope=found.slope,
+            lowest=kind.lowest,
             place=_place(kind.key) if kind.key else None,
         )
 
@@ -158,6 +161,16 @@ def _volumes(model: Structure) -> dict[str, Member]:
             slopes.member("volume", i),
         )
         for i, name in enumerate(model.pressures)
+    }
+
+
+def _rods(model: Structure) -> dict[str, Member]:
+    return {
+        name: Member(
+            lambda paths, i=i: paths.rod_bending[:, :, i],  # type: ignore[misc]
+            slopes.member("rod_bending", i),
+        )
+        for i, name in enumerate(model.rods)
     }
 
 
@@ -225,6 +238,13 @@ _KINDS = (
         lambda model: _if(model.angular_joints, _range_of_motion, slopes.range_of_motion),
         _JOINTS,
     ),
+    Kind(
+        "rod-bending",
+        ANGLE,
+        "angle between both ends of a rod",
+        _rods,
+        "a rod",
+    ),
     Kind("angle", ANGLE, "coordinate of one joint", _angles, "a joint"),
     Kind(
         "tip-force",
@@ -234,6 +254,7 @@ _KINDS = (
             model.first_spheres, lambda paths: paths.tip_force, slopes.output("tip_force")
         ),
         _CONTACT,
+        lowest=0.0,
     ),
     Kind(
         "contacts",
@@ -243,6 +264,7 @@ _KINDS = (
             model.first_spheres, lambda paths: paths.touching.astype(float), slopes.constant
         ),
         _CONTACT,
+        lowest=0.0,
     ),
     Kind(
         "overlap",
@@ -253,6 +275,7 @@ _KINDS = (
         ),
         _CONTACT,
         "max_overlap",
+        lowest=0.0,
     ),
     Kind(
         "contact-pressure",
@@ -265,6 +288,7 @@ _KINDS = (
         ),
         "bodies with a skin",
         "max_contact_pressure",
+        lowest=0.0,
     ),
     Kind(
         "strain",
@@ -273,6 +297,7 @@ _KINDS = (
         lambda model: _if(_fibres(model), lambda paths: paths.max_strain, slopes.strain),
         "a section with a material",
         "max_strain",
+        lowest=0.0,
     ),
     Kind(
         "strain-use",
@@ -282,6 +307,7 @@ _KINDS = (
             _limited(model, "strain_limit"), quantities.strain_use, slopes.strain_use
         ),
         "a material with a strain_limit",
+        lowest=0.0,
     ),
     Kind(
         "stress-use",
@@ -291,6 +317,7 @@ _KINDS = (
             _limited(model, "stress_limit"), quantities.stress_use, slopes.stress_use
         ),
         "a material with a stress_limit",
+        lowest=0.0,
     ),
     Kind(
         "min-stretch",
@@ -300,8 +327,15 @@ _KINDS = (
         "a section with a material",
         "min_stretch",
     ),
-    Kind("strap-force", FORCE, "tension of a strap, or the largest", _straps, "straps"),
-    Kind("obstacle-force", FORCE, "force on an obstacle along its normal", _obstacles, "obstacles"),
+    Kind("strap-force", FORCE, "tension of a strap, or the largest", _straps, "straps", lowest=0.0),
+    Kind(
+        "obstacle-force",
+        FORCE,
+        "force on an obstacle along its normal",
+        _obstacles,
+        "obstacles",
+        lowest=0.0,
+    ),
     Kind("volume", VOLUME, "volume of a cavity", _volumes, "a pressure"),
     Kind(
         "pressure",
@@ -316,13 +350,23 @@ _KINDS = (
         "mass of all rods",
         lambda model: _if(model.rods, quantities.mass, slopes.mass),
         "a rod",
+        lowest=0.0,
     ),
     Kind("energy", ENERGY, "potential energy", lambda model: _if(True, lambda p: p.energy), ""),
+    Kind(
+        "snap-margin",
+        None,
+        "how far beyond the last load the next snap is, as a share of it, or 1 if further",
+        lambda model: _if(model.inputs, snap_margin),
+        "a load",
+        lowest=0.0,
+    ),
     Kind(
         "snaps",
         None,
         "number of snaps along the path",
         lambda model: _if(True, quantities.snaps, slopes.constant),
         "",
+        lowest=0.0,
     ),
 )

@@ -40,6 +40,8 @@ class Observable:
     slope : callable or None
         From paths and a step of each, (n,), to the first-order change of its values there, a
         `flexor.model.derivatives.Differential`; None where it has no derivative.
+    lowest : float or None
+        The value that it is never below, SI.
     place : callable or None
         From a `flexor.model.State` to the place of an extreme, such as ``"exosuit, X = 0.5"``.
     """
@@ -50,6 +52,7 @@ class Observable:
     text: str
     values: Callable[[Paths], Array]
     slope: Callable[[Paths, NDArray[np.intp]], Differential] | None = None
+    lowest: float | None = None
     place: Callable[[State], str] | None = field(default=None, compare=False)
 
     @property

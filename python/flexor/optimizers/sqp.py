@@ -69,10 +69,19 @@ def minimize_slsqp(
 ) -> FloatArray:
     """Minimise the first of the values from a point (k,) with SLSQP; return where it ends (k,)."""
     at = _remembered(linearize)
+    first = at(start)
+    # SLSQP compares the value with its tolerance and with the constraints, whatever its unit.
+    sizes = (abs(float(first.values[0])), float(np.abs(first.gradients[0]).max(initial=0.0)))
+    size = max(sizes) if 0.0 < max(sizes) < FAILED else 1.0
+
+    def value(point: FloatArray) -> tuple[float, FloatArray]:
+        found = float(at(point).values[0])
+        return found if found == FAILED else found / size, at(point).gradients[0] / size
+
     return _slsqp(
         run,
         start,
-        lambda point: (float(at(point).values[0]), at(point).gradients[0]),
+        value,
         lambda point: (at(point).excesses, at(point).slopes),
         iterations,
         tolerance,

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from flexor.constraints import (
     Constraint,
+    check_possible,
     chosen_constraints,
     excesses,
     ranks,
     violation,
     worst_values,
 )
-from flexor.design import Geometry, ParameterSet, parameter_set, variables
+from flexor.design import Geometry, ParameterSet, Variables, parameter_set, variables
 from flexor.design.start import bounds_in_si
 from flexor.errors import InputError
 from flexor.model.chunks import chunks
@@ -81,17 +82,23 @@ class Problem:
         without: Sequence[str] = (),
     ) -> Problem:
         """Make a problem of what users give; see `flexor.optimize`."""
-        space = require_model(model).design
+        require_model(model)
         if isinstance(parameters, Mapping):
             parameters = variables(parameters, model, "parameters")
-        chosen = parameter_set(parameters, space).on(space)
+        if isinstance(parameters, Variables):
+            chosen: ParameterSet = parameters
+        else:
+            chosen = parameter_set(parameters, model.design).on(model.design)
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)
         kept = chosen_constraints(subject_to, without, model, wanted.of_observable)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
-        return cls(model, chosen, wanted, solver_options(options or {}), kept)
+        made = cls(model, chosen, wanted, solver_options(options or {}), kept)
+        if kept:
+            check_possible(kept, model, made.loads, chosen.varied_inputs)
+        return made
 
     @property
     def loads(self) -> FloatArray:
@@ -220,7 +227,12 @@ class Problem:
         """Follow the path of one design (k,) and keep all of it."""
         designs, _ = self.parameters.designs(design[None, :], self.model)
         options = dict[str, Any](self.options)
-        return self.model.equilibrium(self.loads, design=designs, **options)
+        return self.model.equilibrium(self.loads_of(design), design=designs, **options)
+
+    def loads_of(self, design: FloatArray) -> FloatArray:
+        """Return the loads of the path of one design (k,), (steps, inputs)."""
+        own = self.parameters.own_loads(design[None, :], self.loads, self.model)
+        return self.loads if own is None else own[0]
 
     def _complete(self, paths: Paths) -> Paths:
         """Give recorded paths the model and loads that objectives ask for."""
@@ -239,8 +251,9 @@ class Problem:
         )
         if not valid.any():
             return every
-        options = dict[str, Any](self.options)
-        paths = self.model.evaluate(chosen, self.loads, threads, **options)
+        options, loads = dict[str, Any](self.options), self.loads
+        own = self.parameters.own_loads(designs[valid], loads, self.model)
+        paths = self.model.evaluate(chosen, loads if own is None else own, threads, **options)
         worst = worst_values(self.constraints, paths)
         broken = violation(excesses(self.constraints, worst))
         evaluated = evaluate_objective(self.objective, paths)
@@ -271,6 +284,9 @@ class Problem:
         ]
         found = model.differentiate(paths, changes, self.parameters.slots(model), threads)
         slopes = found.by_slots @ self.parameters.slot_jacobian(designs, model)
+        by_loads = self.parameters.load_jacobian(self.loads, model)
+        if by_loads is not None:
+            slopes += np.einsum("nrsu,suk->nrk", found.by_loads, by_loads)
         failed = ~(paths.converged & paths.stable).all(axis=1)
         slopes[failed], found.regularity[failed] = np.nan, "no-equilibrium"
         out.derivatives[rows] = slopes[:, : joints + 1]

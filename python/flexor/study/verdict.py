@@ -10,6 +10,7 @@ import numpy as np
 
 from flexor.constraints import excesses
 from flexor.design import Variables
+from flexor.observables.snap_margin import snap_margin
 from flexor.scenarios import Tolerance
 from flexor.study.fragility import Fragile, fragile
 from flexor.study.margins import worst_errors
@@ -89,6 +90,9 @@ class Verdict:
     shown: float  # the quantity of the objective for the model as it is
     finer: float | None  # the same with twice the elements; None where that is not known
     snaps: int  # along the path
+    # How far beyond the last load the next one is, as a share of it; see
+    # `flexor.observables.snap_margin`. None for the model without loads.
+    snap_margin: float | None
 
     @property
     def feasible(self) -> bool:
@@ -123,7 +127,14 @@ class Verdict:
             shown=float(off.shown[0]),
             finer=_finer(problem, x),
             snaps=design.events,
+            snap_margin=_snap_margin(design),
         )
+
+
+def _snap_margin(design: Design) -> float | None:
+    if not design.problem.model.inputs:
+        return None
+    return float(snap_margin(design.path.as_batch)[0, -1])
 
 
 def _kept(design: Design) -> Iterator[Kept]:
@@ -263,5 +274,7 @@ def _finer(problem: Problem, x: FloatArray) -> float | None:
     for name in model.rods:
         changes[f"bodies.{name}.elements"] = 2 * model.file.rod(name).elements
     finer = load(model.file, changes=changes)
-    paths = finer.evaluate(finer.own_design, problem.loads, 1, **dict[str, Any](problem.options))
+    paths = finer.evaluate(
+        finer.own_design, problem.loads_of(x), 1, **dict[str, Any](problem.options)
+    )
     return float(evaluate_objective(problem.objective, paths).shown[0])

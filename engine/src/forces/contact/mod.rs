@@ -393,7 +393,7 @@ impl Contacts {
         state: &ContactState<P>,
         direction: &Vector<P>,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         for (contact, k, pair) in self.tip_pairs(at.parameters(), state) {
             let along = weight * direction.dot(&pair.normal);

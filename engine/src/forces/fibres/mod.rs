@@ -143,7 +143,7 @@ impl FibreSections {
         sign: f64,
         at: &State<G, D, P>,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let (p, tree) = (at.parameters(), at.tree);
         let mut largest = Largest::new();

@@ -160,7 +160,7 @@ impl Foundations {
         &self,
         at: &State<G, D, P>,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         let mut largest = Largest::new();
         self.for_each_touch(at, |touch| {
@@ -181,7 +181,7 @@ impl Foundations {
         state: &[Touch<P>],
         direction: &Vector<P>,
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         for touch in state {
             let along = *direction * (-weight * self.tip_share(touch));

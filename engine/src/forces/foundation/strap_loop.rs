@@ -84,7 +84,7 @@ impl StrapLoops {
         at: &State<G, D, P>,
         state: &[Touch<P>],
         weight: f64,
-        out: &mut Differential<P>,
+        out: &mut Differential<D, P>,
     ) {
         for touch in state.iter().filter(|touch| touch.foundation == index) {
             let change = |change: &Change<P>| weight * touch.change_of_tension(change);
