@@ -211,3 +211,12 @@ def test_what_cannot_be_written_or_read_is_said(tmp_path, monkeypatch, capsys) -
         assert message.count("\n") == 1
     assert Path("there.html").read_text() == "mine"
     assert not Path("x.html").exists()
+
+
+def test_several_inputs_are_plotted_over_the_steps() -> None:
+    model = flexor.load("two-chambers")
+    data = json.loads(Elements(share_page(model)).data)
+    (design,) = data["designs"]
+    steps = len(model.evaluation_loads)
+    assert design["loads"] == {"label": "load step", "unit": "", "values": list(range(steps))}
+    assert len(design["labels"]) == steps

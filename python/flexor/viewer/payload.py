@@ -76,6 +76,7 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
     assert isinstance(model, Model)
     found = observables(model)
     values = {name: each.values(design.paths)[0] for name, each in found.items()}
+    one = len(model.inputs) == 1
     return {
         "title": design.title,
         "parameters": [list(each) for each in design.parameters],
@@ -89,7 +90,7 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
             {
                 "kind": event.kind,
                 "step": event.step,
-                "at": event.force / model.load_unit()[0],
+                "at": event.force / model.load_unit()[0] if one else event.step,
                 "text": f"{event.kind} at {model.show_load(event.force, '.4g')}",
             }
             for event in path.events
