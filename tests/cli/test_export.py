@@ -90,3 +90,14 @@ def test_a_missing_extra_names_the_command(flexor, monkeypatch, package: str) ->
     error = flexor("export", "finger", "--body", "a.stl").error
     assert f"need the package {package}, which is not installed" in error
     assert "install" in error and '"flexor[make]"' in error
+
+
+def test_the_limit_names_every_input() -> None:
+    import flexor
+    from flexor.export import body, device_of
+    from flexor.export.instructions import _limits
+
+    model = flexor.load("two-chambers")
+    path = model.equilibrium({"proximal": [0.0, 10e3], "distal": [0.0, 5e3]})
+    ((_, text), *_) = _limits(body(device_of(model)), path)
+    assert text.startswith("Do not load it beyond 10 kPa (proximal), 5 kPa (distal), up to")

@@ -93,6 +93,7 @@ def uncertainty(
     aggregate: str | None,
     tolerance: Sequence[str] | None,
     samples: int | None,
+    wearers: int | None,
 ) -> dict[str, Any]:
     """Return scenarios and tolerances as `flexor.optimize` takes them.
 
@@ -110,6 +111,7 @@ def uncertainty(
         "aggregate": aggregate or there.aggregate,
         "tolerance": given or there.tolerance,
         "samples": there.samples if samples is None else samples,
+        "wearers": wearers or 0,
     }
 
 

@@ -32,6 +32,8 @@ def optimize(
     aggregate: options.Aggregate = None,
     tolerance: options.Tolerance = None,
     samples: options.Samples = None,
+    wearers: options.Wearers = None,
+    sizes: options.Sizes = None,
     method: Annotated[
         str | None,
         typer.Option(
@@ -90,13 +92,14 @@ def optimize(
       `flexor front FOLDER --point 7 --save light.toml`
     * `flexor optimize pneumatic-finger --tolerance "exosuit.section.wall=0.1 mm"`
     * `flexor optimize glove.toml --scenarios all --aggregate "served 60 deg"`
+    * `flexor optimize pneumatic-finger --wearers 64 --sizes 3 --aggregate "served 45 deg"`
     * `flexor optimize --resume studies/press`
 
     The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
     the file of `--plot`.
     """
     from flexor import study as studies
-    from flexor.cli import outcome
+    from flexor.cli import outcome, sizes_report
     from flexor.cli.progress import SearchProgress
     from flexor.design import parameter_set
     from flexor.design.start import starts
@@ -112,6 +115,28 @@ def optimize(
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         aims = [each.replace(" ", "-") for each in problem.aims]
         place = folder or new_folder(loaded.name, chosen.name, *aims)
+        if sizes is not None:
+            over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
+            found = partial(
+                studies.sizes,
+                loaded,
+                chosen,
+                problem.aim,
+                sizes,
+                subject_to=problem.subject_to,
+                without=problem.without,
+                scenarios=over["scenarios"],
+                wearers=over["wearers"],
+                aggregate=over["aggregate"],
+                method=method or "auto",
+                method_options=numbers("--option", method_options or []),
+                force=one_or_assignments("--load", force, "chamber=0:5:1"),
+                seed=seed,
+                budget=budget,
+                folder=place,
+                engine_options=numbers("--solver", solver or []),
+            )
+            return sizes_report.carry_out(found, executor_for(threads, cluster), place, as_json)
         work = partial(
             studies.optimize,
             loaded,
@@ -120,7 +145,7 @@ def optimize(
             method,
             subject_to=problem.subject_to,
             without=problem.without,
-            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples),
+            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples, wearers),
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),

@@ -117,6 +117,20 @@ Tolerance = Annotated[
         "or its standard deviation, `0.1 mm normal`; may be repeated.",
     ),
 ]
+Wearers = Annotated[
+    int | None,
+    typer.Option(
+        callback=at_least(1),
+        help="Number of wearers, drawn from the file's `[population]`, that are scenarios.",
+    ),
+]
+Sizes = Annotated[
+    int | None,
+    typer.Option(
+        callback=at_least(1),
+        help="Find so many designs that together serve the wearers or scenarios best.",
+    ),
+]
 Samples = Annotated[
     int | None,
     typer.Option(

@@ -231,32 +231,70 @@ def slot_map(
     return SlotMap(indices, middle, half, tuple(fits), offsets, np.array(every))
 
 
-def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]]) -> SlotMap | None:
-    """Return the same map for another model, with other coefficients of the same polynomials.
+def refitted(
+    like: SlotMap, known: Structure, model: Structure, fields: Sequence[tuple[str, ...]]
+) -> SlotMap | None:
+    """Return the same map for another model that differs from the known one in values.
 
-    That takes a few files only. None if the parameters of the model are other polynomials.
+    Parameters that differ by a constant take one file; the rest lengths of straps, which the
+    fields and the other values decide together, take a few distances; all others a few files.
+    None if the parameters of the model are other polynomials.
     """
-    lowered = _Lowered(model, tuple(fields))
+    mine, theirs = _Lowered(model, tuple(fields)), _Lowered(known, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
     u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
-    samples = np.array([lowered.at(like._middle + like._half * row) for row in u])
-    others = np.setdiff1d(np.arange(samples.shape[1]), like._every)
-    largest = np.abs(samples).max(axis=0)
-    noise = np.zeros(len(largest))
-    for start, stop in lowered.ranges:
-        noise[start:stop] = 1e4 * ROUNDING * largest[start:stop].max(initial=0.0)
-    if like._every.max(initial=-1) >= len(largest):
+    points = like._middle + like._half * u
+    probes = points[-2:]
+    found, before = (np.array([each.at(x) for x in probes]) for each in (mine, theirs))
+    size = found.shape[1]
+    if before.shape[1] != size or mine.ranges != theirs.ranges:
         return None
-    if (np.ptp(samples[:, others], axis=0) > noise[others]).any():
+    scale = np.maximum(np.abs(found), np.abs(before)).max(axis=0)
+    noise = np.zeros(size)
+    for start, stop in mine.ranges:
+        noise[start:stop] = 1e4 * ROUNDING * scale[start:stop].max(initial=0.0)
+    shift = found - before
+    apart = np.abs(shift[0] - shift[1]) > np.maximum(TOLERANCE * scale, noise)
+    others = np.setdiff1d(np.arange(size), like._every)
+    if apart[others].any():
         return None
+    again = np.flatnonzero(apart)
+    if np.isin(again, mine.rests).all():
+        samples = np.zeros((len(points), size))
+        samples[:, mine.rests] = [mine.distances(x) for x in points]
+    else:
+        samples = np.array([mine.at(x) for x in points])
     fits = []
     for fit in like._fits:
         columns = like._every[fit.columns]
-        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form, most)
-        if not (good | (largest[columns] <= noise[columns])).all():
-            return None
-        fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))
+        new = apart[columns]
+        if new.any():
+            coefficients, good = _fitted(u, samples[:, columns[new]], fit.powers, fit.form, most)
+            if not (good | (scale[columns[new]] <= noise[columns[new]])).all():
+                return None
+            fits.append(_Fit(fit.columns[new], fit.powers, coefficients, fit.form))
+        if not new.all():
+            same = columns[~new]
+            if fit.form != "polynomial" and (shift[0, same] != 0.0).any():
+                return None
+            fits.append(_shifted(fit, ~new, shift[0, same]))
     return replace(like, _fits=tuple(fits))
+
+
+def _shifted(fit: _Fit, chosen: NDArray[np.bool_], shift: Array) -> _Fit:
+    """Return some columns of a fit with constants added to their values."""
+    coefficients = fit.coefficients[:, chosen]
+    if not shift.any():
+        return replace(fit, columns=fit.columns[chosen], coefficients=coefficients)
+    powers = fit.powers
+    first = np.flatnonzero(~powers.any(axis=1))
+    if not first.size:
+        powers = np.concatenate([np.zeros((1, powers.shape[1]), dtype=np.intp), powers])
+        coefficients = np.concatenate([np.zeros((1, coefficients.shape[1])), coefficients])
+        first = np.array([0])
+    coefficients = coefficients.copy()
+    coefficients[first[0]] += shift
+    return _Fit(fit.columns[chosen], powers, coefficients, fit.form)
 
 
 class _Sampled:
@@ -368,6 +406,11 @@ class _Lowered:
             offsets.append(float(table.slack) - float(table.pretension) / table.constant)
             found[rest] = distance
         return np.concatenate([found, offsets])
+
+    def distances(self, x: Array) -> list[float]:
+        """Return the distance of the ends of each strap, which is what `at` has for its length."""
+        file = replaced(self._model.file, dict(zip(self._fields, x.tolist(), strict=True)))
+        return [file.straps[strap].distance(file) for strap in self._straps]
 
     def name(self, column: int) -> str:
         """Return which parameter a column is."""

@@ -140,8 +140,8 @@ class Variables(ParameterSet):
             labels = [label for label, own in zip(self.labels, chosen, strict=True) if own]
             keys = [keys_of(label, model.file) for label in labels]
             # Models that differ in values have the same polynomials.
-            known = next(iter(list(self._maps.values())), None) if keys else None
-            found = refitted(known, model, keys) if known is not None else None
+            other = next(iter(list(self._maps.items())), None) if keys else None
+            found = None if other is None else refitted(other[1], other[0], model, keys)
             if found is None:
                 found = slot_map(model, keys, labels, self.lower[chosen], self.upper[chosen])
             self._maps[model] = found

@@ -189,7 +189,11 @@ def _limits(body: Body, path: Path | None) -> list[tuple[str, str]]:
     found = [("", f"Thinnest: {thin.what}, {thin.size:.2f} mm at X = {thin.x:.3g}.")]
     if path is None or not len(path):
         return found
-    loads = path.model.show_load(float(path.force.max()), ".4g")
+    model, largest = path.model, np.max(path.loads, axis=0)
+    each = [model.show_load(float(load), ".4g", index) for index, load in enumerate(largest)]
+    if len(each) > 1:
+        each = [f"{load} ({name})" for load, name in zip(each, model.inputs, strict=True)]
+    loads = ", ".join(each)
     if path.converged.all():
         text = f"Do not load it beyond {loads}, up to which it was computed"
         strain = np.asarray(path.max_strain)

@@ -83,7 +83,7 @@ def follow(
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    own_loads = loads if loads.ndim == 3 else None
+    own_loads: Any = loads if loads.ndim == 3 else None
     loads = loads if own_loads is None else own_loads[0]
     paths = Paths(
         model=model, loads=loads, own_loads=own_loads, **whole, **_geometry(model, geometry)

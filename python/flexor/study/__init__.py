@@ -21,6 +21,7 @@ from flexor.study.rerun import Changed, Difference, Rerun, rerun
 from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.settings import Settings
+from flexor.study.sizes import Sizes, sizes
 from flexor.study.study import Comparison, Study, StudyCallback, StudyProgress
 from flexor.study.verdict import Kept, Verdict
 
@@ -44,6 +45,7 @@ __all__ = [
     "ScenarioProblem",
     "Sensitivity",
     "Settings",
+    "Sizes",
     "Study",
     "StudyCallback",
     "StudyProgress",
@@ -55,4 +57,5 @@ __all__ = [
     "optimize",
     "rerun",
     "resume",
+    "sizes",
 ]

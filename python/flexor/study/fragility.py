@@ -44,6 +44,8 @@ def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
     model, names, rows = _neighbours(problem, x)
     here = model.parameters if rows is None else rows[0]
     loads, options = problem.loads, dict[str, Any](problem.options)
+    own = problem.parameters.own_loads(x[None, :], loads, model)
+    loads = loads if own is None else own[0]
 
     def shown(paths: Any) -> FloatArray:
         return evaluate_objective(problem.objective, paths).shown

@@ -21,6 +21,8 @@ from flexor.study.scenario_problem import ScenarioProblem
 ROUNDS = 8
 # Errors within the tolerances at which a design is checked, besides those that slopes point to.
 CHECKED = 128
+# Scenarios up to which the corners of each of them are tried in all.
+FEW = 4
 # A constraint that an error exceeds, or nearly so (in units of the bound), holds for it in the next
 # round.
 NEAR = 0.05
@@ -52,12 +54,18 @@ def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0)
     """
     reach = np.array([each.reach for each in problem.tolerances])
     axes = np.concatenate([np.diag(reach), -np.diag(reach)])
-    slopes = _evaluated(problem, design, axes, threads)
-    m = len(reach)
-    rise = slopes[:, :m] - slopes[:, m:]  # (S, m, c + 1)
-    signs = np.sign(np.where(np.isfinite(rise), rise, 0.0))
-    corners = np.unique(np.moveaxis(signs, 1, 2).reshape(-1, m) * reach, axis=0)
-    spread = within(problem.tolerances, CHECKED, problem.seed + 1)
+    m, count = len(reach), len(problem.scenarios)
+    slopes = _evaluated(problem, design, np.concatenate([axes, np.zeros((1, m))]), threads)
+    with np.errstate(invalid="ignore"):
+        rise = slopes[:, :m] - slopes[:, m : 2 * m]  # (S, m, c + 1)
+    rise = np.where(np.isfinite(rise), rise, 0.0)
+    signs = np.moveaxis(np.sign(rise), 1, 2)  # (S, c + 1, m)
+    if count > FEW:
+        # Only of the scenario where each is expected to be worst.
+        expected = slopes[:, -1] + 0.5 * np.abs(rise).sum(axis=1)
+        signs = signs[np.argmax(expected, axis=0), np.arange(signs.shape[1])]
+    corners = np.unique(signs.reshape(-1, m) * reach, axis=0)
+    spread = within(problem.tolerances, max(CHECKED // count, 8), problem.seed + 1)
     known = problem.corners.reshape(len(problem.corners), m)
     tried = np.concatenate([known, axes, corners, spread])
     found = _evaluated(problem, design, tried, threads)

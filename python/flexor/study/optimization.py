@@ -54,6 +54,7 @@ def optimize(
     aggregate: str = "mean",
     tolerance: Mapping[str, object] | None = None,
     samples: int = 0,
+    wearers: int = 0,
     start: ArrayLike | str | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     force: Any = None,
@@ -104,6 +105,9 @@ def optimize(
     samples : int
         Number of errors within the tolerances over which the objective is aggregated as well, a
         Sobol sequence from the seed; with 0 it is that without an error.
+    wearers : int
+        Number of wearers that are scenarios, drawn from the population that the file states
+        (`flexor.scenarios.wearers`) with the seed.
     start : (k,) or (s, k) array, str or list of str, optional
         Where the search begins, SI, or texts such as ``"10 cm, 0.7 cm"`` or ``"R_0=0.7 cm"``;
         the parameter set's own start (the model's exosuit) by default, and drawn from the seed if
@@ -155,7 +159,13 @@ def optimize(
     problem = Problem.of(
         model, parameters, objective, force, bounds, engine_options, subject_to, without
     )
-    stated = Uncertainty(scenarios, aggregate, tolerance or {}, integer("samples", samples, 0))
+    stated = Uncertainty(
+        scenarios,
+        aggregate,
+        tolerance or {},
+        integer("samples", samples, 0),
+        integer("wearers", wearers, 0),
+    )
     if stated and problem.objective.count:
         raise InputError("several objectives cannot be had over scenarios or within tolerances.")
     if stated:

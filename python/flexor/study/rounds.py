@@ -15,6 +15,9 @@ from flexor.study.scenario_problem import ScenarioProblem
 if TYPE_CHECKING:
     from flexor.study.study import Study
 
+# Cases of a design beyond which a search begins with the model as it is.
+MANY = 8
+
 Stage = tuple[Search, FloatArray | None, Budget]
 
 
@@ -23,27 +26,36 @@ def rounds(
 ) -> Iterator[Stage]:
     """Yield the search of each round, where it starts and its budget; prepare the study for it.
 
-    There is one round without tolerances. With them each of the others begins at the optimum of the
-    one before, and the study has the problem and the record of the last.
+    There is one round without tolerances and with few scenarios. Each of the others begins at the
+    optimum of the one before, and the study has the problem and the record of the last.
     """
     corners: list[FloatArray] = []
+    near = getattr(search, "from_optimum", search)
+    problem, limit = study.problem, budget.evaluations
+    if isinstance(problem, ScenarioProblem) and problem.count > MANY and near != search:
+        # The best of the model as it is, which takes as many times less, is a good beginning.
+        study.take_nominal()
+        yield search, start, budget
+        best = study.record.best()
+        start = np.atleast_2d(problem.parameters.start if best is None else best)
+        search, budget = near, _left(study, limit, budget)
     _begin(study, corners)
     yield search, start, budget
-    problem, spent = study.problem, study.evaluations
     if not isinstance(problem, ScenarioProblem) or not problem.tolerances:
         return
-    near = getattr(search, "from_optimum", search)
     while len(corners) < ROUNDS and (best := study.record.best()) is not None:
         errors = next_corners(study.problem, worst_errors(study.problem, best))  # type: ignore[arg-type]
         if errors is None:
             return
-        left = None if budget.evaluations is None else budget.evaluations - spent
-        if left is not None and left <= 0:
+        if limit is not None and study.evaluations >= limit:
             return
         corners.append(errors)
         _begin(study, corners)
-        yield near, np.atleast_2d(best), Budget(left, budget.seconds)
-        spent = study.evaluations
+        yield near, np.atleast_2d(best), _left(study, limit, budget)
+
+
+def _left(study: Study, limit: int | None, budget: Budget) -> Budget:
+    return Budget(None if limit is None else max(limit - study.evaluations, 1), budget.seconds)
 
 
 def _begin(study: Study, corners: list[FloatArray]) -> None:

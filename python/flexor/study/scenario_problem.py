@@ -21,7 +21,15 @@ from flexor.model.results import Path, Paths
 from flexor.objectives import Extremum
 from flexor.objectives import objective as named_objective
 from flexor.observables import observable
-from flexor.scenarios import Aggregate, Scenario, Tolerance, aggregate, scenarios, tolerances
+from flexor.scenarios import (
+    Aggregate,
+    Scenario,
+    Tolerance,
+    aggregate,
+    scenarios,
+    tolerances,
+    wearers,
+)
 from flexor.scenarios.scenario import Given
 from flexor.scenarios.tolerance import samples
 from flexor.study.problem import FloatArray, Problem
@@ -42,9 +50,10 @@ class Uncertainty:
     aggregate: str = "mean"
     tolerance: Mapping[str, object] = field(default_factory=dict)
     samples: int = 0
+    wearers: int = 0  # of the population that the model's file states, besides the scenarios
 
     def __bool__(self) -> bool:
-        return bool(self.scenarios) or bool(self.tolerance)
+        return bool(self.scenarios) or bool(self.tolerance) or bool(self.wearers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +100,11 @@ class ScenarioProblem(Problem):
         wanted = aggregate(stated.aggregate, nominal.objective.sign, quantity.dimension)
         made = cls(
             **{each.name: getattr(nominal, each.name) for each in fields(Problem)},
-            scenarios=scenarios(stated.scenarios, model) or (AS_IT_IS,),
+            scenarios=(
+                *scenarios(stated.scenarios, model),
+                *(wearers(model, stated.wearers, seed) if stated.wearers else ()),
+            )
+            or (AS_IT_IS,),
             aggregate=wanted,
             tolerances=tolerances(stated.tolerance, chosen, model),
             samples=stated.samples,
@@ -155,6 +168,11 @@ class ScenarioProblem(Problem):
         if not self.samples:
             return np.zeros((1, len(self.tolerances)))
         return samples(self.tolerances, self.samples, self.seed)
+
+    @property
+    def count(self) -> int:
+        """Number of cases in which a design is evaluated."""
+        return len(self.scenarios) * (len(self.errors) + len(self.corners))
 
     @cached_property
     def weights(self) -> FloatArray:

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from flexor.model import Model
 
 
+# What the record calls the search for the model as it is, before that over many scenarios.
+NOMINAL = "nominal"
+
+
 @dataclass(frozen=True)
 class Comparison:
     """One line of the comparison of the start with the best design, in display units."""
@@ -53,6 +57,7 @@ class Study(Displayed):
     record: Record  # every evaluation
     folder: Path | None = None  # of the study; None in memory
     result: SearchResult | None = None  # of the search, if it was completed in this process
+    _whole: Problem | None = None  # while the problem is that of the model as it is
 
     @classmethod
     def open(
@@ -94,16 +99,27 @@ class Study(Displayed):
         corners : sequence of (e, m) arrays
             Errors of this round and of those before it; none in the first.
         """
+        if self._whole is not None:
+            self.problem, self._whole = self._whole, None
         if isinstance(self.problem, ScenarioProblem):
             self.problem = self.problem.with_corners(corners[-1] if corners else np.zeros((0, 0)))
             self.record = Record(self.record.database, search=_search(len(corners)))
+
+    def take_nominal(self) -> None:
+        """Take the problem for the model as it is, with a record of its own, before the rounds."""
+        self.record.database.note("nominal", True)
+        self._whole = self.problem
+        self.problem = self.problem.nominal
+        self.record = Record(self.record.database, search=NOMINAL)
 
     @property
     def records(self) -> tuple[Record, ...]:
         """The record of every round, of which there is one without tolerances."""
         database = self.record.database
         count = len(database.noted("rounds") or ())
-        return tuple(Record(database, search=_search(i)) for i in range(count + 1))
+        names = [NOMINAL] if database.noted("nominal") else []
+        names += [_search(i) for i in range(count + 1)]
+        return tuple(Record(database, search=name) for name in names)
 
     @property
     def evaluations(self) -> int:

@@ -18,6 +18,7 @@ from flexor.study.problem import FloatArray, Problem
 from flexor.study.scenario_problem import ScenarioProblem
 
 if TYPE_CHECKING:
+    from flexor.model import Path
     from flexor.study.design import Design
 
 # Manufacturing errors of dimensions that are thin and of others [m], and of everything else as a
@@ -139,17 +140,15 @@ def _snap_margin(design: Design) -> float | None:
 def _kept(design: Design) -> Iterator[Kept]:
     """Yield the constraints of a design, each of the scenario where it is worst, without errors."""
     problem, x = design.problem, design.vector
-    paths = [design.path]
     values = problem.worst_of(design.constraint_values)[None, :]
     if isinstance(problem, ScenarioProblem):
         none = np.zeros((1, len(problem.tolerances)))
         found = problem.by_case(x[None, :], none)
         values = np.concatenate([each.constraint_values for each in found])
-        paths = [problem.path_of(x, none[0], i) for i in range(len(found))]
     excess = excesses(problem.constraints, values)
     for i, each in enumerate(problem.constraints):
         worst = int(np.argmax(np.where(np.isnan(excess[:, i]), np.inf, excess[:, i])))
-        where = each.place(paths[worst])
+        where = each.place(_path(design, worst))
         if isinstance(problem, ScenarioProblem) and problem.named:
             where = f"{problem.scenarios[worst].name}: {where}"
         yield Kept(
@@ -159,6 +158,14 @@ def _kept(design: Design) -> Iterator[Kept]:
             float(excess[worst, i]),
             each.default,
         )
+
+
+def _path(design: Design, scenario: int) -> Path:
+    """Return the path of a design in a scenario."""
+    problem = design.problem
+    if not isinstance(problem, ScenarioProblem) or not problem.scenarios[scenario].changes:
+        return design.path
+    return problem.path_of(design.vector, np.zeros(len(problem.tolerances)), scenario)
 
 
 def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:

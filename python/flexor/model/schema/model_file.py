@@ -17,6 +17,7 @@ from flexor.model.schema.force import Force
 from flexor.model.schema.foundation import skin_materials, touching
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
+from flexor.model.schema.population import Population
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section_geometry import check_section
 from flexor.model.schema.spring import Spring
@@ -73,6 +74,7 @@ class ModelFile(BodySystem):
     straps: dict[Name, Strap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     design: Design | None = None
+    population: Population | None = None
     evaluation: Evaluation = Evaluation()
     start: StartTable = Field(default_factory=dict)
     solver: dict[Name, Number] = Field(default_factory=dict)
