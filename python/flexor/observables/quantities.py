@@ -100,7 +100,11 @@ def mass(paths: Paths) -> Array:
     total = np.zeros(len(paths))
     for rod in paths.model.rods:
         length, density, _ = _density(paths, rod)
-        total += length * (density @ paths.model.file.rod(rod).gauss_rule[1])
+        whole = np.zeros(len(paths))
+        # Added point by point: a matrix product may round differently with the size of the batch.
+        for point, share in enumerate(paths.model.file.rod(rod).gauss_rule[1]):
+            whole += density[:, point] * share
+        total += length * whole
     return np.broadcast_to(total[:, None], paths.joint_angles.shape[:2]).copy()
 
 
