@@ -1,13 +1,11 @@
-//! Contact of a rod with round links through the elastic foundation of their skins.
-//!
-//! The overlap of rod and link is taken up by their skins, as if these were independent springs. It is
-//! integrated across in closed form and along the rod at points with weights.
+//! Contact of a rod with round links on an elastic (Winkler) foundation: both skins deform like independent
+//! springs. The pressure is integrated across the rod in closed form, and along it by quadrature.
 
 mod attached;
+mod cone_contact;
 mod definition;
 mod strap_loop;
 mod strip;
-mod touch;
 
 pub use definition::FoundationDescription;
 pub use strap_loop::StrapLoopDescription;
@@ -24,8 +22,8 @@ use crate::linalg::Vector;
 use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
 use attached::{moved, points, relative};
+use cone_contact::{Change, ConeCandidate, ConeContact, RADII, STIFFNESS, SURFACE, WIDTH};
 use definition::Foundation;
-use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
 /// All elastic foundations.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,38 +43,41 @@ impl Foundations {
     /// Visits the round cones whose gap to a point with weight is below `margin` and, with negative
     /// weight, the spheres that two of these share.
     #[inline]
-    fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn for_each_candidate<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         margin: f64,
-        mut visit: impl FnMut(Near<P>),
+        mut visit: impl FnMut(ConeCandidate<P>),
     ) {
         for index in 0..self.0.len() {
-            self.0[index].weighted.iter().for_each(|first| self.near(at, index, *first, margin, &mut visit));
+            self.0[index]
+                .weighted
+                .iter()
+                .for_each(|first| self.candidates_at(at, index, *first, margin, &mut visit));
         }
     }
 
-    /// Visits everything that touches, also at points without weight.
-    fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits all contacts, also at points without weight.
+    fn for_each_contact<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        mut visit: impl FnMut(Touch<P>),
+        mut visit: impl FnMut(ConeContact<P>),
     ) {
         for (index, foundation) in self.0.iter().enumerate() {
-            let mut visit = |near| visit(Touch::new(foundation, at.parameters(), &near));
-            foundation.first.clone().for_each(|first| self.near(at, index, first, 0.0, &mut visit));
+            let mut visit = |candidate| visit(ConeContact::new(foundation, at.parameters(), &candidate));
+            foundation.first.clone().for_each(|first| self.candidates_at(at, index, first, 0.0, &mut visit));
         }
     }
 
-    /// Visits what is near one point.
+    /// Visits the candidates at one point of the rod.
     #[inline]
-    fn near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn candidates_at<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         index: usize,
         first: usize,
         margin: f64,
-        visit: &mut impl FnMut(Near<P>),
+        visit: &mut impl FnMut(ConeCandidate<P>),
     ) {
         let foundation = &self.0[index];
         let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
@@ -89,10 +90,10 @@ impl Foundations {
                 continue;
             }
             let axis = *ends[1] - *ends[0];
-            let mut near = |weight, found: Closest<P>| {
+            let mut visit = |weight, found: Closest<P>| {
                 let depth = surface + found.radius - found.distance;
                 if depth > -margin {
-                    visit(Near {
+                    visit(ConeCandidate {
                         foundation: index,
                         first,
                         cone: c,
@@ -105,12 +106,12 @@ impl Foundations {
                     });
                 }
             };
-            near(weight, closest(p, ends, radii));
+            visit(weight, closest(p, ends, radii));
             if cone.joined && weight != 0.0 {
                 let r = *p - *ends[0];
                 let (normal, distance) = direction(r, r.norm(), radii[0]);
                 let (across, radius) = (Vector::ZERO, radii[0]);
-                near(
+                visit(
                     -weight,
                     Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
                 );
@@ -128,34 +129,34 @@ impl Foundations {
         tip: &mut Vector<P>,
     ) {
         let mut last = None;
-        self.for_each_touch(at, |touch| {
-            let this = Some((touch.foundation, touch.first));
-            summary.pairs += u32::from(touch.weight > 0.0);
-            summary.touching += u32::from(this != last && touch.weight != 0.0);
+        self.for_each_contact(at, |contact| {
+            let this = Some((contact.foundation, contact.first));
+            summary.pairs += u32::from(contact.weight > 0.0);
+            summary.touching += u32::from(this != last && contact.weight != 0.0);
             last = this;
-            summary.overlap = summary.overlap.max(touch.depth);
-            summary.pressure = summary.pressure.max(touch.pressure());
-            *tip += touch.gradient() * -self.tip_share(&touch);
+            summary.overlap = summary.overlap.max(contact.depth);
+            summary.pressure = summary.pressure.max(contact.pressure());
+            *tip += contact.gradient() * -self.tip_share(&contact);
         });
     }
 
     /// The share of a point that belongs to the tip.
-    fn tip_share<const P: usize>(&self, touch: &Touch<P>) -> f64 {
-        let foundation = &self.0[touch.foundation];
-        foundation.tip[touch.first - foundation.first.start]
+    fn tip_share<const P: usize>(&self, contact: &ConeContact<P>) -> f64 {
+        let foundation = &self.0[contact.foundation];
+        foundation.tip[contact.first - foundation.first.start]
     }
 
-    /// What touches the tip, with its points p, a, b, and the derivatives with respect to these of the
+    /// Visits the contacts of the tip: their points p, a, b, and the derivatives with respect to these of the
     /// force on the tip along a direction.
     pub fn for_each_tip_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
-        state: &[Touch<P>],
+        state: &[ConeContact<P>],
         direction: &Vector<P>,
         mut visit: impl FnMut([usize; 3], [Vector<P>; 3]),
     ) {
-        for touch in state {
-            let share = self.tip_share(touch);
+        for contact in state {
+            let share = self.tip_share(contact);
             if share == 0.0 {
                 continue;
             }
@@ -164,10 +165,11 @@ impl Foundations {
                 for axis in 0..P {
                     let mut motion = [Vector::ZERO; 3];
                     motion[i] = Vector::unit(axis);
-                    change[axis] = -share * direction.dot(&touch.change_of_gradient(&moved(touch, &motion)));
+                    change[axis] =
+                        -share * direction.dot(&contact.change_of_gradient(&moved(contact, &motion)));
                 }
             }
-            visit(points(touch, tree), changes);
+            visit(points(contact, tree), changes);
         }
     }
 
@@ -175,62 +177,62 @@ impl Foundations {
     pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        state: &[Touch<P>],
+        state: &[ConeContact<P>],
         direction: &Vector<P>,
         gradient: &mut [f64],
     ) {
-        for touch in state {
-            let share = self.tip_share(touch);
+        for contact in state {
+            let share = self.tip_share(contact);
             if share != 0.0 {
-                self.add_work(at, touch, &(*direction * -share), gradient);
+                self.add_work(at, contact, &(*direction * -share), gradient);
             }
         }
     }
 
-    /// Adds the change of the work of a touch's gradient on a velocity with every parameter, frames and
+    /// Adds the change of the work of a contact's gradient on a velocity with every parameter, frames and
     /// points held.
     fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        touch: &Touch<P>,
+        contact: &ConeContact<P>,
         velocity: &Vector<P>,
         gradient: &mut [f64],
     ) {
         let (p, tree) = (at.parameters(), at.tree);
-        let foundation = &self.0[touch.foundation];
-        let cone = &foundation.cones[touch.cone];
+        let foundation = &self.0[contact.foundation];
+        let cone = &foundation.cones[contact.cone];
         let work = |i: usize| {
             let mut explicit = [0.0; 6];
             explicit[i] = 1.0;
             let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
-            velocity.dot(&touch.change_of_gradient(&change))
+            velocity.dot(&contact.change_of_gradient(&change))
         };
-        gradient[foundation.length] += velocity.dot(&touch.gradient()) / p[foundation.length];
-        let spheres = [touch.first, touch.ends[0], touch.ends[1]];
+        gradient[foundation.length] += velocity.dot(&contact.gradient()) / p[foundation.length];
+        let spheres = [contact.first, contact.ends[0], contact.ends[1]];
         for (sphere, i) in spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
             add_radius_slope(tree, p, tree.spheres[sphere].radius, work(i), gradient);
         }
         for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
             gradient[slot] += work(i);
         }
-        let point = touch.first - foundation.first.start;
+        let point = contact.first - foundation.first.start;
         let by_width = work(WIDTH);
         gradient[foundation.half_width + point] += by_width;
-        gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[touch.first];
+        gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[contact.first];
     }
 }
 
 impl<const P: usize> ForceMemory<P> for Foundations {
     type Design = ();
-    /// What touches.
-    type State = Vec<Touch<P>>;
+    /// The contacts.
+    type State = Vec<ConeContact<P>>;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Foundations {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<ConeContact<P>> {
         Vec::with_capacity(self.0.iter().map(Foundation::max_couplings).sum())
     }
 
@@ -246,22 +248,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
-    /// For the predictor, contacts that open and close with their current stiffness or, before they touch,
-    /// with that at a typical depth.
+    /// A contact opens with its current stiffness, and closes with that at a typical depth.
     fn for_each_switch(
         &self,
         at: &State<G, D, P>,
-        _: &Vec<Touch<P>>,
+        _: &Vec<ConeContact<P>>,
         margin: f64,
         visit: &mut impl FnMut(Switch<P>),
     ) {
-        self.for_each_near(at, margin, |near| {
-            let foundation = &self.0[near.foundation];
-            let Near { first, depth, found, .. } = &near;
-            let usual = TYPICAL_DEPTH * near.surface;
-            let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
-            let touch = Touch::new(foundation, at.parameters(), &expected);
-            let [a, b] = touch.ends;
+        self.for_each_candidate(at, margin, |candidate| {
+            let foundation = &self.0[candidate.foundation];
+            let ConeCandidate { first, depth, found, .. } = &candidate;
+            let usual = TYPICAL_DEPTH * candidate.surface;
+            let expected =
+                ConeCandidate { depth: if *depth > 0.0 { *depth } else { usual }, ..candidate.clone() };
+            let contact = ConeContact::new(foundation, at.parameters(), &expected);
+            let [a, b] = contact.ends;
             let spheres = match found.t {
                 _ if found.slip > 0.0 => [*first, a, b],
                 t if t < 0.5 => [*first, a, a],
@@ -272,7 +274,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 t: found.t,
                 normal: found.normal,
                 depth: *depth,
-                stiffness: touch.stiffness(),
+                stiffness: contact.stiffness(),
             });
         });
     }
@@ -281,14 +283,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &mut Vec<Touch<P>>,
+        state: &mut Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         state.clear();
-        self.for_each_near(at, 0.0, |near| {
-            let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
-            attached::add_residual(at, &touch, out);
-            state.push(touch);
+        self.for_each_candidate(at, 0.0, |candidate| {
+            let contact = ConeContact::new(&self.0[candidate.foundation], at.parameters(), &candidate);
+            attached::add_residual(at, &contact, out);
+            state.push(contact);
         });
     }
 
@@ -296,52 +298,58 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        state.iter().for_each(|touch| attached::add_tangent(at, touch, out));
+        state.iter().for_each(|contact| attached::add_tangent(at, contact, out));
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
-        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<ConeContact<P>>,
+        out: &mut Magnitudes<P>,
+    ) {
+        state.iter().for_each(|contact| attached::add_magnitudes(at, contact, out));
     }
 
     /// Opening is smooth; where a point passes from a cone's side to its end the tangent jumps.
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         let mut found = false;
-        self.for_each_near(at, 0.0, |near| {
+        self.for_each_candidate(at, 0.0, |candidate| {
             let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
-            if near.found.unbounded.is_some_and(passing) {
-                let [a, b] = self.0[near.foundation].cones[near.cone].ends;
-                let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
-                found |= moves(&points, &near.axis) || moves(&points, &near.found.normal);
+            if candidate.found.unbounded.is_some_and(passing) {
+                let [a, b] = self.0[candidate.foundation].cones[candidate.cone].ends;
+                let points = [candidate.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
+                found |= moves(&points, &candidate.axis) || moves(&points, &candidate.found.normal);
             }
         });
         found
     }
 
     /// Contact of two joined round cones at their common sphere counts once.
-    fn contact_forces(&self, at: &State<G, D, P>, _: &Vec<Touch<P>>, out: &mut Vec<ContactForce<P>>) {
-        self.for_each_touch(at, |touch| {
-            let force = -touch.gradient();
+    fn contact_forces(&self, at: &State<G, D, P>, _: &Vec<ConeContact<P>>, out: &mut Vec<ContactForce<P>>) {
+        self.for_each_contact(at, |contact| {
+            let force = -contact.gradient();
             let same = |f: &ContactForce<P>| {
-                f.first == touch.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
+                f.first == contact.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
-            if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
+            if let Some(i) = out.iter().rposition(same).filter(|_| contact.weight < 0.0) {
                 out.remove(i);
                 return;
             }
-            let inward = at.geometry.radii[touch.first] - 0.5 * touch.depth;
-            let [p, ..] = points(&touch, at.tree);
+            let inward = at.geometry.radii[contact.first] - 0.5 * contact.depth;
+            let [p, ..] = points(&contact, at.tree);
             out.push(ContactForce {
-                first: touch.first,
-                second: Some(touch.ends),
-                nearest: Some(touch.ends[usize::from(touch.t >= 0.5)]),
+                first: contact.first,
+                second: Some(contact.ends),
+                nearest: Some(contact.ends[usize::from(contact.t >= 0.5)]),
                 cone: true,
                 force,
-                depth: touch.depth,
-                pressure: Some(touch.pressure()),
-                point: *at.point(p) - touch.normal * inward,
+                depth: contact.depth,
+                pressure: Some(contact.pressure()),
+                point: *at.point(p) - contact.normal * inward,
             });
         });
     }
@@ -350,13 +358,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for touch in state {
-            self.add_work(at, touch, &relative(touch, at, motion), gradient);
+        for contact in state {
+            self.add_work(at, contact, &relative(contact, at, motion), gradient);
         }
     }
 
@@ -364,12 +372,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
-        let each = |touch| attached::geometric_work(at, touch, motion, velocities);
+        let each = |contact| attached::geometric_work(at, contact, motion, velocities);
         *work += state.iter().map(each).sum::<f64>();
     }
 }
