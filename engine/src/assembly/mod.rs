@@ -222,7 +222,9 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             }
             return;
         }
-        for (i, (out, row)) in self.tangent.chunks_exact_mut(n).zip(half.chunks_exact(n)).enumerate() {
+        let width = n.max(1);
+        let rows = self.tangent.chunks_exact_mut(width).zip(half.chunks_exact(width));
+        for (i, (out, row)) in rows.enumerate() {
             let column = half[i..].iter().step_by(n);
             out.iter_mut().zip(row).zip(column).for_each(|((out, a), b)| *out = a + b);
         }

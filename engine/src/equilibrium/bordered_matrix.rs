@@ -73,7 +73,8 @@ impl BorderedMatrix {
     }
 
     pub fn factorise(&mut self, symmetric: bool) {
-        let last = if symmetric && self.rows.len() == 1 { self.eliminate() } else { None };
+        let one = self.rows.len() == 1 && !self.tangent.is_empty();
+        let last = if symmetric && one { self.eliminate() } else { None };
         self.factors = last.map_or_else(|| Factors::Whole(Box::new(self.whole().lu())), Factors::Eliminated);
     }
 
