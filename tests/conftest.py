@@ -3,7 +3,7 @@ from __future__ import annotations
 import importlib.util
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -36,3 +36,17 @@ def interruptible() -> Iterator[None]:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def flexor_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
+    """Run commands in a folder, and return their exit codes."""
+    from flexor.cli.app import main
+
+    def run(folder: Path, *words: str) -> int:
+        monkeypatch.chdir(folder)
+        with pytest.raises(SystemExit) as ended:
+            main(list(words))
+        return int(ended.value.code or 0)
+
+    return run

@@ -55,16 +55,3 @@ def test_every_page_is_in_the_index() -> None:
     index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {"index.md"}
     assert pages == set(re.findall(r"\]\((.+\.md)\)", index))
-
-
-@pytest.fixture
-def flexor_in(monkeypatch):
-    from flexor.cli.app import main
-
-    def run(folder: Path, *words: str) -> int:
-        monkeypatch.chdir(folder)
-        with pytest.raises(SystemExit) as ended:
-            main(list(words))
-        return int(ended.value.code or 0)
-
-    return run

@@ -65,3 +65,9 @@ def test_random_devices_called_stable_are_minima(run: Run) -> None:
     assert "60 models from number 0, seed 5" in output
     for kind in ("half-round", "box", "tube", "composite", "ogden", "pressure", "two sections"):
         assert kind in output
+
+
+def test_random_solids_are_watertight_and_have_their_volume(run: Run) -> None:
+    output = run("stress_solids", "--fingers", "2", "--rods", "1", "--seed", "3")
+    assert "2 fingers, 1 rods of each section, seed 3" in output
+    assert "pneumatic-finger       2        0" in output

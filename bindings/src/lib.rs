@@ -13,7 +13,7 @@ mod structure;
 use flexor_engine::equilibrium::{EventKind, Stability, Status};
 use flexor_engine::model::Law;
 use flexor_engine::sensitivity::Regularity;
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike1, ToPyArray};
+use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
 /// X in [0, 1] of a rod's sample points: element ends and Gauss points, increasing.
@@ -38,6 +38,26 @@ fn fibre_energy<'py>(
     let found = law.fibre_energy(&constants, wound, &stretch.as_array().to_vec());
     let Some(found) = found else { return error::value_error("constants: found the wrong number") };
     Ok(found.map(|values| values.into_pyarray(py)))
+}
+
+/// Derivatives of the nominal stress of such a fibre with respect to the constants of its material.
+#[pyfunction]
+fn fibre_stress_slopes<'py>(
+    py: Python<'py>,
+    law: &str,
+    constants: Vec<f64>,
+    wound: bool,
+    stretch: PyArrayLike1<'py, f64, AllowTypeChange>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let law: Law = match serde_json::from_value(law.into()) {
+        Ok(law) => law,
+        Err(error) => return error::value_error(error),
+    };
+    let stretch = stretch.as_array().to_vec();
+    let Some(found) = law.stress_slopes(&constants, wound, &stretch) else {
+        return error::value_error("constants: found the wrong number");
+    };
+    found.into_pyarray(py).reshape([stretch.len(), constants.len()])
 }
 
 /// The builds for x86-64-v4 and -v3 that this processor can run.
@@ -81,6 +101,7 @@ engine!(_engine_native);
 fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_points, module)?)?;
     module.add_function(wrap_pyfunction!(fibre_energy, module)?)?;
+    module.add_function(wrap_pyfunction!(fibre_stress_slopes, module)?)?;
     module.add_function(wrap_pyfunction!(cpu_runs, module)?)?;
     module.add_function(wrap_pyfunction!(interrupt::cancel, module)?)?;
     module.add_class::<model::Model>()?;

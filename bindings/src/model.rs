@@ -5,6 +5,7 @@ use crate::error::value_error;
 use crate::interrupt::interruptible;
 use crate::{options, structure};
 use flexor_engine::model::{Description, Structure};
+use flexor_engine::sensitivity::{KnownEquilibria, output_groups};
 use flexor_engine::{Batch, PathEvent, PathResults};
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
@@ -229,7 +230,7 @@ impl Model {
     }
 
     /// Solves a batch of designs along a list of loads.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, start=None, gradient=None, **solver_options))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, base=None, start=None, **solver_options))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -240,17 +241,12 @@ impl Model {
         threads: usize,
         base: Option<Numbers<'_>>,
         start: Option<Numbers<'_>>,
-        gradient: Option<Indices<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let default = on_model!(&self.inner, m => m.parameters().to_vec());
         let base = base.map_or(default, |b| b.as_array().to_vec());
         let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
-        let indices = |a: &Indices<'_>| -> Vec<usize> {
-            a.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect()
-        };
         let varied = indices(&slot_indices);
-        let gradient = gradient.as_ref().map_or(vec![], indices);
         let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
         let [steps, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
         if base.len() != slots {
@@ -261,9 +257,6 @@ impl Model {
         }
         if let Some(i) = varied.iter().find(|i| **i >= slots) {
             return value_error(format!("slot_indices: found {i}, the model has {slots} parameters"));
-        }
-        if let Some(i) = gradient.iter().find(|i| **i >= slots) {
-            return value_error(format!("gradient: found {i}, the model has {slots} parameters"));
         }
         if load_inputs != inputs {
             return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
@@ -283,7 +276,6 @@ impl Model {
             loads: &loads,
             steps,
             start: start.as_deref(),
-            gradient: &gradient,
             cancel: None,
         };
         let pieces = interruptible(py, batch.is_parallel(threads), |cancel| {
@@ -291,7 +283,89 @@ impl Model {
             on_model!(&self.inner, m => m.solve_in_pieces(batch, options, threads))
         })?;
         let result = py.detach(|| on_model!(&self.inner, m => m.join(pieces)));
-        self.results(py, result, [designs, steps], gradient.len())
+        self.results(py, result, [designs, steps])
+    }
+
+    /// Names and ranges of the numbers that can be differentiated.
+    #[getter]
+    fn outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (outputs, mut first) = (PyDict::new(py), 0);
+        for (name, count) in on_model!(&self.inner, m => output_groups(m)) {
+            outputs.set_item(name, (first, first + count))?;
+            first += count;
+        }
+        Ok(outputs)
+    }
+
+    /// Differentiates weighted sums of outputs at known equilibria of designs.
+    #[pyo3(signature = (slot_indices, values, designs, q, applied, sums, weights, wanted, threads=0))]
+    #[allow(clippy::too_many_arguments)]
+    fn differentiate<'py>(
+        &self,
+        py: Python<'py>,
+        slot_indices: Indices<'_>,
+        values: Table<'_>,
+        designs: Indices<'_>,
+        q: Table<'_>,
+        applied: Table<'_>,
+        sums: Indices<'_>,
+        weights: Table<'_>,
+        wanted: Indices<'_>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let base = on_model!(&self.inner, m => m.parameters().to_vec());
+        let (inputs, dof) = on_model!(&self.inner, m => (m.inputs().len(), m.dof()));
+        let outputs: usize = on_model!(&self.inner, m => output_groups(m)).iter().map(|(_, n)| n).sum();
+        let shape = |table: &Table<'_>| [table.as_array().nrows(), table.as_array().ncols()];
+        let [varied, designs, sums, wanted] = [&slot_indices, &designs, &sums, &wanted].map(indices);
+        let (equilibria, count) = (designs.len(), sums.len());
+        let rows = shape(&values)[0];
+        for (what, found, expected) in [
+            ("values", shape(&values), [rows, varied.len()]),
+            ("q", shape(&q), [equilibria, dof]),
+            ("applied", shape(&applied), [equilibria, inputs]),
+            ("weights", shape(&weights), [count, outputs]),
+        ] {
+            if found != expected {
+                return value_error(format!("{what}: found the shape {found:?}, expected {expected:?}"));
+            }
+        }
+        for (what, found, bound) in [
+            ("slot_indices", &varied, base.len()),
+            ("wanted", &wanted, base.len()),
+            ("designs", &designs, rows),
+            ("sums", &sums, equilibria),
+        ] {
+            if let Some(i) = found.iter().find(|i| **i >= bound) {
+                return value_error(format!("{what}: found {i}, there are {bound}"));
+            }
+        }
+        if !sums.is_sorted() {
+            return value_error("sums: must be in increasing order");
+        }
+        let [values, q, applied, weights] = [&values, &q, &applied, &weights].map(numbers);
+        let known = KnownEquilibria {
+            base: &base,
+            varied: &varied,
+            values: &values,
+            designs: &designs,
+            q: &q,
+            applied: &applied,
+            sums: &sums,
+            weights: &weights,
+            wanted: &wanted,
+            cancel: None,
+        };
+        let found = interruptible(py, known.is_parallel(threads), |cancel| {
+            let known = KnownEquilibria { cancel: Some(cancel), ..known };
+            on_model!(&self.inner, m => m.differentiate(known, threads))
+        })?;
+        let out = PyDict::new(py);
+        let by_parameters = found.by_parameters.into_pyarray(py);
+        out.set_item("by_parameters", by_parameters.reshape([count, wanted.len()])?)?;
+        out.set_item("by_loads", found.by_loads.into_pyarray(py).reshape([count, inputs])?)?;
+        out.set_item("regularity", found.regularity.into_pyarray(py))?;
+        Ok(out)
     }
 
     /// Follows the branch of one design by arc length from the first load to the last.
@@ -332,20 +406,27 @@ impl Model {
         let Some(found) = found else { return value_error("the design is not admissible") };
 
         let points = found.results.status.len();
-        let out = self.results(py, found.results, [1, points], 0)?;
+        let out = self.results(py, found.results, [1, points])?;
         out.set_item("loads", found.loads.into_pyarray(py).reshape([points, inputs])?)?;
         Ok(out)
     }
 }
 
+fn indices(array: &Indices<'_>) -> Vec<usize> {
+    array.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect()
+}
+
+fn numbers(table: &Table<'_>) -> Vec<f64> {
+    table.as_array().iter().copied().collect()
+}
+
 impl Model {
-    /// Arrays over (design, step) by name, and derivatives with respect to `parameters` parameters.
+    /// Arrays over (design, step) by name.
     fn results<'py>(
         &self,
         py: Python<'py>,
         found: PathResults,
         shape: [usize; 2],
-        parameters: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (inputs, dof) = on_model!(&self.inner, m => (m.inputs().len(), m.dof()));
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
@@ -378,12 +459,6 @@ impl Model {
         out.set_item("stretch", stretch.reshape([designs, steps, materials, 2])?)?;
         out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 3])?)?;
         out.set_item("events", events(py, &found.events, inputs, dof)?)?;
-        if parameters > 0 {
-            let outputs = found.gradient.len() / (designs * parameters).max(1);
-            let gradient = found.gradient.into_pyarray(py);
-            out.set_item("gradient", gradient.reshape([designs, outputs, parameters])?)?;
-            out.set_item("regularity", found.regularity.into_pyarray(py))?;
-        }
         Ok(out)
     }
 

@@ -6,7 +6,6 @@ use crate::equilibrium::{
 use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::results::PathResults;
-use crate::sensitivity::{Adjoint, Regularity};
 use rayon::prelude::*;
 
 /// Designs that differ in some parameters, all taken along the same loads.
@@ -26,8 +25,6 @@ pub struct Batch<'a> {
     pub steps: usize,
     /// The state that every path starts from; the reference state unless given.
     pub start: Option<&'a [f64]>,
-    /// Parameters with respect to which the last step is differentiated; none: no derivatives.
-    pub gradient: &'a [usize],
     /// If requested during the solve, ends it soon; steps that were not solved have [`Status::Cancelled`].
     pub cancel: Option<&'a dyn Cancel>,
 }
@@ -49,33 +46,18 @@ impl Batch<'_> {
 pub struct Pieces {
     designs: usize,
     steps: usize,
-    /// Number of derivatives of a design.
-    width: usize,
     found: Vec<PathResults>,
 }
 
 /// Collects the results of consecutive designs.
-struct BatchSink<'a, const D: usize, const P: usize> {
+struct BatchSink<'a> {
     results: &'a mut PathResults,
     design: usize,
-    steps: usize,
-    /// Present when derivatives are asked for.
-    adjoint: Option<&'a mut Adjoint<D, P>>,
-    /// Length of the row of derivatives of a design.
-    width: usize,
 }
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for BatchSink<'_, D, P> {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for BatchSink<'_> {
     fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
         self.results.push([self.design, index], &report, system);
-        let last = index + 1 == self.steps && report.status.is_equilibrium();
-        if let Some(adjoint) = self.adjoint.as_deref_mut().filter(|_| last) {
-            let start = self.results.gradient.len() - self.width;
-            adjoint.outputs(system.model(), system, &mut self.results.gradient[start..]);
-            let snapped = self.results.events.last().is_some_and(|event| event.design == self.design);
-            let regularity = Regularity::of(system.model(), system, report.status, snapped);
-            *self.results.regularity.last_mut().expect("one per design") = regularity as u8;
-        }
     }
 
     fn event(&mut self, event: Event) {
@@ -103,21 +85,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         assert_eq!(batch.loads.len(), steps * inputs, "loads");
         assert!(batch.varied.iter().all(|i| *i < self.parameters.len()), "varied parameters");
         let loads: Vec<&[f64]> = (0..steps).map(|s| &batch.loads[s * inputs..(s + 1) * inputs]).collect();
-        let differentiate = !batch.gradient.is_empty();
-        let width = if differentiate { Adjoint::output_count(self) * batch.gradient.len() } else { 0 };
         let start = batch.start.map_or_else(|| vec![0.0; self.dof], <[f64]>::to_vec);
         let solve = |first: usize| {
             let mut path = Continuation::new(self, options, batch.cancel);
             let mut parameters = batch.base.to_vec();
-            let mut adjoint = differentiate.then(|| Adjoint::new(self, batch.gradient));
             let last = (first + CHUNK).min(batch.designs);
             let mut results = PathResults::with_capacity(self, (last - first) * steps);
             for design in first..last {
                 if batch.cancel.is_some_and(Cancel::is_requested) {
                     break;
                 }
-                results.gradient.resize(results.gradient.len() + width, f64::NAN);
-                results.regularity.push(Regularity::NoEquilibrium as u8);
                 let values = &batch.values[design * batch.varied.len()..][..batch.varied.len()];
                 for (i, v) in batch.varied.iter().zip(values) {
                     parameters[*i] = *v;
@@ -126,8 +103,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                     results.push_missing(self, Status::InvalidDesign, steps);
                     continue;
                 }
-                let (results, adjoint) = (&mut results, adjoint.as_mut());
-                path.follow(&loads, &start, &mut BatchSink { results, design, steps, adjoint, width });
+                path.follow(&loads, &start, &mut BatchSink { results: &mut results, design });
             }
             results
         };
@@ -138,19 +114,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             Some(pool) => pool.install(|| (0..chunks).into_par_iter().map(first).map(solve).collect()),
             None => (0..chunks).map(first).map(solve).collect(),
         };
-        Pieces { designs: batch.designs, steps, width, found }
+        Pieces { designs: batch.designs, steps, found }
     }
 
     /// Joins the results of a batch.
     pub fn join(&self, pieces: Pieces) -> PathResults {
-        let Pieces { designs, steps, width, found } = pieces;
+        let Pieces { designs, steps, found } = pieces;
         let mut results = PathResults::with_capacity(self, designs * steps);
         for (chunk, each) in found.into_iter().enumerate() {
             results.extend(each);
-            let cancelled = ((chunk + 1) * CHUNK).min(designs) - results.regularity.len();
-            results.gradient.resize(results.gradient.len() + cancelled * width, f64::NAN);
-            results.regularity.resize(results.regularity.len() + cancelled, Regularity::NoEquilibrium as u8);
-            results.push_missing(self, Status::Cancelled, cancelled * steps);
+            let solved = ((chunk + 1) * CHUNK).min(designs) * steps;
+            results.push_missing(self, Status::Cancelled, solved - results.status.len());
         }
         results
     }

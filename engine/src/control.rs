@@ -126,6 +126,19 @@ impl Controls {
         self.zero = zero;
     }
 
+    /// The loads for which controlled inputs have the given ones at the state evaluated last: their set
+    /// points w.
+    pub fn set_points(&self, controls: &[Control], loads: &mut [f64]) {
+        for (k, control) in controls.iter().enumerate() {
+            loads[control.input] = self.change[k] + loads[control.input] / self.stiffness[k];
+        }
+    }
+
+    /// ρ of each.
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
     /// Whether every conjugate changes with the state, as it does unless a path is straight on the axis of
     /// a rod that does not stretch.
     pub fn act(&self) -> bool {

@@ -242,11 +242,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         self.stretches(model, q, &mut ends);
         let mut frames = vec![[None; 2]; model.material_count()];
         let p = &self.design.geometry.parameters;
-        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, [rod, point], stretch| {
-            let body = model.bodies.iter().find(|b| matches!(b.shape, Shape::Rod(r) if r == rod));
+        model.forces.fibres.for_each_stretch(&model.tree, p, q, |m, place, stretch| {
+            let body = model.bodies.iter().find(|b| matches!(b.shape, Shape::Rod(r) if r == place.rod));
             for (end, frame) in frames[m].iter_mut().enumerate() {
                 if frame.is_none() && stretch == ends[2 * m + end] {
-                    *frame = body.map(|body| body.base_frame + point);
+                    *frame = body.map(|body| body.base_frame + place.point);
                 }
             }
         });

@@ -39,11 +39,6 @@ pub struct PathResults {
     pub volume: Vec<f64>,
     /// Least and greatest stretch of the fibres of each material.
     pub stretch: Vec<f64>,
-    /// Derivatives at the last step, if asked for: per design, a row for every joint coordinate and one for
-    /// the tip force, over the parameters asked for; NaN where there is no equilibrium.
-    pub gradient: Vec<f64>,
-    /// Their validity, per design: [`Regularity`](crate::sensitivity::Regularity) codes.
-    pub regularity: Vec<u8>,
     /// (design, step, coordinate) of free motions, in order.
     pub free: Vec<[usize; 3]>,
     /// Events of all designs, in order.
@@ -182,8 +177,6 @@ impl PathResults {
         self.pressure.extend(other.pressure);
         self.volume.extend(other.volume);
         self.stretch.extend(other.stretch);
-        self.gradient.extend(other.gradient);
-        self.regularity.extend(other.regularity);
         self.free.extend(other.free);
         self.events.extend(other.events);
     }

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexor.errors import InputError, ModelWarning
+    from flexor.inverse import reach
     from flexor.model import Model, Path, load
     from flexor.study import Study, objective_function, optimize
     from flexor.study.comparison import MethodComparison, compare
@@ -37,6 +38,7 @@ __all__ = [
     "load",
     "objective_function",
     "optimize",
+    "reach",
 ]
 
 # Public names are found where they live only when asked for, so that `import flexor` (and with it
@@ -54,6 +56,7 @@ _HOME = {
     "load": "flexor.model",
     "objective_function": "flexor.study",
     "optimize": "flexor.study",
+    "reach": "flexor.inverse",
 }
 _PACKAGES = (
     "calibration",
@@ -61,16 +64,21 @@ _PACKAGES = (
     "constraints",
     "design",
     "errors",
+    "export",
+    "inverse",
     "materials",
     "model",
+    "notebook",
     "objectives",
     "observables",
     "plot",
     "optimizers",
+    "scene",
     "scenarios",
     "sections",
     "store",
     "study",
+    "viewer",
 )
 
 

@@ -5,7 +5,7 @@ in rad. What each array means is written with the engine.
 """
 
 from collections.abc import Sequence
-from typing import NotRequired, TypedDict
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -62,13 +62,16 @@ class Paths(TypedDict):
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events
-    gradient: NotRequired[NDArray[np.float64]]  # (n, joint coordinates + tip force, slots)
-    regularity: NotRequired[NDArray[np.uint8]]  # (n,), codes of REGULARITY
 
 class Branch(Paths):
     """Paths of one design, with the points of the branch as steps."""
 
     loads: NDArray[np.float64]  # (s, U), found along the branch
+
+class Derivatives(TypedDict):
+    by_parameters: NDArray[np.float64]  # (sums, wanted)
+    by_loads: NDArray[np.float64]  # (sums, U), by the conjugate of controlled inputs
+    regularity: NDArray[np.uint8]  # (sums,), codes of REGULARITY
 
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
@@ -84,6 +87,9 @@ def cpu_runs() -> list[str]: ...
 def fibre_energy(
     law: str, constants: Sequence[float], wound: bool, stretch: ArrayLike
 ) -> list[NDArray[np.float64]]: ...
+def fibre_stress_slopes(
+    law: str, constants: Sequence[float], wound: bool, stretch: ArrayLike
+) -> NDArray[np.float64]: ...  # (stretches, constants)
 def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
 
 class Model:
@@ -117,9 +123,22 @@ class Model:
         *,
         base: ArrayLike | None = None,
         start: ArrayLike | None = None,
-        gradient: ArrayLike | None = None,
         **solver_options: float,
     ) -> Paths: ...
+    @property
+    def outputs(self) -> dict[str, tuple[int, int]]: ...
+    def differentiate(
+        self,
+        slot_indices: ArrayLike,
+        values: ArrayLike,
+        designs: ArrayLike,  # of each equilibrium
+        q: ArrayLike,
+        applied: ArrayLike,
+        sums: ArrayLike,  # the equilibrium of each, increasing
+        weights: ArrayLike,  # (sums, outputs)
+        wanted: ArrayLike,
+        threads: int = 0,
+    ) -> Derivatives: ...
     def branch(
         self,
         parameters: ArrayLike,

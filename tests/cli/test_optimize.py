@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import flexor as package
 from flexor.study import Study
 
 SMALL = ("optimize", "finger", "--parameters", "R01", "--budget", "30")
@@ -166,3 +167,73 @@ def test_fixed_options_cannot_be_given_when_resuming(flexor) -> None:
         in ran.err
     )
     assert flexor("optimize", "--resume", "study", "--budget", "12", "--json").code == 0
+
+
+SEVERAL = (
+    *("optimize", "pneumatic-finger", "--vary", "exosuit.section.wall=1.5 mm:3 mm"),
+    *("--vary", "exosuit.radius.base=6 mm:10 mm"),
+    *("--maximise", "range-of-motion", "--minimise", "mass", "--budget", "60"),
+    *("--option", "population=8", "--option", "generations=3", "--out", "s"),
+)
+
+
+def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
+    ran = flexor(*SEVERAL)
+    assert ran.code == 0
+    assert "range-of-motion" in ran.out
+    assert "designs that no other is better than in all, to maximise range-of-motion" in ran.out
+    for name in ("front.csv", "front.png", "front.svg"):
+        assert (tmp_path / "s" / name).stat().st_size > 100
+    shown = flexor("front", "s", "--point", "1", "--save", "light.toml")
+    assert shown.code == 0
+    assert "overlap <= 1.5 mm" in shown.out
+    told = json.loads(flexor("front", "s", "--json").out)
+    best = told["front"][0]
+    point = json.loads(flexor("front", "s", "--point", "1", "--json").out)
+    assert point["parameters"] == best["parameters"]
+    assert point["feasible"]
+    path = json.loads(flexor("simulate", "light.toml", "--json").out)
+    moved = sum(path["joint_angles"][-1]) - sum(path["joint_angles"][0])
+    assert moved == pytest.approx(best["objectives"]["maximise range-of-motion"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nowhere",), "is not a study"),
+        (("nowhere", "--save", "x.toml"), "--save needs --point"),
+        (("nowhere", "--point", "1", "--save", "x.txt"), "must end in .toml"),
+        (("nowhere", "--point", "0"), "at least 1"),
+    ],
+)
+def test_bad_fronts_get_one_sentence(flexor, arguments, words) -> None:
+    assert words in flexor("front", *arguments).error
+
+
+def test_scenarios_and_tolerances_are_stated_and_answered(flexor, tmp_path) -> None:
+    text = package.load("pneumatic-finger").file.to_toml()
+    (tmp_path / "glove.toml").write_text(
+        f'{text}\n[variants.stiff]\nbodies.ph_1.joint.stiffness = "0.08 N*m/rad"\n'
+    )
+    vary = ("--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "bending")
+    words = ("optimize", "glove.toml", *vary, "--budget", "40", "--scenarios", "stiff")
+    ran = flexor(*words, "--tolerance", "exosuit.section.wall=0.1 mm")
+    assert ran.code == 0, ran.err
+    assert "within the tolerances bending is at worst" in ran.out
+    assert "exosuit.section.wall + 0.1 mm in scenario stiff" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (("--scenarios", "stif"), 'the model "pneumatic-finger" has no variants'),
+        (("--tolerance", "exosuit.section.wall=0.1"), "write a value with its unit"),
+        (("--aggregate", "wrost"), 'did you mean "worst"'),
+        (("--samples", "-1"), "--samples"),
+    ],
+)
+def test_bad_scenarios(flexor, option: tuple[str, str], message: str) -> None:
+    vary = ("--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "bending")
+    ran = flexor("optimize", "pneumatic-finger", *vary, *option)
+    assert ran.code == 2
+    assert message in ran.err

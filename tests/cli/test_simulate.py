@@ -87,7 +87,7 @@ def test_slides_have_a_column_and_several_inputs_rest_without_load(flexor, tmp_p
     ran = flexor("simulate", str(file))
     assert ran.code == 0, ran.err
     assert "cart" in ran.out and "mm" in ran.out
-    assert "no load is given: --force pull=0:5:1 applies one" in ran.out
+    assert "no load is given: --load pull=" in ran.out
 
 
 def test_constants_change_the_result(flexor) -> None:

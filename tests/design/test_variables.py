@@ -67,34 +67,6 @@ def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) ->
     np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-14)
 
 
-def test_gradients_are_those_of_differences(model: Model) -> None:
-    """The bending's gradient on regular designs, each component by its effect over the range."""
-    chosen = variables(BOUNDS, model)
-    span = chosen.upper - chosen.lower
-    u = np.random.default_rng(0).uniform(0.05, 0.95, (20, chosen.size))
-    x = chosen.lower + u * span
-    tight = {"tolerance": 1e-11}
-
-    def bending(designs: np.ndarray) -> np.ndarray:
-        found = model.evaluate(chosen.designs(designs, model)[0], **tight)
-        return found.joint_angles[:, -1].sum(axis=1)
-
-    paths = model.evaluate(chosen.designs(x, model)[0], gradient=True, **tight)
-    slots = paths.gradient[:, :-1].sum(axis=1)
-    exact = np.einsum("ns,nsk->nk", slots, chosen.slot_jacobian(x, model)) * span
-    differences = np.empty_like(exact)
-    for i in range(chosen.size):
-        step = np.zeros(chosen.size)
-        step[i] = 1e-4 * span[i]
-        near, far = (bending(x + h * step) - bending(x - h * step) for h in (1, 2))
-        differences[:, i] = (8.0 * near - far) / (12.0 * 1e-4)
-    regular = paths.regularity == "regular"
-    assert regular.sum() >= 15
-    error = np.abs(exact - differences)[regular] / np.abs(exact[regular]).max(axis=1)[:, None]
-    # A strap becomes taut within some of the differences.
-    assert np.quantile(error, 0.98) <= 1e-6
-
-
 def test_a_design_does_not_depend_on_its_neighbours(model: Model) -> None:
     """Values and derivatives are the same bits, alone and in a batch; also after pickling."""
     chosen = variables({name: BOUNDS[name] for name in list(BOUNDS)[:4]}, model)

@@ -52,6 +52,8 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
     file = SimpleNamespace(
         materials={},
         straps={},
+        springs={},
+        obstacles={},
         rod=lambda name: {"exosuit": exosuit}[name],
         bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},
         actuators={"chamber": Actuator.model_validate({"kind": "chamber", "rod": "exosuit"})},

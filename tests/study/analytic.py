@@ -15,24 +15,13 @@ import numpy as np
 
 from flexor.design import DesignSpace, Geometry, GeometryJacobian
 from flexor.model import Paths
+from flexor.model.derivatives import Derivatives
 from flexor.model.units import FORCE
 
 
 @dataclass(frozen=True)
 class Space(DesignSpace):
     points: Any = None
-
-
-class AnalyticPaths(Paths):
-    """The gradient is that of the bending, by the length and the radius of base and tip."""
-
-    def chained(self, jacobian: GeometryJacobian) -> np.ndarray:
-        length, base, tip = (each[:, None] for each in self.gradient.T)
-        slope = length * jacobian.length
-        slope = slope + base * jacobian.radius[:, 0] + tip * jacobian.radius[:, -1]
-        slope[~self.converged[:, -1]] = np.nan
-        weights = np.array([1.0, 0.8, 0.6, 0.3]) * self.force[-1] / 5.0
-        return np.asarray(weights[:, None] * slope[:, None, :])
 
 
 class AnalyticModel:
@@ -43,6 +32,8 @@ class AnalyticModel:
     inputs = ("chamber",)
     input_dimensions: ClassVar = {"chamber": FORCE}
     first_spheres = 42
+    geometry_indices = np.arange(3)
+    engine = SimpleNamespace(outputs={"joints": (0, 3), "tip_force": (3, 4)})
 
     def __init__(self, pause: float = 0.0, hash: str = "0123") -> None:
         self.hash = hash
@@ -53,6 +44,23 @@ class AnalyticModel:
         self.evaluation_loads = np.arange(6.0)[:, None]
         self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
 
+    def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> np.ndarray:
+        radius = jacobian.radius
+        return np.stack((jacobian.length, radius[:, 0], radius[:, -1]), axis=1)
+
+    def differentiate(self, paths: Paths, rows: Any, slots: Any, threads: int = 0) -> Derivatives:
+        """The gradient is that of the bending, by the length and the radius of base and tip."""
+        good = paths.converged[:, -1]
+        outputs = np.array([1.0, 0.8, 0.6, 0.3]) * paths.force[-1] / 5.0
+        by_slots = np.zeros((len(paths), len(rows), 3))
+        for i, row in enumerate(rows):
+            for _, weights in row.parts:
+                by_slots[:, i] += (weights @ outputs)[:, None] * paths.gradient
+        by_slots[~good] = np.nan
+        words = np.where(good, "regular", "no-equilibrium").astype(object)
+        regularity = np.repeat(words[:, None], len(rows), axis=1)
+        return Derivatives(by_slots, np.zeros((len(paths), len(rows), 6, 1)), regularity)
+
     def show_loads(self, loads: Any) -> str:
         return f"{loads[0]:g} N"
 
@@ -61,9 +69,8 @@ class AnalyticModel:
         geometry: Geometry,
         force: Any,
         threads: int = 0,
-        gradient: bool = False,
         **options: float,
-    ) -> AnalyticPaths:
+    ) -> Paths:
         self.before_batch(self)
         self.calls.append(len(geometry.length))
         time.sleep(self.pause)
@@ -86,11 +93,9 @@ class AnalyticModel:
             -bend * (2.0 * (base - 0.0065) / 0.004**2 - wave / 0.004),
             -bend * ((tip - 0.008) / 0.004**2 + wave / 0.003),
         )
-        words = np.where(good[:, -1], "regular", "no-equilibrium").astype(object)
-        return AnalyticPaths(
+        return Paths(
             model=self,  # type: ignore[arg-type]
-            gradient=np.stack(slopes, axis=1) if gradient else None,
-            regularity=words if gradient else None,
+            gradient=np.stack(slopes, axis=1),
             loads=np.asarray(force, dtype=float),
             joint_angles=angles,
             tip_force=0.3 * bend[:, None] * u,

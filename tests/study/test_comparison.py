@@ -400,3 +400,76 @@ def test_methods_of_a_users_own(analytic: ModuleType) -> None:
         budget=30,
     )
     assert {run.method for run in found.runs} == {"a", "b"}
+
+
+VARIED = {"exosuit.section.wall": ("1.5 mm", "3 mm"), "exosuit.radius.base": ("6 mm", "10 mm")}
+
+
+def test_methods_are_compared_with_constraints(tmp_path: Path) -> None:
+    """On fields of the file; resumed and opened they are the same."""
+    import flexor
+
+    model = flexor.load("pneumatic-finger")
+    found = flexor.compare(
+        model,
+        VARIED,
+        "maximise range-of-motion",
+        subject_to=["overlap <= 1.3 mm"],
+        methods="auto,pattern-search,multistart-bfgs",
+        seeds=2,
+        budget=30,
+        folder=tmp_path / "c",
+    )
+    assert list(found.sets) == ["fields"]
+    best = found.best("fields").result
+    problem = flexor.study.Problem.of(
+        model, VARIED, "maximise range-of-motion", subject_to=["overlap <= 1.3 mm"]
+    )
+    paths = problem.evaluate(best.design[None, :])
+    assert paths.violation[0] == 0.0
+    assert paths.value[0] == best.value
+    own = problem.evaluate(problem.parameters.start[None, :])
+    assert found.reference["fields"] == problem.ranks(own)[0]
+    again = resume_comparison(tmp_path / "c")
+    opened = open_comparison(tmp_path / "c")
+    for other in (again, opened):
+        assert other.best("fields").result.value == best.value
+        assert other.objective.name == found.objective.name
+
+
+def test_gain_over_an_infeasible_start_is_over_feasible_designs() -> None:
+    """The target is between the first feasible values and the best, not a violation."""
+    values = [np.array([1.5e9, 2.0, 1.0]), np.array([1.2e9, 3.0, 1.1]), np.array([1.4e9])]
+    runs = tuple(
+        SearchRun(
+            "s",
+            "m",
+            seed,
+            SearchResult(
+                design=np.zeros(1),
+                value=float(found[-1]),
+                evaluations=9,
+                iterations=1,
+                reason="",
+                improvement_evaluations=np.arange(1, len(found) + 1),
+                improvement_values=found,
+                improvement_designs=np.zeros((len(found), 1)),
+            ),
+            0.0,
+        )
+        for seed, found in enumerate(values)
+    )
+    made = MethodComparison(
+        model="m",
+        objective=objective("bending"),
+        budget=9,
+        sets={"s": 1},
+        methods=("m",),
+        seeds=(0, 1, 2),
+        reference={"s": 1.3e9},
+        runs=runs,
+    )
+    assert made.target("s") == pytest.approx(1.0 + 0.01 * (3.0 - 1.0))
+    summary = made.summary("s", "m")
+    assert summary.success == pytest.approx(1.0 / 3.0)
+    assert summary.median == 1.1

@@ -79,7 +79,7 @@ def test_auto_is_the_default_and_beats_a_single_pattern_search(model: Model) -> 
     """With the problem of the file: a point on a constraint and three bounds."""
     design = model.file.design
     assert design is not None
-    problem = (model, design.varied, design.aim)
+    problem = (model, design.varied, design.aims)
     auto = flexor.optimize(*problem, subject_to=design.subject_to, budget=800)
     polls = flexor.optimize(*problem, "pattern-search", subject_to=design.subject_to, budget=800)
     assert auto.settings.values["method"]["name"] == "auto"

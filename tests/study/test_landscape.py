@@ -206,3 +206,66 @@ def test_a_study_that_is_no_landscape(analytic: ModuleType, tmp_path: Path) -> N
         Landscape.of(study)
     with pytest.raises(InputError, match="is not a landscape: it is a study"):
         Landscape.open(tmp_path / "s")
+
+
+@pytest.fixture(scope="module")
+def constrained() -> Landscape:
+    """Return a landscape of the pneumatic finger, a part of which is infeasible."""
+    import flexor
+
+    varied = {"exosuit.length": ("8 cm", "11 cm"), "exosuit.section.wall": ("1.5 mm", "3 mm")}
+    return landscape(
+        flexor.load("pneumatic-finger"),
+        varied,
+        "maximise range-of-motion",
+        subject_to=["overlap <= 1 mm"],
+        grid=7,
+    )
+
+
+def test_constraints_of_a_landscape(constrained: Landscape, tmp_path: Path) -> None:
+    """Each design has the value and the excess of each; the best is feasible."""
+    found = constrained
+    assert found.constraints == ("strain-use <= 1", "min-stretch >= 0.1", "overlap <= 1 mm")
+    over = found.constraint_values[..., 2] - 1e-3
+    np.testing.assert_allclose(found.excesses[..., 2], over / 1e-3)
+    np.testing.assert_array_equal(found.infeasible, over > 0.0)
+    assert 0 < found.infeasible.sum() < found.infeasible.size
+    assert not found.infeasible[found.minimum_index]
+    assert found.minimum.feasible
+    feasible = np.where(found.infeasible, np.inf, found.value)
+    assert found.minimum.value == feasible.min() > found.value.min()
+    assert all(not found.infeasible[tuple(at)] for at in found.local_minima())
+    found.save(tmp_path)
+    with open(tmp_path / "landscape.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[0]["overlap <= 1 mm"]) == found.constraint_values[0, 0, 2]
+    assert "exosuit.section.wall [m]" in rows[0]
+    arrays = np.load(tmp_path / "landscape.npz")
+    np.testing.assert_array_equal(arrays["violation"], found.violation)
+
+
+def test_the_figure_shades_what_is_infeasible(constrained: Landscape, tmp_path: Path) -> None:
+    """And draws a line where the constraint that decides is active, and no other."""
+    figure = plot.landscape(constrained)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "infeasible" in labels
+    assert [each for each in labels if "active" in each] == ["overlap ≤ 1 mm is active"]
+    assert any(each.startswith("best at exosuit.length = ") for each in labels)
+    assert figure.axes[0].get_zlabel() == "range-of-motion / deg"
+    plot.save(figure, tmp_path / "plane.png")
+    line = landscape(
+        constrained.problem.model,
+        {"exosuit.section.wall": ("1.5 mm", "3 mm")},
+        "maximise range-of-motion",
+        subject_to=["overlap <= 1.2 mm"],
+        start=[0.003],
+        grid=7,
+    )
+    over = np.flatnonzero(line.infeasible)
+    drawn = plot.landscape(line)
+    crossings = [each for each in drawn.axes[0].lines if len(set(each.get_xdata())) == 1]
+    assert 0 < len(over) < 7
+    inside = [each.get_xdata()[0] for each in crossings if each.get_linewidth() == 1.2]
+    low, high = line.axes[0][over.max()] * 1e3, line.axes[0][over.max() + 1] * 1e3
+    assert any(low <= at <= high for at in inside)

@@ -27,6 +27,7 @@ def outcomes(n: int, seed: int) -> Paths:
     angles[0, 2:] = np.nan
     return Paths(
         value=value,
+        objective_values=random.normal(size=(n, 3)),
         shown=shown,
         reason=reason,
         joint_angles=angles,
@@ -58,10 +59,11 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
     assert record.designs().tobytes() == np.concatenate([g[0] for g in given]).tobytes()
     back = record.outcomes()
     recorded = [field for field in fields(Paths) if field.metadata["recorded"]]
-    assert len(recorded) == 15
+    assert len(recorded) == 17
     for field in recorded:
         if getattr(back, field.name) is None:
-            assert field.name in ("derivatives", "regularity", "value_gradient")
+            slopes = ("derivatives", "value_gradient", "constraint_gradients", "regularity")
+            assert field.name in slopes
             continue
         wanted = np.concatenate([getattr(g[1], field.name) for g in given])
         got = getattr(back, field.name)
@@ -179,10 +181,22 @@ def test_derivatives_come_back_to_the_last_bit(tmp_path: Path) -> None:
     record = Record(tmp_path / "r.sqlite", (K, STEPS, JOINTS))
     record.append(where, found)
     assert record.derivatives(where[0]) is None
-    record.append_derivatives(where, replace(found, derivatives=slopes, regularity=words))
+    value, bounds = slopes[:, 0] + 1.0, slopes[:, 1:3] - 1.0
+    record.append_derivatives(
+        where,
+        replace(
+            found,
+            derivatives=slopes,
+            value_gradient=value,
+            constraint_gradients=bounds,
+            regularity=words,
+        ),
+    )
     record.close()
     record = Record(tmp_path / "r.sqlite", write=False)
-    for row, slope, word in zip(where, slopes, words, strict=True):
-        back = record.derivatives(row)
+    for i, (row, slope, word) in enumerate(zip(where, slopes, words, strict=True)):
+        whole, back = record.outcomes(row), record.derivatives(row)
+        assert whole.value_gradient.tobytes() == value[i].tobytes()
+        assert whole.constraint_gradients.tobytes() == bounds[i].tobytes()
         assert back is not None
         assert (back[0].tobytes(), back[1]) == (slope.tobytes(), word)

@@ -1,8 +1,9 @@
 //! The equations of equilibrium at one state of one design: residual, tangent and factor, in
 //! dimensionless coordinates.
 
-use super::budget::Budget;
+use super::budget::{Budget, Cancel};
 use super::factor::Factor;
+use super::options::ContinuationOptions;
 use super::stability::Stability;
 use super::vector::dot;
 use crate::Data;
@@ -87,7 +88,30 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         system
     }
 
-    pub(super) fn set_parameters(&mut self, parameters: &[f64]) {
+    /// A system for equilibria that are known.
+    pub(crate) fn of_known(model: &'m Model<G, D, P>, cancel: Option<&'m dyn Cancel>) -> Self {
+        let options = ContinuationOptions::default();
+        Self::new(model, Budget::new(&options, cancel), options.mixed.stiffness)
+    }
+
+    /// Goes to a known equilibrium under the loads that its inputs have there, and factorises its tangent;
+    /// `false` if that cannot be.
+    pub(crate) fn revisit(&mut self, q: &[f64], applied: &[f64]) -> bool {
+        self.set_state(q);
+        self.set_load(applied);
+        self.evaluate();
+        if let Some(controls) = &self.data.controls {
+            controls.set_points(&self.model.controls, &mut self.load);
+        }
+        let load = self.load.clone();
+        self.measure_units(&[&load]);
+        let finite = self.evaluate().is_finite();
+        self.evaluate_tangent();
+        self.complete_columns();
+        finite && (self.factorise(0.0) || !self.is_conservative())
+    }
+
+    pub(crate) fn set_parameters(&mut self, parameters: &[f64]) {
         self.data.set_parameters(self.model, parameters);
         self.set_units();
     }

@@ -3,6 +3,7 @@
 //! A round cone, the convex hull of two spheres, is deepest in a plane at one of them; so spheres
 //! suffice for groups of round cones, too.
 
+use super::differential::Differential;
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
@@ -101,6 +102,30 @@ impl<const P: usize> HalfSpaces<P> {
             forces[*half_space] += at.parameters()[self.0[*half_space].stiffness] * depth;
         }
         forces
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds a multiple of the change of the force on one of them.
+    pub fn add_force<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &HalfSpaceState,
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let pressed = state.pressed.iter().filter(|pressed| pressed.half_space == index);
+        for Pressed { sphere, depth, .. } in pressed {
+            let HalfSpace { point, normal, stiffness, .. } = &self.0[index];
+            let slope = at.parameters()[*stiffness] * weight;
+            out.points.push((at.tree.spheres[*sphere].point, *normal * -slope));
+            out.points.push((*point, *normal * slope));
+            out.parameters[*stiffness] += depth * weight;
+            out.add_radius(at.tree, at.parameters(), *sphere, slope);
+        }
     }
 
     /// Visits the spheres whose gap to a half-space is below `margin`.

@@ -3,6 +3,7 @@
 //!
 //! A and its first moments are polynomials of S, so V is linear in the coordinates.
 
+use super::differential::Differential;
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::moments::{MOMENTS, Moments};
@@ -68,6 +69,34 @@ fn by_mode([area, y, z]: [f64; 3], mode: usize) -> Option<(f64, i32)> {
     }
 }
 
+/// Adds derivatives of what is linear in area and first moments, given those by these.
+fn add_of_moments(
+    work: [f64; 3],
+    moments: &Moments,
+    s: f64,
+    radius: usize,
+    slot: Range<usize>,
+    gradient: &mut [f64],
+) {
+    for (work, slope) in work.iter().zip(moments.by_radius) {
+        gradient[radius] += work * slope;
+    }
+    let powers = [1.0, s, s * s, s * s * s];
+    let of = |k: usize| if k < 3 { (0, k) } else { (1 + (k - 3) / 4, (k - 3) % 4) };
+    for (k, out) in gradient[slot].iter_mut().enumerate() {
+        let (part, power) = of(k);
+        *out += work[part] * powers[power];
+    }
+}
+
+impl Volumes {
+    /// The columns of one volume.
+    fn of(&self, pressure: usize) -> &[(usize, f64)] {
+        let before: usize = self.fixed[..pressure].iter().map(|(_, count)| count).sum();
+        &self.columns[before..before + self.fixed[pressure].1]
+    }
+}
+
 impl Pressures {
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
@@ -122,9 +151,7 @@ impl Pressures {
 
     /// Change of the volume of one cavity from the reference state [m³].
     pub fn change_of_volume(&self, pressure: usize, q: &[f64], volumes: &Volumes) -> f64 {
-        let before: usize = volumes.fixed[..pressure].iter().map(|(_, count)| count).sum();
-        let columns = &volumes.columns[before..before + volumes.fixed[pressure].1];
-        columns.iter().map(|(dof, size)| size * q[*dof]).sum()
+        volumes.of(pressure).iter().map(|(dof, size)| size * q[*dof]).sum()
     }
 
     pub fn count(&self) -> usize {
@@ -165,15 +192,37 @@ impl Pressures {
                     _ => {}
                 }
             }
-            for (work, slope) in work.iter().zip(moments.by_radius) {
-                gradient[radius] += work * slope;
-            }
-            let powers = [1.0, s, s * s, s * s * s];
-            let of = |k: usize| if k < 3 { (0, k) } else { (1 + (k - 3) / 4, (k - 3) % 4) };
-            for (k, out) in gradient[slot].iter_mut().enumerate() {
-                let (part, power) = of(k);
-                *out += work[part] * powers[power];
-            }
+            add_of_moments(work, &moments, s, radius, slot, gradient);
+        }
+    }
+
+    /// Adds a multiple of the change of one volume.
+    pub fn add_volume<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        volumes: &Volumes,
+        factor: f64,
+        out: &mut Differential<P>,
+    ) {
+        let (p, pressure) = (at.parameters(), &self.0[index]);
+        for (dof, size) in volumes.of(index) {
+            out.coordinates[*dof] += factor * size;
+        }
+        self.add_parameter_work_of(index, at.tree, p, at.q, factor, &mut out.parameters);
+        out.parameters[pressure.enclosed] -= factor;
+        let rod = &at.tree.rods[pressure.rod];
+        for (g, gauss) in rod.gauss.iter().enumerate() {
+            let radius = rod.radius.start + gauss.point;
+            let slot = pressure.sections[pressure.of_gauss[g]].clone();
+            let (s, weight) = (p[radius], factor * gauss.weight * pressure.share[g]);
+            let moments = Moments::new(&p[slot.clone()], s);
+            let strain = &rod.reference_strain;
+            let by_moments = [weight * strain[3], -weight * strain[2], weight * strain[1]];
+            let by_length = by_moments.iter().zip(moments.value).map(|(work, value)| work * value);
+            out.parameters[rod.length] += by_length.sum::<f64>();
+            let work = by_moments.map(|work| work * p[rod.length]);
+            add_of_moments(work, &moments, s, radius, slot, &mut out.parameters);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
 
+use super::differential::Differential;
 use super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
@@ -88,6 +89,28 @@ impl Springs {
             spring.taut(at, None).map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch)
         };
         self.0.iter().map(tension).collect()
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds a multiple of the change of the tension of one spring; a slack strap has none.
+    pub fn add_tension<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let spring = &self.0[index];
+        let Some(Taut { stretch, direction, .. }) = spring.taut(at, None) else { return };
+        let k = at.parameters()[spring.stiffness];
+        let [a, b] = spring.ends;
+        out.points.push((a, direction * (k * weight)));
+        out.points.push((b, direction * (-k * weight)));
+        out.parameters[spring.stiffness] += stretch * weight;
+        out.parameters[spring.rest_length] -= k * weight;
     }
 
     /// The springs that are taut.

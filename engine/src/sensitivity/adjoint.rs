@@ -2,9 +2,10 @@
 
 use super::design_velocity::DesignVelocity;
 use super::held::HeldConjugates;
-use super::tip_force;
+use super::output::Output;
 use crate::data::Data;
 use crate::equilibrium::System;
+use crate::forces::differential::Differential;
 use crate::forces::element::{Velocities, VirtualMotion};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
@@ -27,7 +28,14 @@ pub struct Adjoint<const D: usize, const P: usize> {
     design_velocities: Vec<DesignVelocity<D, P>>,
     /// Quantities of the forces, the same for all outputs.
     forces: Sensitivities<P>,
-    /// ∂y/∂q of an output, then λ.
+    /// The constraints of controlled inputs, likewise.
+    held: HeldConjugates,
+    /// ∂g/∂u of each input, likewise.
+    by_load: Vec<Vec<f64>>,
+    outputs: Vec<Output>,
+    /// What is differentiated.
+    differential: Differential<P>,
+    /// ∂y/∂q, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
 }
@@ -44,6 +52,10 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             gradient: vec![0.0; model.parameters().len()],
             design_velocities: DesignVelocity::all(model, wanted),
             forces: Sensitivities::default(),
+            held: HeldConjugates::default(),
+            by_load: vec![vec![0.0; model.dof()]; model.inputs().len()],
+            outputs: Output::all(model),
+            differential: Differential::new(model.dof(), model.parameters().len()),
             lambda: vec![0.0; model.dof()],
             wanted: wanted.to_vec(),
         }
@@ -102,48 +114,65 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         }
     }
 
-    /// Number of outputs of [`Adjoint::outputs`]: the joint coordinates, then the tip force.
-    pub fn output_count<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> usize {
-        model.joints.len() + 1
+    /// Prepares for [`Adjoint::differentiate`] at the equilibrium that the system is in.
+    pub(super) fn visit<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, system: &System<G, D, P>) {
+        let data = system.data();
+        self.prepare(model, data, system.state(), system.load());
+        self.held = HeldConjugates::new(model, system);
+        let mut rate = vec![0.0; self.by_load.len()];
+        for (input, out) in self.by_load.iter_mut().enumerate() {
+            out.fill(0.0);
+            rate[input] = 1.0;
+            data.add_load_gradient(model, system.state(), &rate, out);
+            rate[input] = 0.0;
+        }
     }
 
-    /// Total derivatives of every joint coordinate and of the tip force with respect to the wanted
-    /// parameters, row by row into `out`, at the equilibrium the system is in.
-    ///
-    /// The row of the tip force is zero while nothing touches the tip.
-    pub fn outputs<G: LieGroup<D, P>>(
+    /// Total derivatives of a sum of outputs, with a weight for each, by the wanted parameters and by the
+    /// load of each input; of a controlled input that is its conjugate. Whether it has them both ways.
+    pub(super) fn differentiate<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         system: &System<G, D, P>,
-        out: &mut [f64],
-    ) {
+        weights: &[f64],
+        by_parameters: &mut [f64],
+        by_loads: &mut [f64],
+    ) -> bool {
         let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
-        self.prepare(model, data, q, load);
-        let mut held = HeldConjugates::new(model, system);
-        for (output, row) in out.chunks_mut(self.wanted.len().max(1)).enumerate() {
-            let explicit = output == model.joints.len();
-            if explicit {
-                if !tip_force::set_gradient(model, data, &mut self.wrench, &mut lambda) {
-                    row.fill(0.0);
-                    continue;
-                }
-            } else {
-                lambda.fill(0.0);
-                lambda[model.joints[output].dof] = 1.0;
-            }
-            system.solve_transposed(&mut lambda);
-            held.project(system, &mut lambda);
-            self.virtual_work(model, data, q, load, &lambda);
-            held.add_parameters(&mut self.gradient);
-            self.gradient.iter_mut().for_each(|g| *g = -*g);
-            if explicit {
-                tip_force::add_parameters(model, data, &self.design_velocities, &mut self.gradient);
-            }
-            for (o, i) in row.iter_mut().zip(&self.wanted) {
-                *o = self.gradient[*i];
-            }
+        let applied = &weights[weights.len() - by_loads.len()..];
+        self.differential.clear();
+        for (output, weight) in self.outputs.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            output.add(model, data, q, *weight, &mut self.differential);
         }
-        self.lambda = lambda;
+        lambda.copy_from_slice(&self.differential.coordinates);
+        self.wrench.fill(Vector::ZERO);
+        for (point, slope) in &self.differential.points {
+            let jacobian = G::point_jacobian(&data.kinematics.points[*point]);
+            self.wrench[model.points[*point].frame] += jacobian.transpose_times(slope);
+        }
+        data.assembly.add_forces(model, &mut self.wrench, &mut lambda);
+        system.solve_transposed(&mut lambda);
+        let mut held = std::mem::take(&mut self.held);
+        held.project(model, system, applied, &mut lambda);
+        self.virtual_work(model, data, q, load, &lambda);
+        held.add_parameters(&mut self.gradient);
+        for (total, explicit) in self.gradient.iter_mut().zip(&self.differential.parameters) {
+            *total = explicit - *total;
+        }
+        for design_velocity in &self.design_velocities {
+            let velocities = design_velocity.velocities().points;
+            let moved = self.differential.points.iter().map(|(point, slope)| slope.dot(&velocities[*point]));
+            self.gradient[design_velocity.parameter] += moved.sum::<f64>();
+        }
+        for (out, parameter) in by_parameters.iter_mut().zip(&self.wanted) {
+            *out = self.gradient[*parameter];
+        }
+        for ((out, direct), change) in by_loads.iter_mut().zip(applied).zip(&self.by_load) {
+            *out = direct - change.iter().zip(&lambda).map(|(a, b)| a * b).sum::<f64>();
+        }
+        held.set_by_loads(model, by_loads);
+        (self.held, self.lambda) = (held, lambda);
+        !self.differential.tied
     }
 }

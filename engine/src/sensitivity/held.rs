@@ -49,21 +49,42 @@ impl HeldConjugates {
         Self { by_parameters: by_parameters.collect(), solved, flexibility, multipliers }
     }
 
-    /// Removes from λ = K⁻ᵀ ∂y/∂q the part that changes the conjugates.
+    /// Removes from λ = K⁻ᵀ ∂y/∂q the part that changes the conjugates, and adds the adjoint of the loads
+    /// found, each input's with a weight.
+    ///
+    /// With F = ∇cᵀ K⁻¹ ∇c these change by du = F⁻¹ (∇cᵀ K⁻¹ ∂g/∂p − ∂c/∂p) dp + ρ ∂c/∂p dp.
     pub fn project<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
+        model: &Model<G, D, P>,
         system: &System<G, D, P>,
+        weights: &[f64],
         lambda: &mut [f64],
     ) {
         let Some(controls) = &system.data().controls else { return };
-        for (nu, gradient) in self.multipliers.iter_mut().zip(controls.gradients()) {
-            *nu = dot(gradient, lambda);
+        let wanted = model.controls.iter().map(|control| weights[control.input]);
+        for ((nu, gradient), weight) in self.multipliers.iter_mut().zip(controls.gradients()).zip(wanted) {
+            *nu = dot(gradient, lambda) + weight;
         }
         if !self.flexibility.clone().lu().solve_mut(&mut self.multipliers) {
             self.multipliers.fill(f64::NAN);
         }
         for (z, nu) in self.solved.iter().zip(self.multipliers.iter()) {
             lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= nu * z);
+        }
+        let stiffness = model.controls.iter().zip(controls.stiffness());
+        for (nu, (control, stiffness)) in self.multipliers.iter_mut().zip(stiffness) {
+            *nu -= stiffness * weights[control.input];
+        }
+    }
+
+    /// Sets the derivatives by the conjugates of controlled inputs, of the adjoint projected last.
+    pub fn set_by_loads<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        model: &Model<G, D, P>,
+        by_loads: &mut [f64],
+    ) {
+        for (control, nu) in model.controls.iter().zip(self.multipliers.iter()) {
+            by_loads[control.input] = *nu;
         }
     }
 

@@ -8,8 +8,11 @@
 mod adjoint;
 mod design_velocity;
 mod held;
+mod known;
+mod output;
 mod regularity;
-mod tip_force;
 
 pub use adjoint::Adjoint;
+pub use known::{Derivatives, KnownEquilibria};
+pub use output::output_groups;
 pub use regularity::Regularity;

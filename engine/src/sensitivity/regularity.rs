@@ -1,7 +1,7 @@
 //! Validity of derivatives.
 
 use crate::data::Data;
-use crate::equilibrium::{Status, System};
+use crate::equilibrium::System;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
@@ -22,16 +22,19 @@ pub enum Regularity {
     ContactThreshold = 3,
     /// The tangent is nearly singular: the state is about to snap.
     NearlySingular = 4,
+    /// It is that of the largest of several numbers, and another one equals it.
+    Tied = 5,
 }
 
 impl Regularity {
     /// All values, by code.
-    pub const ALL: [Regularity; 5] = [
+    pub const ALL: [Regularity; 6] = [
         Regularity::Regular,
         Regularity::NoEquilibrium,
         Regularity::Snapped,
         Regularity::ContactThreshold,
         Regularity::NearlySingular,
+        Regularity::Tied,
     ];
 
     /// The name used in results.
@@ -42,26 +45,21 @@ impl Regularity {
             Regularity::Snapped => "snapped",
             Regularity::ContactThreshold => "contact-threshold",
             Regularity::NearlySingular => "nearly-singular",
+            Regularity::Tied => "tied",
         }
     }
 }
 
 impl Regularity {
-    /// The regularity of the system's current equilibrium.
+    /// The regularity of the system's current equilibrium, regardless of how it was reached.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
         system: &System<G, D, P>,
-        status: Status,
-        snapped: bool,
     ) -> Self {
-        if status != Status::Converged {
-            Self::NoEquilibrium
-        } else if system.pivot_ratio() < SINGULAR_PIVOTS {
+        if system.pivot_ratio() < SINGULAR_PIVOTS {
             Self::NearlySingular
         } else if at_threshold(model, system) {
             Self::ContactThreshold
-        } else if snapped {
-            Self::Snapped
         } else {
             Self::Regular
         }

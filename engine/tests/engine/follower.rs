@@ -46,7 +46,6 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         loads,
         steps: loads.len(),
         start: None,
-        gradient: &[],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

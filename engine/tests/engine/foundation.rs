@@ -1,6 +1,6 @@
 //! Elastic foundations: closed forms by hand, continuity, and derivatives against differences.
 
-use crate::systems::differences::derivatives;
+use crate::systems::differences::{derivatives, of_output};
 use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
@@ -220,11 +220,11 @@ fn tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> (f64, Vec<f64>) {
     let (varied, values, loads) = (&[], &[], &[0.0, 2.0]);
     let (designs, steps, start, cancel) = (1, 2, None, None);
-    let batch = Batch { base, varied, values, designs, loads, steps, start, gradient, cancel };
+    let batch = Batch { base, varied, values, designs, loads, steps, start, cancel };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8));
-    let joints = 2;
-    (result.tip_force[1], result.gradient.get(joints * gradient.len()..).unwrap_or(&[]).to_vec())
+    let slopes = of_output(model, base, &result, ("tip_force", 0), gradient);
+    (result.tip_force[1], slopes.by_parameters)
 }
 
 fn tip_force_gradient<G: LieGroup<D, P>, const D: usize, const P: usize>() {

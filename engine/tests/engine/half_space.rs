@@ -1,6 +1,6 @@
 //! Half-spaces: closed forms of a pressed link, and derivatives against differences.
 
-use crate::systems::differences::derivatives;
+use crate::systems::differences::{derivatives, of_output};
 use crate::systems::{body, empty, joint, rod, strain};
 use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::{LieGroup, SE2, SE3};
@@ -63,7 +63,6 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
         loads: &loads,
         steps: loads.len(),
         start: None,
-        gradient: &[slot],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
@@ -74,7 +73,14 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
     }
     // dz/dk = d / (50 + k) with d = −0.01 − z.
     let depth = -0.01 - touched_at(3.0);
-    assert!((result.gradient[0] - depth / (50.0 + STIFFNESS)).abs() < 1e-12, "{}", result.gradient[0]);
+    let slope = |output| of_output(&model, model.parameters(), &result, output, &[slot]);
+    let found = slope(("joints", 0)).by_parameters[0];
+    assert!((found - depth / (50.0 + STIFFNESS)).abs() < 1e-12, "{found}");
+    // And of the force on the floor, F − 50 |z|, by k and by the load.
+    let found = slope(("half_spaces", 0));
+    let by_stiffness = 50.0 * depth / (50.0 + STIFFNESS);
+    assert!((found.by_parameters[0] - by_stiffness).abs() < 1e-12, "{:?}", found.by_parameters);
+    assert!((found.by_loads[0] - STIFFNESS / (50.0 + STIFFNESS)).abs() < 1e-12, "{:?}", found.by_loads);
     let mut data = Data::new(&model);
     data.evaluate(&model, &result.q[2..], &[3.0]);
     let forces = data.contact_forces(&model);

@@ -17,7 +17,6 @@ fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBoo
         designs,
         loads: &[0.0, 5.0],
         steps: 2,
-        gradient: &[],
         cancel: cancel.map(|flag| flag as &dyn Cancel),
         start: None,
     };

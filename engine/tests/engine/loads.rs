@@ -34,7 +34,6 @@ fn solve(model: &Model<SE2, 3, 2>, young_modulus: f64, held: f64) -> PathResults
         designs: 1,
         loads: &loads,
         steps: 6,
-        gradient: &[],
         cancel: None,
         start: None,
     };

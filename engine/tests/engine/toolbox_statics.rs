@@ -25,7 +25,6 @@ fn joint_angles_of_the_default_design() {
         loads: &loads,
         steps: loads.len(),
         start: None,
-        gradient: &[],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

@@ -2,8 +2,8 @@
 
 use flexor_engine::lie::LieGroup;
 use flexor_engine::model::*;
-use flexor_engine::sensitivity::Adjoint;
-use flexor_engine::{ContactForce, Data};
+use flexor_engine::sensitivity::{Adjoint, Derivatives, KnownEquilibria, output_groups};
+use flexor_engine::{ContactForce, Data, PathResults};
 
 /// Checks residual, tangent and virtual work of all parameters at a state of coordinates up to `size` in which
 /// the contacts are `enough`; returns how many parameters it has checked.
@@ -68,4 +68,24 @@ pub fn derivatives<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
     }
     checked
+}
+
+/// Derivatives of one output at the last equilibrium of a path.
+pub fn of_output<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    base: &[f64],
+    path: &PathResults,
+    (group, index): (&str, usize),
+    wanted: &[usize],
+) -> Derivatives {
+    let mut weights = vec![];
+    for (name, count) in output_groups(model) {
+        weights.extend((0..count).map(|i| if name == group && i == index { 1.0 } else { 0.0 }));
+    }
+    let q = &path.q[path.q.len() - model.dof()..];
+    let applied = &path.applied[path.applied.len() - model.inputs().len()..];
+    let (varied, values, designs, sums, cancel) = (&[], &[], &[0], &[0], None);
+    let weights = &weights;
+    let known = KnownEquilibria { base, varied, values, designs, q, applied, sums, weights, wanted, cancel };
+    model.differentiate(known, 1)
 }

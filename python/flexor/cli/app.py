@@ -11,7 +11,20 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexor.cli import calibrate, compare, landscape, listings, materials, optimize, rerun, simulate
+from flexor.cli import (
+    calibrate,
+    compare,
+    export,
+    front,
+    landscape,
+    listings,
+    materials,
+    new,
+    optimize,
+    rerun,
+    share,
+    simulate,
+)
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.errors import ClusterError, InputError
@@ -51,18 +64,21 @@ app = typer.Typer(
     name="flexor",
     help="Design soft exosuits with the wearer in the loop.",
     epilog="Start with: flexor simulate finger --plot finger.png",
-    add_completion=False,
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 # One line per command.
 app.command("simulate", cls=Command)(simulate.simulate)
 app.command("optimize", cls=Command)(optimize.optimize)
+app.command("front", cls=Command)(front.front)
 app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("export", cls=Command)(export.export)
 app.command("materials", cls=Command)(materials.materials)
+app.command("share", cls=Command)(share.share)
+app.command("new", cls=Command)(new.new)
 app.command("presets")(listings.presets)
 app.command("sets")(listings.sets)
 app.command("methods")(listings.methods)

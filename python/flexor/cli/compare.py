@@ -12,6 +12,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
+from flexor.cli.design_problem import stated
 from flexor.cli.folders import carry_out, check_resumable, cluster_at, new_folder, save_figure
 from flexor.cli.progress import ComparisonBar, duration
 from flexor.cli.table import number, show
@@ -34,6 +35,11 @@ def compare(
         ),
     ] = None,
     objective: options.Objective = "bending",
+    vary: options.Vary = None,
+    maximise: options.Maximise = None,
+    minimise: options.Minimise = None,
+    subject_to: options.SubjectTo = None,
+    without: options.Without = None,
     methods: Annotated[
         str | None,
         typer.Option(
@@ -73,6 +79,9 @@ def compare(
 ) -> int:
     """Compare search methods with the same starts, seeds and budget on each parameter set.
 
+    With --vary, or variables in the model file, they are compared on these. Designs that keep the
+    constraints come before all others; "out by" is the sum of what the others exceed them by.
+
     A search succeeds when it reaches 99 % of the improvement of the best known design of its set
     over the model's own exosuit. The table lists the best and the median final value of each
     method, its success rate, the median number of evaluations of successful searches (`to 1 %`)
@@ -86,6 +95,7 @@ def compare(
     --------
     * `flexor compare finger`
     * `flexor compare finger -p R01,L+R01 -m pattern-search,cma-es --seeds 20 --budget 1000`
+    * `flexor compare pneumatic-finger -m auto,cma-es,de --seeds 5 --budget 1000`
     * `flexor compare --resume studies/finger-bending-comparison`
     """
     from flexor.study import comparison
@@ -97,12 +107,16 @@ def compare(
     else:
         assert model is not None
         loaded = load_changed(model, variant, changes)
-        place = folder or new_folder(loaded.name, objective, "comparison")
+        problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
+        sets = comparison.BUILT_IN_SETS if parameters is None else parameters
+        place = folder or new_folder(loaded.name, problem.aim.replace(" ", "-"), "comparison")
         work = partial(
             comparison.compare,
             loaded,
-            comparison.BUILT_IN_SETS if parameters is None else parameters,
-            objective,
+            sets if problem.varied is None else [problem.varied],
+            problem.aim,
+            subject_to=problem.subject_to,
+            without=problem.without,
             methods=methods,
             seeds=seeds,
             budget=budget,
@@ -131,8 +145,8 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
         rows = [
             (
                 each.method,
-                number(each.best, 5),
-                number(each.median, 5),
+                _value(result, each.best),
+                _value(result, each.median),
                 f"{100.0 * each.success:.0f} %",
                 _count(each.evaluations),
                 _count(each.expected_evaluations),
@@ -142,8 +156,8 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
         ]
         first, best = result.reference[name], result.best_known(name)
         say(
-            f"{name}: objective {result.objective.name} {number(first, 5)} for the model's own "
-            f"exosuit, {number(best, 5)} for the best known design"
+            f"{name}: {_quantity(result)} {_value(result, first)} for the model's own exosuit, "
+            f"{_value(result, best)} for the best known design"
         )
         show((name, *headings), rows)
     searches = len(result.runs)
@@ -157,6 +171,25 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
     )
     for file in files:
         say(f"file: {file}")
+
+
+def _quantity(result: MethodComparison) -> str:
+
+    objective = result.objective
+    if objective.of_observable:
+        return f"{objective.quantity} / {objective.unit}".removesuffix(" / ")
+    return f"objective {objective.name}"
+
+
+def _value(result: MethodComparison, value: float) -> str:
+    """Format a value, or by how much an infeasible design exceeds its constraints."""
+    import numpy as np
+
+    from flexor.constraints import INFEASIBLE
+
+    if math.isfinite(value) and value >= INFEASIBLE:
+        return f"out by {number(value / INFEASIBLE - 1.0, 2)}"
+    return number(float(result.objective.displayed(np.array(value))), 5)
 
 
 def _count(evaluations: float) -> str:

@@ -10,6 +10,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
+from flexor.cli.design_problem import stated
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.values import load_changed, numbers, one_or_assignments
@@ -26,6 +27,11 @@ def landscape(
     model: options.OptionalModel = None,
     parameters: options.Parameters = "R01",
     objective: options.Objective = "bending",
+    vary: options.Vary = None,
+    maximise: options.Maximise = None,
+    minimise: options.Minimise = None,
+    subject_to: options.SubjectTo = None,
+    without: options.Without = None,
     grid: Annotated[
         int, typer.Option(callback=options.at_least(2), help="Number of points per axis.")
     ] = 81,
@@ -66,8 +72,8 @@ def landscape(
     Every evaluated design is recorded immediately in the landscape folder, so a landscape can be
     interrupted (Ctrl-C) and resumed. The completed folder contains the arrays (`landscape.npz`),
     a row per design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): a
-    surface and a contour plot with the minimum of the grid, the designs that snap and those that
-    failed.
+    surface and a contour plot with the best design of the grid, the designs that snap and those
+    that failed, and where each constraint is exceeded.
 
     Examples
     --------
@@ -75,6 +81,9 @@ def landscape(
     * `flexor landscape finger -p L+R01 --axes L,R_1 --start "R_0=0.7 cm" --grid 41`
     * `flexor landscape finger -p L --grid 201 --variant printed --out studies/length`
     * `flexor landscape finger -p R01 --study studies/finger-R01-bending`
+    * `flexor landscape pneumatic-finger --vary "exosuit.length=8 cm:11 cm" --vary
+      "exosuit.section.wall=1.5 mm:3 mm" --maximise range-of-motion --subject-to "overlap <= 1 mm"`
+    * `flexor landscape pneumatic-finger --axes exosuit.length,exosuit.section.wall --grid 31`
     """
     from flexor import study as studies
     from flexor.design import parameter_set
@@ -89,15 +98,20 @@ def landscape(
     else:
         assert model is not None
         loaded = load_changed(model, variant, changes)
-        chosen = parameter_set(parameters, loaded.design)
+        problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
+        chosen = problem.varied or parameter_set(parameters, loaded.design)
         for each, search in overlays:
             _check_same_set(each, search, chosen)
-        place = folder or new_folder(loaded.name, chosen.name, objective, "landscape")
+        place = folder or new_folder(
+            loaded.name, chosen.name, problem.aim.replace(" ", "-"), "landscape"
+        )
         work = partial(
             landscapes.landscape,
             loaded,
             chosen,
-            objective,
+            problem.aim,
+            subject_to=problem.subject_to,
+            without=problem.without,
             grid=grid,
             axes=None if axes is None else [label.strip() for label in axes.split(",")],
             start=_fixed(start, chosen),
@@ -152,20 +166,40 @@ def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> 
 
 
 def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> None:
+
     size = " × ".join(str(n) for n in result.value.shape)
     sentences = [f"{size} designs in {duration(seconds)}."]
     if not result.failed.all():
         best = result.minimum
-        sentences.append(f"Minimum of the grid at {best.text}: {best.result}.")
+        if result.infeasible.all():
+            sentences.append("No design of the grid keeps the constraints.")
+        word = "Best" if result.problem.objective.of_observable else "Minimum"
+        word = word if best.feasible else "Least violation"
+        sentences.append(f"{word} of the grid at {best.text}: {best.result}.")
         minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
             f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
             f"{_share(float(result.failed.mean()))} fail."
         )
+        if result.constraints:
+            sentences += _kept(result)
     else:
         sentences.append(f"All designs failed: {result.reason.flat[0]}.")
     for line in (*sentences, *(f"file: {file}" for file in files)):
         say(line)
+
+
+def _kept(result: Landscape) -> list[str]:
+    """Say how many designs are infeasible, and by which constraints."""
+    exceeded = (result.excesses > 0.0).reshape(-1, len(result.constraints)).mean(axis=0)
+    parts = [
+        f"{text} by {_share(share)}"
+        for text, share in zip(result.constraints, exceeded.tolist(), strict=True)
+        if share
+    ]
+    share = _share(float(result.infeasible.mean()))
+    which = f": {', '.join(parts)}" if parts else ""
+    return [f"{share.capitalize()} of the designs are infeasible{which}."]
 
 
 def _share(part: float) -> str:
@@ -177,7 +211,12 @@ def _as_json(result: Landscape, seconds: float, files: list[FilePath]) -> dict[s
     minimum = None
     if not result.failed.all():
         best = result.minimum
-        minimum = {"parameters": best.parameters, "value": best.value, "bending": best.bending}
+        minimum = {
+            "parameters": best.parameters,
+            "value": best.value,
+            "bending": best.bending,
+            "feasible": best.feasible,
+        }
     return {
         "parameters": result.problem.parameters.name,
         "objective": result.problem.objective.name,
@@ -189,6 +228,11 @@ def _as_json(result: Landscape, seconds: float, files: list[FilePath]) -> dict[s
         "designs": int(result.value.size),
         "snapping": int((result.events > 0).sum()),
         "failed": int(result.failed.sum()),
+        "infeasible": int(result.infeasible.sum()),
+        "exceeded": {
+            text: int((result.excesses[..., i] > 0.0).sum())
+            for i, text in enumerate(result.constraints)
+        },
         "seconds": seconds,
         "folder": result.study.folder,
         "files": files,

@@ -8,12 +8,26 @@ import typer
 
 from flexor.cli.console import out
 from flexor.cli.table import number, show
+from flexor.errors import InputError, unknown_name
 
 
-def presets() -> None:
-    """List the model files shipped with Flexor, which can be referred to by name."""
+def presets(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="A preset to show; omit to list all.")
+    ] = None,
+) -> None:
+    """List the model files shipped with Flexor, which can be referred to by name, or show one.
+
+    `flexor new FILE --from NAME` copies one.
+    """
     from flexor import model
+    from flexor.model.reading import locate
 
+    if name is not None:
+        if name not in model.presets():
+            raise InputError(f"{unknown_name('preset', name, model.presets())}.")
+        print(locate(name).read_text(encoding="utf-8"), end="")
+        return
     rows = []
     for name in model.presets():
         file = model.load(name).file

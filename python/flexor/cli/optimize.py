@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json
+from flexor.cli.design_problem import stated, uncertainty
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
-from flexor.cli.values import assignments, load_changed, numbers, one_or_assignments, ranges
-from flexor.errors import InputError
+from flexor.cli.values import load_changed, numbers, one_or_assignments
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -22,36 +23,11 @@ def optimize(
     model: options.OptionalModel = None,
     parameters: options.Parameters = "L+R01",
     objective: options.Objective = "bending",
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="FIELD=LOW:HIGH",
-            help="Vary a numeric field of the model file instead of `--parameters`, such as "
-            "`exosuit.length=8 cm:11 cm`; may be repeated.",
-        ),
-    ] = None,
-    maximise: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Maximise an observable (see `flexor sets`)."),
-    ] = None,
-    minimise: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Minimise an observable.")
-    ] = None,
-    subject_to: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="CONSTRAINT",
-            help="Constraint along the whole path, such as `overlap <= 0.5 mm`; may be repeated.",
-        ),
-    ] = None,
-    without: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Switch off a default constraint: `overlap`, `strain`, `stress`, `stretch` or "
-            "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
-        ),
-    ] = None,
+    vary: options.Vary = None,
+    maximise: options.Maximise = None,
+    minimise: options.Minimise = None,
+    subject_to: options.SubjectTo = None,
+    without: options.Without = None,
     scenarios: options.Scenarios = None,
     aggregate: options.Aggregate = None,
     tolerance: options.Tolerance = None,
@@ -59,8 +35,9 @@ def optimize(
     method: Annotated[
         str | None,
         typer.Option(
-            help="Search method (see `flexor methods`); by default `auto` with --maximise and "
-            "--minimise, otherwise `pattern-search`."
+            autocompletion=options.method_names,
+            help="Search method (see `flexor methods`); by default `auto` with --maximise or "
+            "--minimise, `pareto` with several of these, otherwise `pattern-search`.",
         ),
     ] = None,
     method_options: Annotated[
@@ -97,7 +74,7 @@ def optimize(
     ] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Optimise a design for an objective.
+    """Optimise a design for an objective, or find the front between several.
 
     Every evaluated design is recorded immediately in the study folder, so a study can be
     interrupted (Ctrl-C) at any time and resumed with the same final result.
@@ -109,6 +86,8 @@ def optimize(
     * `flexor optimize finger -p R01 -o tip-force --start "0.6 cm, 0.8 cm" --out studies/press`
     * `flexor optimize pneumatic-finger --vary "exosuit.section.wall=1.5 mm:3 mm" --maximise
       range-of-motion --subject-to "overlap <= 1.5 mm"`
+    * `flexor optimize pneumatic-finger --maximise range-of-motion --minimise mass`, then
+      `flexor front FOLDER --point 7 --save light.toml`
     * `flexor optimize pneumatic-finger --tolerance "exosuit.section.wall=0.1 mm"`
     * `flexor optimize glove.toml --scenarios all --aggregate "served 60 deg"`
     * `flexor optimize --resume studies/press`
@@ -119,9 +98,8 @@ def optimize(
     from flexor import study as studies
     from flexor.cli import outcome
     from flexor.cli.progress import SearchProgress
-    from flexor.design import parameter_set, variables
+    from flexor.design import parameter_set
     from flexor.design.start import starts
-    from flexor.model.schema import Design
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
@@ -130,37 +108,19 @@ def optimize(
     else:
         assert model is not None
         loaded = load_changed(model, variant, changes)
-        given = {"--parameters": "parameters", "--objective": "objective"}
-        stated = [option for option, name in given.items() if _is_given(context, name)]
-        stated_there = loaded.file.design or Design.model_construct()
-        varied = dict(ranges("--vary", vary or [])) or stated_there.varied
-        chosen = (
-            variables(varied, loaded, "--vary" if vary else f"{loaded.name}: design.variable")
-            if varied and "--parameters" not in stated
-            else parameter_set(parameters, loaded.design)
-        )
-        if vary and "--parameters" in stated:
-            raise InputError("--vary and --parameters are two statements of what varies: give one.")
-        aims = [f"{sense} {name}" for sense, name in _aims(maximise, minimise) if name]
-        if len(aims) + ("--objective" in stated) > 1:
-            raise InputError("give one of --maximise, --minimise and --objective.")
-        aim = aims[0] if aims else objective
-        if "--objective" not in stated and not aims:
-            aim = stated_there.aim or objective
-        place = folder or new_folder(loaded.name, chosen.name, aim.replace(" ", "-"))
+        problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
+        chosen = problem.varied or parameter_set(parameters, loaded.design)
+        aims = [each.replace(" ", "-") for each in problem.aims]
+        place = folder or new_folder(loaded.name, chosen.name, *aims)
         work = partial(
             studies.optimize,
             loaded,
             chosen,
-            aim,
+            problem.aims,
             method,
-            subject_to=subject_to or stated_there.subject_to,
-            without=without or stated_there.without,
-            scenarios=scenarios or stated_there.scenarios,
-            aggregate=aggregate or stated_there.aggregate,
-            tolerance=assignments("--tolerance", tolerance or [], "exosuit.section.wall=0.1 mm")
-            or stated_there.tolerance,
-            samples=stated_there.samples if samples is None else samples,
+            subject_to=problem.subject_to,
+            without=problem.without,
+            **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples),
             method_options=numbers("--option", method_options or []),
             start=starts(start or [], chosen),
             force=one_or_assignments("--load", force, "chamber=0:5:1"),
@@ -171,6 +131,8 @@ def optimize(
         )
 
     def report(study: Study, seconds: float) -> int:
+        if study.problem.objective.count:
+            return _report_front(study, seconds, plot, as_json)
         if as_json:
             print_json(outcome.as_json(study, seconds))
         else:
@@ -185,13 +147,16 @@ def optimize(
     return carry_out("flexor optimize --resume", place, where, SearchProgress(), work, report)
 
 
-def _aims(maximise: str | None, minimise: str | None) -> list[tuple[str, str | None]]:
-    return [("maximise", maximise), ("minimise", minimise)]
+def _report_front(study: Study, seconds: float, plot: Path | None, as_json: bool) -> int:
+    from flexor.cli import front_report
 
-
-def _is_given(context: typer.Context, name: str) -> bool:
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
+    front = study.front
+    if as_json:
+        print_json(front_report.front_as_json(study, front, seconds))
+    else:
+        front_report.print_front(study, front, seconds)
+    front_report.draw_front(study, front, plot, quiet=as_json)
+    return 0
 
 
 def _open(study: Study) -> None:

@@ -20,6 +20,20 @@ def _writable(figure: Path | None) -> Path | None:
     return figure
 
 
+def preset_names(incomplete: str) -> list[str]:
+    """Complete the name of a preset, or leave files to the shell."""
+    from flexor.model.reading import presets
+
+    return [name for name in presets() if name.startswith(incomplete)]
+
+
+def method_names(incomplete: str) -> list[str]:
+    """Complete the name of a search method."""
+    from flexor.optimizers import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
 def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | None]:
     """Return the check of an option that is a number of at least ``least``."""
 
@@ -31,16 +45,54 @@ def at_least(least: int) -> Callable[[typer.CallbackParam, int | None], int | No
 
 Model = Annotated[
     str,
-    typer.Argument(metavar="MODEL", help="Model file, or name of a preset (see `flexor presets`)."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file, or name of a preset (see `flexor presets`).",
+        autocompletion=preset_names,
+    ),
 ]
 OptionalModel = Annotated[
     str | None,
-    typer.Argument(metavar="MODEL", help="Model file or preset; omit with --resume."),
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file or preset; omit with --resume.",
+        autocompletion=preset_names,
+    ),
 ]
 Parameters = Annotated[
     str, typer.Option("--parameters", "-p", help="Design parameters (see `flexor sets`).")
 ]
 Objective = Annotated[str, typer.Option("--objective", "-o", help="Objective (see `flexor sets`).")]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FIELD=LOW:HIGH",
+        help="Vary a numeric field of the model file instead of `--parameters`, such as "
+        "`exosuit.length=8 cm:11 cm`; may be repeated.",
+    ),
+]
+Maximise = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME", help="Maximise an observable (see `flexor sets`); several give a front."
+    ),
+]
+Minimise = Annotated[list[str] | None, typer.Option(metavar="NAME", help="Minimise an observable.")]
+SubjectTo = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="CONSTRAINT",
+        help="Constraint along the whole path, such as `overlap <= 0.5 mm`; may be repeated.",
+    ),
+]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Switch off a default constraint: `overlap`, `strain`, `stress`, `stretch` or "
+        "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
+    ),
+]
 Scenarios = Annotated[
     str | None,
     typer.Option(

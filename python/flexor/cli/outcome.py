@@ -11,7 +11,6 @@ from flexor.cli.console import err, say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show, with_unit
-from flexor.objectives import Extremum
 
 if TYPE_CHECKING:
     from flexor.study import Sensitivity, Study
@@ -38,11 +37,11 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    if study.problem.constraints or isinstance(study.problem.objective, Extremum):
+    if study.problem.constraints or study.problem.objective.of_observable:
         verdict.print_verdict(study.best)
     show(("", start_title(study), "optimum", "change"), rows)
     say(_improvement(study))
-    if isinstance(study.problem.objective, Extremum):
+    if study.problem.objective.of_observable:
         verdict.print_tolerances(study.best)
     elif math.isfinite(study.best.value) and study.problem.model.joints:
         _print_sensitivity(study.best.sensitivity)
@@ -95,6 +94,7 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
         "sensitivity": _sensitivity(study.best.sensitivity),
         "feasible": study.best.feasible,
         "constraints": verdict.constraints_as_json(study.best),
+        "within_tolerances": verdict.within_as_json(study.best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,

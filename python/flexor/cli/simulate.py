@@ -10,6 +10,7 @@ from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.path_report import report
 from flexor.cli.values import load_changed, numbers, one_or_assignments
+from flexor.errors import InputError
 
 
 def simulate(
@@ -41,6 +42,14 @@ def simulate(
             "points).",
         ),
     ] = "load",
+    reach: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TARGETS",
+            help="Find the loads, within the range of --load, at which joints or observables have "
+            "these values, such as `ph_1=40 deg, ph_2=30 deg`; may be repeated.",
+        ),
+    ] = None,
     variant: options.Variant = None,
     changes: options.Set = None,
     solver: options.Solver = None,
@@ -64,27 +73,45 @@ def simulate(
     * `flexor simulate finger --start ph_1="40 deg" --start exosuit.bend_y="90 deg"`
     * `flexor simulate examples/pneumatic-finger.toml --set actuators.chamber.control=volume
       --load "0:8:1 mL"` finds the pressures that a syringe needs
+    * `flexor simulate examples/pneumatic-finger.toml --reach "bending=45 deg"` finds the pressure
     * `flexor simulate finger --json > bent.json`, then
       `flexor simulate finger --start bent.json --force 4,3,2`
     * `flexor simulate arch.toml --force 0:9:1 --follow arc-length --plot arch.svg`
 
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
-    path = load_changed(model, variant, changes).equilibrium(
-        one_or_assignments("--force", force, "chamber=0:5:1"),
-        start=one_or_assignments("--start", start, "ph_1=20 deg"),
-        follow=follow,  # type: ignore[arg-type]  # checked there
-        **numbers("--solver", solver or []),  # type: ignore[arg-type]
-    )
+    built = load_changed(model, variant, changes)
+    forces = one_or_assignments("--force", force, "chamber=0:5:1")
+    begin = one_or_assignments("--start", start, "ph_1=20 deg")
+    settings = numbers("--solver", solver or [])
+    if reach:
+        if follow != "load":
+            raise InputError("--reach follows the loads it finds: leave --follow out.")
+        from flexor.inverse import reach as find_loads
+
+        inverse = find_loads(built, ", ".join(reach), forces, start=begin, **settings)
+        path = inverse.path
+    else:
+        inverse = None
+        path = built.equilibrium(
+            forces,
+            start=begin,
+            follow=follow,  # type: ignore[arg-type]  # checked there
+            **settings,  # type: ignore[arg-type]
+        )
     if as_json:
-        print_json(path.to_dict())
+        print_json(path.to_dict() | ({} if inverse is None else {"reach": inverse.to_dict()}))
     else:
         report(path)
-        if force is None and len(path.model.inputs) > 1:
-            say(f"no load is given: --force {path.model.inputs[0]}=0:5:1 applies one")
+        if inverse is not None:
+            say(str(inverse))
+        elif force is None and path.model.inputs and not path.loads.any():
+            name, dimension = next(iter(path.model.input_dimensions.items()))
+            say(f'no load is given: --load {name}="{dimension.example}" applies one')
     if plot is not None:
         from flexor import plot as figures
 
         figures.save(figures.path(path), plot)
         note(f"figure: {plot}")
-    return 0 if bool(path.converged.all()) else 1
+    reached = inverse is None or inverse.reached
+    return 0 if reached and bool(path.converged.all()) else 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import say
@@ -10,7 +11,8 @@ from flexor.cli.table import number, show, with_unit
 from flexor.study.verdict import COARSE
 
 if TYPE_CHECKING:
-    from flexor.study import Design
+    from flexor.study import Design, Verdict
+    from flexor.study.verdict import Within
 
 
 def print_verdict(design: Design) -> None:
@@ -46,9 +48,12 @@ def print_tolerances(design: Design) -> None:
         label, step = design.problem.parameters.labels[found.worst], found.steps[found.worst]
         say(f"An error of {step} in {label} matters most.")
     if found.broken.max(initial=0.0) > 0.0 and found.feasible:
-        say('"broken": with that error a constraint is exceeded; ask for a margin.')
-    for label in found.fragile:
-        say(f"FRAGILE: 1 % of {label} moves {objective.quantity} by more than a tenth.")
+        say('"broken": with that error a constraint is exceeded; state it as a --tolerance.')
+    _print_within(found)
+    for each in found.fragile:
+        much = "makes it fail" if math.isnan(each.change) else f"by {100.0 * each.change:.0f} %"
+        verb = "" if math.isnan(each.change) else f"moves {objective.quantity} "
+        say(f"FRAGILE: 1 % of {each.name} {verb}{much}.")
     if found.snaps:
         say(f"FRAGILE: the optimum is reached through {found.snaps} snap(s).")
     if found.finer is not None:
@@ -58,6 +63,38 @@ def print_tolerances(design: Design) -> None:
             f"{warning}with twice the elements {objective.quantity} is "
             f"{with_unit(found.finer, objective.unit)}."
         )
+
+
+def _print_within(found: Verdict) -> None:
+    """Print the worst case within the tolerances: of what comes near a bound, and the objective."""
+    if not found.within:
+        return
+    *constraints, objective = found.within
+    broken = [each for each in constraints if not each.kept]
+    if not broken:
+        say("robust: all constraints hold for every error within the tolerances that was tried.")
+    for each in broken:
+        case = f" to {each.value}, {each.place}" if each.value else ""
+        say(f"NOT ROBUST: errors within the tolerances break {each.what}{case}: {_cause(each)}.")
+    for each in constraints:
+        if each.near:
+            case = f"{each.value}, {each.place}{_with(each)}"
+            say(f"within the tolerances {each.what}: at worst {case}.")
+    worst = objective.value or "none, as the design fails"
+    say(f"within the tolerances {objective.what} is at worst {worst}{_with(objective)}.")
+
+
+def _cause(each: Within) -> str:
+    return f"{each.error}{f' in scenario {each.scenario}' if each.scenario else ''}"
+
+
+def _with(each: Within) -> str:
+    return f", with {_cause(each)}" if each.error or each.scenario else ""
+
+
+def within_as_json(design: Design) -> list[dict[str, Any]]:
+    """Return the worst case within the tolerances of each constraint and the objective."""
+    return [asdict(each) for each in design.verdict.within]
 
 
 def constraints_as_json(design: Design) -> list[dict[str, Any]]:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from flexor.constraints.choice import chosen_constraints, excesses, ranks, violation, worst_values
+from flexor.constraints.choice import (
+    INFEASIBLE,
+    chosen_constraints,
+    excesses,
+    ranks,
+    violation,
+    worst_values,
+)
 from flexor.constraints.constraint import Constraint, constraint
 from flexor.constraints.defaults import default_constraints
 
 __all__ = [
+    "INFEASIBLE",
     "Constraint",
     "chosen_constraints",
     "constraint",

@@ -73,7 +73,7 @@ def excesses(constraints: Sequence[Constraint], worst: Array) -> Array:
 
 
 # Above every value of an objective, so that feasible designs come first, and below that of designs
-# that failed.
+# that failed: the least rank of an infeasible design.
 INFEASIBLE = 1e9
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.derivatives import TIED, Differential
 from flexor.model.quantity import parse_quantity
 from flexor.model.results import Path, Paths
 from flexor.model.structure import Structure
@@ -50,6 +51,11 @@ class Constraint:
         """Return what it bounds."""
         return observable(self.name, model)
 
+    @property
+    def sign(self) -> float:
+        """The sense: 1 if larger values are worse, -1 if smaller ones are."""
+        return 1.0 if self.sense == "<=" else -1.0
+
     def worst(self, paths: Paths) -> Array:
         """Return the value nearest to the bound or farthest beyond it along each path, (n,).
 
@@ -58,6 +64,26 @@ class Constraint:
         values = self.observable(paths.model).values(paths)
         reduce = np.fmax if self.sense == "<=" else np.fmin
         return np.asarray(reduce.reduce(values, axis=1))
+
+    def differential(self, paths: Paths) -> Differential:
+        """Return the first-order change of `worst`; InputError if the observable has none.
+
+        It is that at the worst step, and tied where the value at another step equals it.
+        """
+        found = self.observable(paths.model)
+        values = found.values(paths)
+        ranked = values if self.sense == "<=" else -values
+        ranked = np.where(np.isnan(ranked), -np.inf, ranked)
+        steps = ranked.argmax(axis=1)
+        change = found.differential(paths, steps)
+        # What does not depend on the state is the same at all steps.
+        if not change.parts:
+            return change
+        top = ranked[np.arange(len(ranked)), steps][:, None]
+        with np.errstate(invalid="ignore"):
+            near = np.isfinite(ranked) & (np.abs(ranked - top) <= TIED * np.abs(top))
+        near &= top != 0.0
+        return change + Differential(tied=near.sum(axis=1) > 1)
 
     def excess(self, worst: Array) -> Array:
         """Return how far values are beyond the bound, in units of `scale`; not above 0 is kept."""
@@ -68,7 +94,7 @@ class Constraint:
     def place(self, path: Path) -> str:
         """Return where along a path and on which body the worst value is, for display."""
         found = self.observable(path.model)
-        values = found.values(_one(path))[0]
+        values = found.values(path.as_batch)[0]
         if np.isnan(values).all():
             return ""
         step = int(np.nanargmax(values) if self.sense == "<=" else np.nanargmin(values))
@@ -112,14 +138,3 @@ def constraint(text: str, model: Structure, default: str = "") -> Constraint:
     scale = abs(number) or found.unit[0]
     sense: Literal["<=", ">="] = "<=" if match["sense"] == "<=" else ">="
     return Constraint(found.name, sense, number, scale, default)
-
-
-def _one(path: Path) -> Paths:
-    """Return a path as paths of one design."""
-    arrays = {}
-    for each in fields(path):
-        value = getattr(path, each.name)
-        if value is not None and each.metadata["axes"].startswith("n"):
-            value = np.asarray(value)[None] if each.name != "event_table" else None
-        arrays[each.name] = value
-    return Paths(**arrays)

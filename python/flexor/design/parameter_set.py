@@ -16,7 +16,6 @@ from flexor.errors import InputError, unknown
 from flexor.model.geometry import PAPER, DesignSpace, Geometry, GeometryJacobian, SlotValues
 
 if TYPE_CHECKING:
-    from flexor.model.results import Paths
     from flexor.model.structure import Structure
 
 # Display units of design parameters, in SI.
@@ -100,6 +99,11 @@ class ParameterSet:
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([UNITS[unit] for unit in self.units])
 
+    @property
+    def si_units(self) -> tuple[str, ...]:
+        """SI unit of each parameter, ``"1"`` for plain numbers."""
+        return tuple({"cm": "m", "mm": "m", "deg": "rad"}.get(unit, unit) for unit in self.units)
+
     def parse(self, label: str, text: str, option: str) -> float:
         """Read the value of a parameter, SI; InputError, beginning with ``option``, if none."""
         return parse_value(text, label, self.units[self.labels.index(label)], option)
@@ -170,9 +174,13 @@ class ParameterSet:
         chosen = (geometry.length[valid], geometry.radius[valid], geometry.slope[valid])
         return Geometry(*chosen), valid
 
-    def chained(self, paths: Paths, p: Array, model: Structure) -> Array:
-        """Return derivatives of the paths of n designs by the parameters, (n, joints + 1, k)."""
-        return paths.chained(self.jacobian(p, model.design.points))
+    def slots(self, model: Structure) -> NDArray[np.intp]:
+        """Return which of the engine's parameters the designs change, (m,)."""
+        return model.geometry_indices
+
+    def slot_jacobian(self, p: Array, model: Structure) -> Array:
+        """Differentiate these of n designs by the parameters, (n, m, k)."""
+        return model.geometry_slot_jacobian(self.jacobian(p, model.design.points))
 
     def on(self, rod: DesignSpace) -> ParameterSet:
         """Return the same set for another exosuit."""

@@ -4,13 +4,14 @@ Lowering a model file makes each of the engine's parameters a function of its fi
 a fibre are polynomials of the thicknesses of a section, a stiffness in series is one over a
 polynomial, the square of the distance of a strap's ends is a polynomial of whatever moves them.
 These polynomials are found by lowering the file at points of the box and are checked at others, to
-rounding. With them a thousand designs, and their exact derivatives, cost less than one file.
+rounding, vertices of the box among them. With them a thousand designs, and their exact derivatives,
+cost less than one file.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import comb
@@ -33,7 +34,8 @@ MAX_DEGREE = 12
 # Of the largest number of the same parameter: what is smaller is what rounding leaves of a zero,
 # such as the moment about an axis of symmetry.
 ROUNDING = 1e-16
-_CHECKS = 8  # points at which the polynomials are checked
+_CHECKS = 8  # points inside the box at which the polynomials are checked, besides vertices
+_FIRST = 24  # points of the first attempts at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,17 +191,17 @@ def slot_map(
         fits.append(_Fit(places, powers, centre[None, constant], "polynomial"))
     most = max(len(pattern) for pattern in patterns)
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
-    # A few points suffice for most files.
-    for count in (2 * max(comb(most + 2, 2), 7), 2 * max(comb(most + 3, 3), MAX_DEGREE + 1)):
-        u = np.concatenate([_points(count, k), 0.999 * _points(count + _CHECKS, k)[count:]])
-        samples = np.array([lowered.at(middle + half * row) for row in u])
+    sampled = _Sampled(lowered, middle, half)
+    # A few points suffice for most files; others take more besides them.
+    for count in _rounds(max((3 * comb(most + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)):
+        u, samples = sampled.first(count)
         for pattern in left:
             for form, degree in _attempts(len(pattern), count):
                 columns = left[pattern]
                 if not columns.size:
                     break
                 powers = _powers(pattern, degree, k)
-                coefficients, good = _fitted(u, samples[:, columns], powers, form)
+                coefficients, good = _fitted(u, samples[:, columns], powers, form, count)
                 if good.any():
                     placed = np.array([position[int(column)] for column in columns[good]])
                     fits.append(_Fit(placed, *_trimmed(powers, coefficients[:, good]), form))
@@ -234,7 +236,7 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     """
     lowered = _Lowered(model, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
-    u = 0.999 * _points(most + _CHECKS, len(fields))
+    u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     samples = np.array([lowered.at(like._middle + like._half * row) for row in u])
     others = np.setdiff1d(np.arange(samples.shape[1]), like._every)
     largest = np.abs(samples).max(axis=0)
@@ -248,11 +250,85 @@ def refitted(like: SlotMap, model: Structure, fields: Sequence[tuple[str, ...]])
     fits = []
     for fit in like._fits:
         columns = like._every[fit.columns]
-        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form)
+        coefficients, good = _fitted(u, samples[:, columns], fit.powers, fit.form, most)
         if not (good | (largest[columns] <= noise[columns])).all():
             return None
         fits.append(_Fit(fit.columns, fit.powers, coefficients, fit.form))
     return replace(like, _fits=tuple(fits))
+
+
+class _Sampled:
+    """The engine's parameters at points of the box: some to fit them, and others to check that.
+
+    Among the latter are vertices of the box, in which every three variables take all combinations
+    of their ends: what has a kink where up to three variables reach a limit differs in one of them.
+    """
+
+    def __init__(self, lowered: _Lowered, middle: Array, half: Array) -> None:
+        self._lowered, self._middle, self._half = lowered, middle, half
+        k = len(middle)
+        self._checks = np.concatenate([0.999 * _points(_CHECKS, k, seed=2), _vertices(k)])
+        # Not every vertex is a design.
+        found = [self._at(row, must=i < _CHECKS) for i, row in enumerate(self._checks)]
+        there = [each is not None for each in found]
+        self._checks = self._checks[there]
+        self._checked = np.array([each for each in found if each is not None])
+        self._fitted = np.zeros((0, self._checked.shape[1]))
+
+    def first(self, count: int) -> tuple[Array, Array]:
+        """Return ``count`` points to fit, and those to check, with the parameters there."""
+        u = _points(count, len(self._middle), seed=1)
+        more = [self._at(row) for row in u[len(self._fitted) :]]
+        self._fitted = np.concatenate([self._fitted, np.array(more)])
+        return np.concatenate([u, self._checks]), np.concatenate([self._fitted, self._checked])
+
+    def _at(self, u: Array, must: bool = True) -> Array | None:
+        try:
+            return self._lowered.at(self._middle + self._half * u)
+        except InputError:
+            if must:
+                raise
+            return None
+
+
+def _rounds(last: int) -> list[int]:
+    """Return numbers of points, each about twice the one before."""
+    counts = [last]
+    while counts[0] > _FIRST:
+        counts.insert(0, (counts[0] + 1) // 2)
+    return counts
+
+
+def _vertices(k: int) -> Array:
+    """Return vertices of [-1, 1]^k, (c, k): a two-level orthogonal array of strength 3.
+
+    It is the foldover of a Hadamard matrix, see Hedayat, Sloane and Stufken (1999), section 7.5.
+    """
+    from scipy.linalg import hadamard  # deferred: slow to import
+
+    signs = hadamard(1 << (k - 1).bit_length())[:, :k]
+    return np.unique(np.concatenate([signs, -signs]), axis=0).astype(float)
+
+
+def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) -> Array | None:
+    """Return the engine's parameters (P,) of a model with other values of some fields, SI.
+
+    None if it is then no model, or one that is made of other things.
+
+    Parameters
+    ----------
+    model
+        The model.
+    changes
+        By the keys of a field; see `flexor.design.fields`.
+    """
+    try:
+        described = lower(replaced(model.file, changes))
+        _keep(described, model.description)
+        engine = _engine.Model(json.dumps(described))
+    except ValueError:  # of the file, too: an `InputError` is one
+        return None
+    return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
 class _Lowered:
@@ -317,13 +393,12 @@ def _attempts(variables: int, points: int) -> list[tuple[str, int]]:
 
 
 def _fitted(
-    u: Array, samples: Array, powers: NDArray[np.intp], form: str
+    u: Array, samples: Array, powers: NDArray[np.intp], form: str, count: int
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Fit columns; return their coefficients, and which hold at the points left out."""
+    """Fit columns at the first points; return their coefficients, and which hold at all points."""
     inverse, forward, _ = _FORMS[form]
     values, _ = _legendre(u, int(powers.max()))
     basis = np.prod([values[:, i, powers[:, i]] for i in range(u.shape[1])], axis=0)
-    count = len(u) - _CHECKS
     with np.errstate(divide="ignore", invalid="ignore"):
         wanted = inverse(samples)
         usable = np.isfinite(wanted).all(axis=0)
@@ -363,9 +438,9 @@ def _legendre(u: Array, top: int) -> tuple[Array, Array]:
     return values, slopes
 
 
-def _points(count: int, k: int) -> Array:
+def _points(count: int, k: int, seed: int) -> Array:
     """Return the first points of a Sobol sequence in [-1, 1]^k."""
     from scipy.stats import qmc  # deferred: slow to import
 
     size = 1 << (count - 1).bit_length()
-    return np.asarray(2.0 * qmc.Sobol(k, scramble=True, seed=1).random(size)[:count] - 1.0)
+    return np.asarray(2.0 * qmc.Sobol(k, scramble=True, seed=seed).random(size)[:count] - 1.0)

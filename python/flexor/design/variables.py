@@ -21,7 +21,6 @@ from flexor.model.quantity import Unit, infer_quantity
 from flexor.model.units import Quantity
 
 if TYPE_CHECKING:
-    from flexor.model.results import Paths
     from flexor.model.structure import Structure
 
 NAME = "fields"
@@ -50,6 +49,11 @@ class Variables(ParameterSet):
         """SI value of one display unit of each parameter, (k,)."""
         return np.array([kind.factor for kind in self.kinds])
 
+    @property
+    def si_units(self) -> tuple[str, ...]:
+        """SI unit of each parameter, ``"1"`` for plain numbers."""
+        return tuple(kind.si or "1" for kind in self.kinds)
+
     def on(self, rod: DesignSpace) -> Variables:
         """Return the same set, as fields belong to no exosuit."""
         return self
@@ -68,9 +72,9 @@ class Variables(ParameterSet):
         found = self._map(model)
         return SlotValues(found.indices, found.values(p)), np.ones(len(p), dtype=bool)
 
-    def chained(self, paths: Paths, p: Array, model: Structure) -> Array:
-        """Return derivatives of paths by the fields; see `ParameterSet.chained`."""
-        return np.asarray(paths.gradient @ self.slot_jacobian(p, model))
+    def slots(self, model: Structure) -> NDArray[np.intp]:
+        """Return which of the engine's parameters the designs change; see `ParameterSet.slots`."""
+        return self._map(model).indices
 
     def slot_jacobian(self, p: Array, model: Structure) -> Array:
         """Differentiate the engine's parameters that `designs` changes, (n, m, k)."""

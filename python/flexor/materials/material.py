@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError, unknown
 from flexor.materials import laws
 
@@ -27,7 +28,7 @@ WINDINGS = ("none", "hoop")
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(Displayed):
     """A constitutive law with its constants.
 
     Parameters

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor._engine import REGULARITY, STABILITY, STATUS
+from flexor._engine import STABILITY, STATUS
 from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
+from flexor.model.derivatives import differentiate, last_step
 from flexor.model.events import event_table
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
@@ -39,7 +41,6 @@ _PER_STEP = (
 )
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)
-_REGULARITY: NDArray[np.object_] = np.array(REGULARITY, dtype=object)
 _CONVERGED, _UNSTABLE = STATUS.index("converged"), STATUS.index("unstable")
 
 
@@ -68,8 +69,6 @@ def follow(
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = _slots(model, geometry[chunk])
-        if gradient:
-            settings["gradient"] = indices.astype(np.int64)
         with _input_errors():
             found = model.engine.path(indices, values, steps, threads, **settings)
         arrays = _arrays(model, found, lead)
@@ -77,7 +76,11 @@ def follow(
         for name, array in arrays.items():
             target = whole.setdefault(name, np.empty((count, *array.shape[1:]), array.dtype))
             target[chunk] = array
-    return Paths(model=model, loads=loads, **whole, **_geometry(model, geometry))
+    paths = Paths(model=model, loads=loads, **whole, **_geometry(model, geometry))
+    if not gradient:
+        return paths
+    slopes = differentiate(paths, last_step(paths), indices, threads)
+    return replace(paths, gradient=slopes.by_slots, regularity=slopes.regularity[:, -1])
 
 
 def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, NDArray[Any]]:
@@ -92,9 +95,6 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
     arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
     arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
-    if "gradient" in found:
-        arrays["gradient"] = found["gradient"]
-        arrays["regularity"] = _REGULARITY[found["regularity"]]
     return arrays
 
 

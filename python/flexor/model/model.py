@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError
+from flexor.model.derivatives import Derivatives, Differential, differentiate
 from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
 from flexor.model.geometry import Geometry, SlotValues
@@ -27,7 +30,7 @@ from flexor.model.validation import describe
 Force = Forces | Mapping[str, Forces]
 
 
-class Model(Structure):
+class Model(Displayed, Structure):
     """A system of rods, links, contacts and actuators, built once and never changed.
 
     Parameters
@@ -166,6 +169,16 @@ class Model(Structure):
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
         return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
+
+    def differentiate(
+        self,
+        paths: Paths,
+        rows: Sequence[Differential],
+        slots: NDArray[np.intp],
+        threads: int = 0,
+    ) -> Derivatives:
+        """Differentiate numbers of paths of designs; see `flexor.model.derivatives`."""
+        return differentiate(paths, rows, slots, threads)
 
     def _designs(self, given: Geometry | SlotValues) -> Geometry | SlotValues:
         return given if isinstance(given, SlotValues) else self.design.checked(given)

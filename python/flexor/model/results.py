@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.display import Displayed
 from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
@@ -105,18 +106,25 @@ class Results:
         is no equilibrium.
     derivatives : (n, joints + 1, p) array
         The same with respect to the p parameters of a set.
+    value_gradient : (n, p) array
+        Derivatives of the value of a study's objective with respect to the parameters of its set.
+    constraint_gradients : (n, c, p) array
+        The same of the values of its constraints, each at the place and the load where it is worst.
+    constraint_regularity : (n, c) array of str
+        Whether these hold, as `regularity`; ``"no-derivative"`` where an observable has none.
     regularity : (n,) array of str
-        Whether these derivatives hold: ``"regular"``; ``"snapped"``, where they are those of the
-        branch the path ended on and do not see the snap move or vanish; ``"contact-threshold"``,
-        where a sphere just touches; ``"nearly-singular"``, where the stiffness all but vanishes;
+        Whether derivatives hold, in a study those of the objective's value: ``"regular"``;
+        ``"snapped"``, where they are those of the branch that a path was on and do not see the snap
+        move or vanish; ``"contact-threshold"``, where a sphere just touches; ``"nearly-singular"``,
+        where the stiffness all but vanishes;
+        ``"tied"``, where it is that of the largest of several numbers and another one equals it;
         ``"no-equilibrium"``.
     value : (n,) array
         Value of the objective of a study; +inf where the design failed, never NaN.
-    value_gradient : (n, p) array
-        Derivatives of that value with respect to the p parameters of a set, where it is an
-        aggregate over scenarios.
     shown : (n,) array
         The objective's quantity for display; NaN where the design failed.
+    objective_values : (n, m) array
+        Value of each of several objectives of a study, to be minimised, SI; no columns with one.
     reason : (n,) array of str
         Empty, or why the design failed.
     constraint_values : (n, c) array
@@ -158,10 +166,13 @@ class Results:
     total_iterations: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     gradient: Array = field(default=_NONE, metadata=_DESIGN)
     derivatives: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    value_gradient: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    constraint_gradients: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    constraint_regularity: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     regularity: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     value: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
-    value_gradient: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     shown: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
+    objective_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     reason: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN_RECORDED)
     constraint_values: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
     violation: Array = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -310,7 +321,7 @@ class States(Results):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Path(Results):
+class Path(Displayed, Results):
     """Equilibria of one design over load steps, each followed from the one before.
 
     ``path[step]`` is a `State`, ``path[start:stop]`` a part of the path.
@@ -338,6 +349,19 @@ class Path(Results):
 
     def __iter__(self) -> Iterator[State]:
         return (self[step] for step in range(len(self)))
+
+    @property
+    def as_batch(self) -> Paths:
+        """The same as paths of one design."""
+        arrays: dict[str, Any] = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if value is not None and each.metadata["axes"].startswith("n"):
+                table = each.name == "event_table"
+                one = np.fromiter([value], dtype=object, count=1) if table else None
+                value = np.asarray(value)[None] if one is None else one
+            arrays[each.name] = value
+        return Paths(**arrays)
 
     def frames(self, step: int = -1) -> dict[str, Array]:
         """Return the frames along each body in one step; see `State.frames`."""
@@ -517,6 +541,7 @@ class Paths(Results):
         reason: str,
         parameters: int | None = None,
         constraints: int = 0,
+        objectives: int = 0,
     ) -> Paths:
         """Paths of ``count`` designs that could not be evaluated, for this reason.
 
@@ -525,10 +550,15 @@ class Paths(Results):
         derived: dict[str, Any] = {}
         if parameters is not None:
             derived["derivatives"] = np.full((count, joints + 1, parameters), np.nan)
+            derived["value_gradient"] = np.full((count, parameters), np.nan)
+            derived["constraint_gradients"] = np.full((count, constraints, parameters), np.nan)
             derived["regularity"] = np.full(count, "no-equilibrium", dtype=object)
+            absent = np.full((count, constraints), "no-equilibrium", dtype=object)
+            derived["constraint_regularity"] = absent
         return cls(
             value=np.full(count, np.inf),
             shown=np.full(count, np.nan),
+            objective_values=np.full((count, objectives), np.nan),
             reason=np.full(count, reason, dtype=object),
             constraint_values=np.full((count, constraints), np.nan),
             violation=np.full(count, np.inf),

@@ -282,16 +282,23 @@ class Structure:
         InputError
             If it is not given at the rod's sample points.
         """
-        batch, name = self.design.checked(geometry), self.design.rod
-        place = self.file.bodies[name].placement
+        batch = self.design.checked(geometry)
+        place = self.file.bodies[self.design.rod].placement
         columns = [batch.length[:, None], batch.radius, batch.slope]
-        ranges = [self.engine.slots[f"{name}.{part}"] for part in ("length", "radius", "slope")]
         if place.reference == "underside":
             base = np.array([place.x, place.y, place.z], dtype=float)
             columns.append(base + batch.radius[:, :1] * place.dorsal)
-            ranges.append(self.engine.slots[f"{name}.translation"])
-        indices = np.concatenate([np.arange(start, stop) for start, stop in ranges])
-        return indices, np.concatenate(columns, axis=1)
+        return self.geometry_indices, np.concatenate(columns, axis=1)
+
+    @cached_property
+    def geometry_indices(self) -> NDArray[np.intp]:
+        """Which of the engine's parameters hold the geometry of the designed rod, (k,)."""
+        name = self.design.rod
+        parts = ["length", "radius", "slope"]
+        if self.file.bodies[name].placement.reference == "underside":
+            parts.append("translation")
+        ranges = [self.engine.slots[f"{name}.{part}"] for part in parts]
+        return np.concatenate([np.arange(start, stop) for start, stop in ranges])
 
     def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> Array:
         """Differentiate the values of `geometry_slots`, which are linear in the geometry.

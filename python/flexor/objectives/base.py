@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.derivatives import Differential
 from flexor.model.results import Paths
 from flexor.objectives.gradient import PathGradient
 
@@ -43,11 +44,38 @@ class Objective(ABC):
     def shown(self, paths: Paths) -> Array:
         """Quantity for display, (n,), in `unit`."""
 
+    @property
+    def count(self) -> int:
+        """How many objectives these are, if they are several; 0 for one."""
+        return 0
+
+    def values(self, paths: Paths) -> Array:
+        """Return the values of several objectives, (n, m); (n, 0) for one."""
+        return np.zeros((len(paths), 0))
+
+    def displayed(self, value: Array) -> Array:
+        """Return values for tables and figures: the quantity in `unit` where it alone decides."""
+        return value
+
     def residual(self, paths: Paths) -> Array:
         """Vector (n, r) whose norm is the value, for least squares; InputError without one."""
         raise InputError(
             f'objective "{self.name}" is not the norm of a vector, which least squares needs.'
         )
+
+    @property
+    def of_observable(self) -> bool:
+        """Whether it maximises or minimises an observable, of a design that is to be made and worn.
+
+        Constraints hold by default then, and there is a verdict. The paper's objectives are stated
+        without constraints, and so are users' own.
+        """
+        return False
+
+    @property
+    def is_norm(self) -> bool:
+        """Whether it is the norm of a vector, a `residual`."""
+        return type(self).residual is not Objective.residual
 
     @property
     def differentiable(self) -> bool:
@@ -65,6 +93,13 @@ class Objective(ABC):
         InputError if the objective has no derivative.
         """
         raise InputError(f'objective "{self.name}" has no gradient.')
+
+    def differential(self, paths: Paths) -> Differential:
+        """Return the first-order change of the values with what the engine differentiates.
+
+        InputError if the objective has no derivative.
+        """
+        return self.gradient(paths).differential(paths.model)
 
     def residual_gradient(self, paths: Paths) -> PathGradient:
         """Differentiate the residual: joint angles (n, r, steps, j), tip force (n, r, steps).

@@ -27,9 +27,10 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
     Returns
     -------
     Paths
-        The same with ``value``, ``shown`` and ``reason``.
+        The same with ``value``, ``shown``, ``objective_values`` and ``reason``.
     """
     value, shown = np.full(len(paths), np.inf), np.full(len(paths), np.nan)
+    several = np.full((len(paths), objective.count), np.nan)
     reason = np.full(len(paths), "", dtype=object)
     finite = np.isfinite(paths.joint_angles).all(axis=2) & np.isfinite(paths.tip_force)
     good = paths.converged & paths.stable & finite
@@ -48,7 +49,10 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
     if evaluated.any():
         chosen = paths if evaluated.all() else paths[evaluated]
         value[evaluated], shown[evaluated] = objective.value(chosen), objective.shown(chosen)
-    for i in map(int, np.flatnonzero(evaluated & ~np.isfinite(value))):
-        reason[i] = f'objective "{objective.name}" gave {value[i]:g}'
-        value[i], shown[i] = np.inf, np.nan
-    return replace(paths, value=value, shown=shown, reason=reason)
+        several[evaluated] = objective.values(chosen)
+    every = np.column_stack((value, several))
+    for i in map(int, np.flatnonzero(evaluated & ~np.isfinite(every).all(axis=1))):
+        found = every[i][~np.isfinite(every[i])][0]
+        reason[i] = f'objective "{objective.name}" gave {found:g}'
+        value[i], shown[i], several[i] = np.inf, np.nan, np.nan
+    return replace(paths, value=value, shown=shown, objective_values=several, reason=reason)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.errors import InputError
+from flexor.model.derivatives import Differential
 from flexor.model.results import Paths
 from flexor.model.structure import Structure
 from flexor.objectives.base import Objective
-from flexor.objectives.gradient import PathGradient
 from flexor.observables import Observable, observable
 
 SENSES = {"maximise": -1.0, "minimise": 1.0}
@@ -25,16 +24,24 @@ class Extremum(Objective):
     ----------
     sign : float
         -1 to maximise, 1 to minimise.
+    factor : float
+        SI value of the unit.
     differentiable_observable : bool
-        Whether the engine gives its gradient.
+        Whether the observable has exact derivatives.
     """
 
     sign: float = 1.0
+    factor: float = 1.0
     differentiable_observable: bool = False
 
     @property
+    def of_observable(self) -> bool:
+        """True."""
+        return True
+
+    @property
     def differentiable(self) -> bool:
-        """Whether it has a `gradient`."""
+        """Whether the observable has derivatives."""
         return self.differentiable_observable
 
     def value(self, paths: Paths) -> Array:
@@ -43,20 +50,16 @@ class Extremum(Objective):
 
     def shown(self, paths: Paths) -> Array:
         """Return the observable in its unit, (n,)."""
-        found = self._observable(paths.model)
-        return found.last(paths) / found.unit[0]
+        return self._observable(paths.model).last(paths) / self.factor
 
-    def gradient(self, paths: Paths) -> PathGradient:
-        """Differentiate the value at the last load; InputError if the engine has none."""
-        found = self._observable(paths.model)
-        if not found.differentiable:
-            raise InputError(f'objective "{self.name}" has no gradient.')
-        angles, force = np.zeros(paths.joint_angles.shape), np.zeros(paths.tip_force.shape)
-        if found.of_tip:
-            force[:, -1] = self.sign
-        else:
-            angles[:, -1] = self.sign * np.array(found.joints)
-        return PathGradient(angles, force)
+    def displayed(self, value: Array) -> Array:
+        """Return values of this objective as the observable in its unit."""
+        return self.sign * value / self.factor + 0.0
+
+    def differential(self, paths: Paths) -> Differential:
+        """Return the first-order change of the value; InputError if there is none."""
+        last = np.full(len(paths), paths.loads.shape[0] - 1)
+        return self._observable(paths.model).differential(paths, last) * self.sign
 
     def _observable(self, model: Structure) -> Observable:
         return observable(self.quantity, model)
@@ -85,5 +88,6 @@ def extremum(sense: str, name: str, model: Structure) -> Extremum:
         quantity=found.name,
         unit=found.unit[1],
         sign=SENSES[sense],
+        factor=found.unit[0],
         differentiable_observable=found.differentiable,
     )

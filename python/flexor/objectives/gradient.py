@@ -8,6 +8,8 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.derivatives import Differential, weights
+from flexor.model.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,17 @@ class PathGradient:
     joint_angles: Array  # (n, ..., steps, j), [1/rad]
     tip_force: Array  # (n, ..., steps), [1/N]
 
+    def differential(self, model: Structure) -> Differential:
+        """Return it as the first-order change of the values, which are n numbers."""
+        n, steps = self.tip_force.shape
+        parts = []
+        for step in range(steps):
+            angles, force = self.joint_angles[:, step], self.tip_force[:, step]
+            if angles.any() or force.any():
+                groups = {"joints": angles, "tip_force": force[:, None]}
+                parts.append((np.full(n, step), weights(model, n, groups)))
+        return Differential(tuple(parts))
+
     def chained(self, derivatives: Array) -> Array:
         """Return the derivative of the values with respect to k parameters, (n, ..., k).
 
@@ -30,8 +43,8 @@ class PathGradient:
         """
         if self.joint_angles[..., :-1, :].any() or self.tip_force[..., :-1].any():
             raise InputError(
-                "the objective has a gradient at loads before the last, where the engine gives no "
-                "derivatives."
+                "the residual has a gradient at loads before the last, of which no derivatives are "
+                "recorded."
             )
         weights = np.concatenate(
             (self.joint_angles[..., -1, :], self.tip_force[..., -1][..., None]), axis=-1

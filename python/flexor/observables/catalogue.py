@@ -12,7 +12,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
 from flexor.model.units import ANGLE, FORCE, LENGTH, PRESSURE, VOLUME, Dimension
-from flexor.observables import quantities
+from flexor.observables import quantities, slopes
 from flexor.observables.observable import Observable
 
 ENERGY = Dimension("an energy", "J", "10 mJ")
@@ -30,14 +30,22 @@ Values = Callable[[Paths], Array]
 
 
 @dataclass(frozen=True)
+class Member:
+    """One observable of a kind: its values (n, s) and, if it has derivatives, its change."""
+
+    values: Values
+    slope: slopes.Slope | None = None
+
+
+@dataclass(frozen=True)
 class Kind:
     """A kind of observable: one, or one for each of the model's members such as its joints."""
 
     name: str
     dimension: Dimension | None
     text: str
-    # From the model to the values of each member; the empty name is the observable without one.
-    members: Callable[[Structure], dict[str, Values]]
+    # From the model to each member; the empty name is the observable without one.
+    members: Callable[[Structure], dict[str, Member]]
     absent: str  # what a model without it lacks
     key: str = ""  # of `State.extremes`, where its place is found
 
@@ -98,7 +106,7 @@ def kinds() -> dict[str, str]:
 
 
 def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
-    for member, values in kind.members(model).items():
+    for member, found in kind.members(model).items():
         unit = (1.0, "") if kind.dimension is None else _UNITS[kind.dimension.unit]
         dimension = kind.dimension
         if kind.name == "angle" and member not in _angular(model):
@@ -108,19 +116,10 @@ def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
             dimension=dimension,
             unit=unit,
             text=kind.text,
-            values=values,
-            joints=_joints(kind.name, member, model),
-            of_tip=kind.name == "tip-force",
+            values=found.values,
+            slope=found.slope,
             place=_place(kind.key) if kind.key else None,
         )
-
-
-def _joints(kind: str, member: str, model: Structure) -> tuple[float, ...] | None:
-    if kind == "bending":
-        return tuple(float(name in model.angular_joints) for name in model.joints)
-    if kind == "angle":
-        return tuple(float(model.joint_labels[name] == member) for name in model.joints)
-    return None
 
 
 def _place(key: str) -> Callable[[State], str]:
@@ -138,44 +137,61 @@ def _angular(model: Structure) -> list[str]:
     return [model.joint_labels[name] for name in model.angular_joints]
 
 
-def _angles(model: Structure) -> dict[str, Values]:
+def _angles(model: Structure) -> dict[str, Member]:
     return {
-        model.joint_labels[name]: lambda paths, i=i: paths.joint_angles[:, :, i]  # type: ignore[misc]
+        model.joint_labels[name]: Member(
+            lambda paths, i=i: paths.joint_angles[:, :, i],  # type: ignore[misc]
+            slopes.member("joints", i),
+        )
         for i, name in enumerate(model.joints)
     }
 
 
-def _if(there: object, values: Values) -> dict[str, Values]:
-    return {"": values} if there else {}
+def _if(there: object, values: Values, slope: slopes.Slope | None = None) -> dict[str, Member]:
+    return {"": Member(values, slope)} if there else {}
 
 
-def _volumes(model: Structure) -> dict[str, Values]:
+def _volumes(model: Structure) -> dict[str, Member]:
     return {
-        name: lambda paths, i=i: paths.volume[:, :, i]  # type: ignore[misc]
+        name: Member(
+            lambda paths, i=i: paths.volume[:, :, i],  # type: ignore[misc]
+            slopes.member("volume", i),
+        )
         for i, name in enumerate(model.pressures)
     }
 
 
-def _applied(names: tuple[str, ...], model: Structure) -> dict[str, Values]:
+def _applied(names: tuple[str, ...], model: Structure) -> dict[str, Member]:
     columns = {name: model.inputs.index(name) for name in names}
     return {
-        name: lambda paths, i=i: paths.applied[:, :, i]  # type: ignore[misc]
+        name: Member(
+            lambda paths, i=i: paths.applied[:, :, i],  # type: ignore[misc]
+            slopes.member("applied", i),
+        )
         for name, i in columns.items()
     }
 
 
-def _straps(model: Structure) -> dict[str, Values]:
+def _straps(model: Structure) -> dict[str, Member]:
     names = tuple(model.file.straps)
-    each: dict[str, Values] = {
-        name: lambda paths, i=i: quantities.strap_forces(paths)[:, :, i]  # type: ignore[misc]
+    outputs = slopes.strap_members(model)
+    each = {
+        name: Member(
+            lambda paths, i=i: quantities.strap_forces(paths)[:, :, i],  # type: ignore[misc]
+            outputs[name],
+        )
         for i, name in enumerate(names)
     }
-    return _if(names, lambda paths: quantities.strap_forces(paths).max(axis=2)) | each
+    largest: Values = lambda paths: quantities.strap_forces(paths).max(axis=2)  # noqa: E731
+    return _if(names, largest, slopes.strap_force) | each
 
 
-def _obstacles(model: Structure) -> dict[str, Values]:
+def _obstacles(model: Structure) -> dict[str, Member]:
     return {
-        name: lambda paths, i=i: quantities.obstacle_forces(paths)[:, :, i]  # type: ignore[misc]
+        name: Member(
+            lambda paths, i=i: quantities.obstacle_forces(paths)[:, :, i],  # type: ignore[misc]
+            slopes.member("half_spaces", i),
+        )
         for i, name in enumerate(model.file.obstacles)
     }
 
@@ -199,14 +215,14 @@ _KINDS = (
         "bending",
         ANGLE,
         "sum of the angles of all joints",
-        lambda model: _if(model.angular_joints, quantities.bending),
+        lambda model: _if(model.angular_joints, quantities.bending, slopes.bending),
         _JOINTS,
     ),
     Kind(
         "range-of-motion",
         ANGLE,
         "bending beyond that under the first load, where a preload has its effect",
-        lambda model: _if(model.angular_joints, _range_of_motion),
+        lambda model: _if(model.angular_joints, _range_of_motion, slopes.range_of_motion),
         _JOINTS,
     ),
     Kind("angle", ANGLE, "coordinate of one joint", _angles, "a joint"),
@@ -214,21 +230,27 @@ _KINDS = (
         "tip-force",
         FORCE,
         "force of the exosuit's tip on the finger, F_t (14)",
-        lambda model: _if(model.first_spheres, lambda paths: paths.tip_force),
+        lambda model: _if(
+            model.first_spheres, lambda paths: paths.tip_force, slopes.output("tip_force")
+        ),
         _CONTACT,
     ),
     Kind(
         "contacts",
         None,
         "number of spheres or points of the exosuit that touch, n_c",
-        lambda model: _if(model.first_spheres, lambda paths: paths.touching.astype(float)),
+        lambda model: _if(
+            model.first_spheres, lambda paths: paths.touching.astype(float), slopes.constant
+        ),
         _CONTACT,
     ),
     Kind(
         "overlap",
         LENGTH,
         "largest overlap of bodies in contact",
-        lambda model: _if(model.first_spheres, lambda paths: paths.max_overlap),
+        lambda model: _if(
+            model.first_spheres, lambda paths: paths.max_overlap, slopes.output("max_overlap")
+        ),
         _CONTACT,
         "max_overlap",
     ),
@@ -236,7 +258,11 @@ _KINDS = (
         "contact-pressure",
         PRESSURE,
         "largest pressure of contact through skins",
-        lambda model: _if(model.foundations, lambda paths: paths.max_contact_pressure),
+        lambda model: _if(
+            model.foundations,
+            lambda paths: paths.max_contact_pressure,
+            slopes.output("max_contact_pressure"),
+        ),
         "bodies with a skin",
         "max_contact_pressure",
     ),
@@ -244,7 +270,7 @@ _KINDS = (
         "strain",
         None,
         "largest strain |λ - 1| of a fibre",
-        lambda model: _if(_fibres(model), lambda paths: paths.max_strain),
+        lambda model: _if(_fibres(model), lambda paths: paths.max_strain, slopes.strain),
         "a section with a material",
         "max_strain",
     ),
@@ -252,21 +278,25 @@ _KINDS = (
         "strain-use",
         None,
         "largest strain of a fibre, as a share of its material's strain_limit",
-        lambda model: _if(_limited(model, "strain_limit"), quantities.strain_use),
+        lambda model: _if(
+            _limited(model, "strain_limit"), quantities.strain_use, slopes.strain_use
+        ),
         "a material with a strain_limit",
     ),
     Kind(
         "stress-use",
         None,
         "largest nominal stress of a fibre, as a share of its material's stress_limit",
-        lambda model: _if(_limited(model, "stress_limit"), quantities.stress_use),
+        lambda model: _if(
+            _limited(model, "stress_limit"), quantities.stress_use, slopes.stress_use
+        ),
         "a material with a stress_limit",
     ),
     Kind(
         "min-stretch",
         None,
         "smallest stretch λ of a fibre; at 0 the section folds",
-        lambda model: _if(_fibres(model), lambda paths: paths.min_stretch),
+        lambda model: _if(_fibres(model), lambda paths: paths.min_stretch, slopes.min_stretch),
         "a section with a material",
         "min_stretch",
     ),
@@ -284,7 +314,7 @@ _KINDS = (
         "mass",
         MASS,
         "mass of all rods",
-        lambda model: _if(model.rods, quantities.mass),
+        lambda model: _if(model.rods, quantities.mass, slopes.mass),
         "a rod",
     ),
     Kind("energy", ENERGY, "potential energy", lambda model: _if(True, lambda p: p.energy), ""),
@@ -292,7 +322,7 @@ _KINDS = (
         "snaps",
         None,
         "number of snaps along the path",
-        lambda model: _if(True, quantities.snaps),
+        lambda model: _if(True, quantities.snaps, slopes.constant),
         "",
     ),
 )

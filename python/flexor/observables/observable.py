@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.errors import InputError
 from flexor.model.units import Dimension
 
 if TYPE_CHECKING:
+    from flexor.model.derivatives import Differential
     from flexor.model.results import Paths, State
 
 Worst = Literal["most", "least"]
@@ -34,11 +37,9 @@ class Observable:
     values : callable
         From `flexor.model.Paths` of n designs to its values (n, s), SI; NaN where there is no
         equilibrium.
-    joints : tuple of float or None
-        Its derivative with respect to the joints' coordinates, for those that are a sum of these
-        at the same load; the engine then gives its gradient.
-    of_tip : bool
-        Whether it is the tip force, whose gradient the engine gives.
+    slope : callable or None
+        From paths and a step of each, (n,), to the first-order change of its values there, a
+        `flexor.model.derivatives.Differential`; None where it has no derivative.
     place : callable or None
         From a `flexor.model.State` to the place of an extreme, such as ``"exosuit, X = 0.5"``.
     """
@@ -48,14 +49,13 @@ class Observable:
     unit: tuple[float, str]
     text: str
     values: Callable[[Paths], Array]
-    joints: tuple[float, ...] | None = None
-    of_tip: bool = False
+    slope: Callable[[Paths, NDArray[np.intp]], Differential] | None = None
     place: Callable[[State], str] | None = field(default=None, compare=False)
 
     @property
     def differentiable(self) -> bool:
-        """Whether the engine gives its gradient, at the last load."""
-        return self.of_tip or self.joints is not None
+        """Whether it has exact derivatives."""
+        return self.slope is not None
 
     def shown(self, value: float, digits: int = 4) -> str:
         """Return a value in its unit for display."""
@@ -65,3 +65,12 @@ class Observable:
     def last(self, paths: Paths) -> Array:
         """Return the values at the last load, (n,)."""
         return np.asarray(self.values(paths)[:, -1])
+
+    def differential(self, paths: Paths, steps: NDArray[np.intp]) -> Differential:
+        """Return the first-order change of the values at one step of each path, (n,).
+
+        InputError if it has no derivative.
+        """
+        if self.slope is None:
+            raise InputError(f'"{self.name}" has no exact derivative.')
+        return self.slope(paths, steps)

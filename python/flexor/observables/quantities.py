@@ -5,18 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.materials.laws import fibre_energy
 from flexor.model.results import Paths
 from flexor.model.schema import Rod
 from flexor.model.schema.section_geometry import is_made_of_fibres
+from flexor.model.structure import Structure
 
 
 def bending(paths: Paths) -> Array:
     """Return the sum of the angles of the joints [rad]."""
-    names = paths.model.angular_joints
-    angular = np.array([name in names for name in paths.model.joints], dtype=bool)
-    return np.asarray(paths.joint_angles[:, :, angular].sum(axis=2))
+    return np.asarray(paths.joint_angles[:, :, is_angular(paths.model)].sum(axis=2))
+
+
+def is_angular(model: Structure) -> NDArray[np.bool_]:
+    """Return which coordinates of joints are angles, (joints,)."""
+    return np.array([name in model.angular_joints for name in model.joints], dtype=bool)
 
 
 def snaps(paths: Paths) -> Array:
@@ -27,35 +33,56 @@ def snaps(paths: Paths) -> Array:
 
 def strain_use(paths: Paths) -> Array:
     """Return the largest strain as a share of the strain limit of its material."""
-    found = np.full(paths.stretch.shape[:2], -np.inf)
-    for index, table in enumerate(paths.model.file.materials.values()):
-        if table.strain_limit is not None:
-            strain = np.abs(paths.stretch[:, :, index] - 1.0).max(axis=2)
-            found = np.fmax(found, strain / float(table.strain_limit))
-    return _existing(found)
+    strain = np.abs(paths.stretch - 1.0) / limits(paths.model, "strain_limit")[:, None]
+    return np.asarray(np.fmax.reduce(strain, axis=(2, 3), initial=np.nan))
+
+
+def limits(model: Structure, key: str) -> Array:
+    """Return the limit of each material, SI; infinite without one."""
+    values = (getattr(table, key) for table in model.file.materials.values())
+    return np.array([np.inf if value is None else float(value) for value in values])
 
 
 def stress_use(paths: Paths) -> Array:
     """Return the largest nominal stress as a share of the stress limit of its material."""
-    found = np.full(paths.stretch.shape[:2], -np.inf)
+    found = np.full(paths.stretch.shape, np.nan)
     for index, (name, table) in enumerate(paths.model.file.materials.items()):
-        if table.stress_limit is not None:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                stress = table.material(name).nominal_stress(paths.stretch[:, :, index])
-            found = np.fmax(found, np.abs(stress).max(axis=2) / float(table.stress_limit))
-    return _existing(found)
+        if table.stress_limit is None:
+            continue
+        start, stop = paths.model.engine.slots[f"{name}.constants"]
+        wound, limit = table.winding == "hoop", float(table.stress_limit)
+        # Of each design, as they may be varied.
+        for i, constants in enumerate(paths.parameters[:, start:stop].tolist()):
+            energy = fibre_energy(table.kind, constants, paths.stretch[i, :, index], wound)
+            found[i, :, index] = np.abs(energy.first) / limit
+    return np.asarray(np.fmax.reduce(found, axis=(2, 3), initial=np.nan))
 
 
 def strap_forces(paths: Paths) -> Array:
     """Return the tension of each strap [N], (n, s, straps)."""
     file, engine = paths.model.file, paths.model.engine
-    loops = [name for name, strap in file.straps.items() if strap.listed() == "loops"]
-    springs = [*file.springs, *(name for name in file.straps if name not in loops)]
+    loops, springs = _tensed(paths.model)
     columns = {
         **_each(paths, loops, engine.loop_tensions),
         **_each(paths, springs, engine.spring_tensions),
     }
     return np.stack([columns[name] for name in file.straps], axis=2)
+
+
+def strap_outputs(model: Structure) -> dict[str, int]:
+    """Return which of the engine's outputs is the tension of each strap."""
+    outputs = model.engine.outputs
+    loops, springs = _tensed(model)
+    found = {name: outputs["loops"][0] + i for i, name in enumerate(loops)}
+    found |= {name: outputs["springs"][0] + i for i, name in enumerate(springs)}
+    return {name: found[name] for name in model.file.straps}
+
+
+def _tensed(model: Structure) -> tuple[list[str], list[str]]:
+    """Return the names of the engine's loops and springs in their order."""
+    file = model.file
+    loops = [name for name, strap in file.straps.items() if strap.listed() == "loops"]
+    return loops, [*file.springs, *(name for name in file.straps if name not in loops)]
 
 
 def obstacle_forces(paths: Paths) -> Array:
@@ -70,41 +97,59 @@ def mass(paths: Paths) -> Array:
 
     Of a section that is given by its mass per length, and of others that of their parts.
     """
-    model = paths.model
-    parameters = paths.parameters
-    total = np.zeros(len(parameters))
+    total = np.zeros(len(paths))
+    for rod in paths.model.rods:
+        length, density, _ = _density(paths, rod)
+        total += length * (density @ paths.model.file.rod(rod).gauss_rule[1])
+    return np.broadcast_to(total[:, None], paths.joint_angles.shape[:2]).copy()
+
+
+def mass_slopes(paths: Paths) -> Array:
+    """Return the derivatives of `mass` by the engine's parameters, (n, P)."""
+    model, parameters = paths.model, paths.parameters
+    found = np.zeros(parameters.shape)
     for name in model.rods:
         rod = model.file.rod(name)
         points, shares = rod.gauss_rule
-        length = model.slot(f"{name}.length", parameters.T)[0]
-        s = model.slot(f"{name}.radius", parameters.T)[points].T  # (n, G)
-        if is_made_of_fibres(rod):
-            of_gauss = model.fibre_sections(name)
-            density = np.stack(
-                [
-                    _polynomial(model.slot(f"{name}.mass[{section}]", parameters.T), s[:, g])
-                    for g, section in enumerate(of_gauss)
-                ],
-                axis=1,
-            )
-        else:
-            density = model.slot(f"{name}.density", parameters.T)[0][:, None] * _area(rod) * s**2
-        total += length * (density @ shares)
-    return np.broadcast_to(total[:, None], paths.joint_angles.shape[:2]).copy()
+        length, density, (slope, powers, columns) = _density(paths, name)
+        found[:, model.engine.slots[f"{name}.length"][0]] += density @ shares
+        start = model.engine.slots[f"{name}.radius"][0]
+        found[:, start + points] += length[:, None] * slope * shares
+        for g, share in enumerate(shares):
+            found[:, columns[g]] += (length * share)[:, None] * powers[:, g]
+    return found
+
+
+def _density(
+    paths: Paths, name: str
+) -> tuple[Array, Array, tuple[Array, Array, list[NDArray[np.intp]]]]:
+    """Return the length (n,) of a rod and its mass per length at G Gauss points, (n, G).
+
+    Also the slope of the latter by S, (n, G), and those by some of the engine's parameters,
+    (n, G, c), with their indices at each point.
+    """
+    model, parameters = paths.model, paths.parameters
+    rod, slots = model.file.rod(name), model.engine.slots
+    points, _ = rod.gauss_rule
+    length = model.slot(f"{name}.length", parameters.T)[0]
+    s = model.slot(f"{name}.radius", parameters.T)[points].T
+    if is_made_of_fibres(rod):
+        sections = [slots[f"{name}.mass[{section}]"][0] for section in model.fibre_sections(name)]
+        columns = [start + np.arange(3) for start in sections]
+        powers = np.stack((np.ones_like(s), s, s * s), axis=2)
+        c = np.stack([parameters[:, each] for each in columns], axis=1)
+        density = c[..., 0] + s * (c[..., 1] + s * c[..., 2])
+        return length, density, (c[..., 1] + 2.0 * s * c[..., 2], powers, columns)
+    start = slots[f"{name}.density"][0]
+    area, own = _area(rod) * s * s, parameters[:, start, None]
+    columns = [np.array([start])] * len(points)
+    return length, own * area, (2.0 * own * _area(rod) * s, area[..., None], columns)
 
 
 def _area(rod: Rod) -> float:
     """Return the area of a solid section by S²."""
     kind, ratio = rod.section.kind, rod.section.ratio or 1.0  # type: ignore[union-attr]
     return 4.0 * ratio if kind == "rectangular" else np.pi * ratio
-
-
-def _polynomial(coefficients: Array, s: Array) -> Array:
-    return np.asarray(coefficients[0] + s * (coefficients[1] + s * coefficients[2]))
-
-
-def _existing(found: Array) -> Array:
-    return np.where(np.isneginf(found), np.nan, found)
 
 
 def _each(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexor.optimizers.auto import Auto
 from flexor.optimizers.budgeted_evaluator import BudgetedEvaluator, BudgetExhausted
 from flexor.optimizers.cached_evaluator import CachedEvaluator
 from flexor.optimizers.catalogue import Entry, available, canonical, entries, method, names
@@ -18,13 +19,16 @@ from flexor.optimizers.interface import (
     ProgressCallback,
     Search,
     SearchResult,
+    SeveralFunction,
     VectorFunction,
+    takes_several,
     uses_gradients,
 )
 from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
 from flexor.optimizers.mads import Mads
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.multistart_bfgs import MultistartBfgs
+from flexor.optimizers.pareto import Pareto, nondominated
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.polished_pattern import PolishedPattern
 from flexor.optimizers.population import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm
@@ -32,6 +36,7 @@ from flexor.optimizers.starts import starting_designs
 from flexor.optimizers.surrogate import Surrogate
 
 __all__ = [
+    "Auto",
     "BatchFunction",
     "Budget",
     "BudgetExhausted",
@@ -50,6 +55,7 @@ __all__ = [
     "Mads",
     "Method",
     "MultistartBfgs",
+    "Pareto",
     "ParticleSwarm",
     "PatternSearch",
     "PolishedPattern",
@@ -58,6 +64,7 @@ __all__ = [
     "Run",
     "Search",
     "SearchResult",
+    "SeveralFunction",
     "Surrogate",
     "VectorFunction",
     "available",
@@ -67,6 +74,8 @@ __all__ = [
     "grid_designs",
     "method",
     "names",
+    "nondominated",
     "starting_designs",
+    "takes_several",
     "uses_gradients",
 ]

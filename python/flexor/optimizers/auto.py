@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
+from flexor.optimizers.sqp import linearization, minimize_slsqp
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,8 @@ class Auto(Method):
 
     The sample finds the valley, SLSQP its floor along the constraints, and the pattern search what
     lies beyond a snap or a lost contact, where slopes say nothing. Slopes of values and constraints
-    are one-sided differences, one batch for each.
+    are exact; where one of these has no derivative, they are one-sided differences, one batch for
+    each.
 
     Attributes
     ----------
@@ -65,7 +66,12 @@ class Auto(Method):
             return "no design of the sample succeeded"
         ends = [(values[order[0]], points[order[0]])]
         for i in order[: self.starts]:
-            end = self._descend(run, points[i])
+            end = minimize_slsqp(
+                run,
+                points[i],
+                lambda point: linearization(run, point, self.difference),
+                self.iterations,
+            )
             ends.append((float(run.values(end[None, :])[0]), end))
         best = min(ends, key=lambda each: each[0])[1]
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
@@ -73,49 +79,3 @@ class Auto(Method):
         for polls in search.iterate(run.values, *box, start=best, seed=run.seed):
             run.step(f"mesh {max(poll.mesh for poll in polls):.3g}")
         return f"the mesh is below {self.tolerance:g}"
-
-    def _descend(self, run: Run, start: FloatArray) -> FloatArray:
-        """Run SLSQP from a point (k,) and return where it ends."""
-        from scipy.optimize import minimize
-
-        seen: dict[bytes, tuple[float, FloatArray, FloatArray, FloatArray]] = {}
-
-        def at(point: FloatArray) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-            key = point.tobytes()
-            if key not in seen:
-                seen[key] = self._linearized(run, np.clip(point, 0.0, 1.0))
-            return seen[key]
-
-        bounds = {
-            "type": "ineq",
-            "fun": lambda point: -at(point)[2],
-            "jac": lambda point: -at(point)[3],
-        }
-        result = minimize(
-            lambda point: at(point)[:2],
-            start,
-            jac=True,
-            method="SLSQP",
-            bounds=[(0.0, 1.0)] * run.size,
-            constraints=[bounds] if at(start)[2].size else [],
-            options={"maxiter": self.iterations, "ftol": 1e-9},
-            callback=lambda _: run.step("SQP"),
-        )
-        return np.clip(np.asarray(result.x, dtype=np.float64), 0.0, 1.0)
-
-    def _linearized(
-        self, run: Run, point: FloatArray
-    ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-        """Return value, gradient (k,), excesses (c,) and their Jacobian (c, k) at a point (k,)."""
-        steps = np.where(point + self.difference > 1.0, -self.difference, self.difference)
-        values, excesses = run.constrained(np.concatenate((point[None, :], point + np.diag(steps))))
-        with np.errstate(invalid="ignore"):
-            slope = (values[1:] - values[0]) / steps
-            rise = ((excesses[1:] - excesses[0]) / steps[:, None]).T
-        # A failed design is worse than any, and has no slope.
-        value = float(values[0]) if np.isfinite(values[0]) else 1e6
-        return value, _finite(slope), np.nan_to_num(excesses[0], nan=1.0), _finite(rise)
-
-
-def _finite(slopes: FloatArray) -> FloatArray:
-    return np.where(np.isfinite(slopes), slopes, 0.0)

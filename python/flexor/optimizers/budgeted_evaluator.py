@@ -17,8 +17,11 @@ from flexor.optimizers.interface import (
     DifferentiableFunction,
     DifferentiableVectorFunction,
     FloatArray,
+    Linearized,
+    LinearizedFunction,
     Progress,
     SearchResult,
+    SeveralFunction,
     VectorFunction,
 )
 
@@ -56,6 +59,12 @@ class BudgetedEvaluator:
     def evaluations(self) -> int:
         """Distinct designs evaluated."""
         return len(self._asked)
+
+    @property
+    def remaining(self) -> int | None:
+        """How many evaluations are left of the budget; None without one."""
+        limit = self._budget.evaluations
+        return None if limit is None else max(limit - self.evaluations, 0)
 
     @property
     def design(self) -> FloatArray:
@@ -125,6 +134,34 @@ class BudgetedEvaluator:
         if not isinstance(self._function, ConstrainedFunction):
             return values, np.zeros((len(designs), 0))
         return self._function.constrained(designs)
+
+    def linearized(self, designs: FloatArray) -> Linearized | None:
+        """Return what `constrained` does with the gradients of both, (n, k) and (n, c, k).
+
+        None if the function has none; BudgetExhausted as for values.
+        """
+        if not isinstance(self._function, LinearizedFunction):
+            return None
+        designs = normalized(designs)
+        limit = self._budget.evaluations
+        fresh = first_rows(designs, self._asked)
+        if fresh and (limit is None or self.evaluations + len(fresh) <= limit):
+            # Values and gradients at once; the values are then known.
+            self._check_time()
+            if self._function.linearized(designs) is None:
+                return None
+        self(designs)
+        return self._function.linearized(designs)
+
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) of designs (n, k).
+
+        InputError if the function has one objective only; BudgetExhausted as for values.
+        """
+        if not isinstance(self._function, SeveralFunction):
+            raise InputError("the function has one objective: this method needs several.")
+        self(designs)
+        return self._function.objectives(designs)
 
     def progress(self, iteration: int, detail: str, remaining: int | None = None) -> Progress:
         """Say where the search stands."""

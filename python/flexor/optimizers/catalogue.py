@@ -17,6 +17,7 @@ from flexor.optimizers.interface import Search
 from flexor.optimizers.levenberg_marquardt import LevenbergMarquardt
 from flexor.optimizers.mads import Mads
 from flexor.optimizers.multistart_bfgs import MultistartBfgs
+from flexor.optimizers.pareto import Pareto
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.polished_pattern import PolishedPattern
 from flexor.optimizers.population import DifferentialEvolution, GeneticAlgorithm, ParticleSwarm
@@ -52,6 +53,7 @@ _CLASSES = (
     DualAnnealing,
     Mads,
     Surrogate,
+    Pareto,
     Grid,
 )
 _METHODS = {each.name: Entry(each, each.title, each.aliases, each.description) for each in _CLASSES}

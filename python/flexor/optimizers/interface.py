@@ -73,6 +73,33 @@ class ConstrainedFunction(_Values, Protocol):
         ...
 
 
+Linearized = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+@runtime_checkable
+class LinearizedFunction(ConstrainedFunction, Protocol):
+    """A constrained function with exact gradients of values and excesses."""
+
+    def linearized(self, designs: FloatArray) -> Linearized | None:
+        """Return what `constrained` does, and the gradients of both, (n, k) and (n, c, k).
+
+        NaN for designs that fail. None if there are no gradients.
+        """
+        ...
+
+
+@runtime_checkable
+class SeveralFunction(_Values, Protocol):
+    """A batch function of several objectives, with constraints."""
+
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Map n designs (n, k) to m objectives (n, m) and excesses over c constraints (n, c).
+
+        +inf and NaN for designs that fail.
+        """
+        ...
+
+
 @runtime_checkable
 class StreamingFunction(_Values, Protocol):
     """A batch function that can evaluate ahead while its first values are processed."""
@@ -185,3 +212,8 @@ class Search(Protocol):
 def uses_gradients(search: Search) -> bool:
     """Return whether a search declares, by an attribute ``gradients``, that it uses them."""
     return bool(getattr(search, "gradients", False))
+
+
+def takes_several(search: Search) -> bool:
+    """Return whether a search declares, by an attribute ``several``, that it takes objectives."""
+    return bool(getattr(search, "several", False))

@@ -12,6 +12,7 @@ from flexor.optimizers.interface import (
     BatchFunction,
     Budget,
     FloatArray,
+    Linearized,
     ProgressCallback,
     SearchResult,
 )
@@ -107,6 +108,22 @@ class Run:
     def constrained(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return objective values (n,) and excesses (n, c) at points (n, k), as one batch."""
         return self.function.constrained(self.designs(points))
+
+    def linearized(self, points: ArrayLike) -> Linearized | None:
+        """Return `constrained` with the gradients of both by the unit box, (n, k) and (n, c, k).
+
+        None if they are not available.
+        """
+        found = self.function.linearized(self.designs(points))
+        if found is None:
+            return None
+        values, excesses, slopes, rises = found
+        span = self.upper - self.lower
+        return values, excesses, slopes * span, rises * span
+
+    def objectives(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c) at points (n, k)."""
+        return self.function.objectives(self.designs(points))
 
     def step(self, detail: str, remaining: int | None = None) -> None:
         """Complete an iteration and report progress.

@@ -1,8 +1,9 @@
 """Figures as PNG, SVG or PDF.
 
-`path` draws one design at every load and `designs` two designs before and after actuation, to
-scale; `landscape` plots an objective over one or two parameters and `profiles` a comparison of
-search methods; `save` writes a figure. Matplotlib is imported when the first figure is drawn.
+`path` draws one design at every load, `animation` one after the other, and `designs` two designs
+before and after actuation, to scale; `landscape` plots an objective over one or two parameters,
+`front` designs between several objectives and `profiles` a comparison of search methods; `save`
+writes a figure. Matplotlib is imported when the first figure is drawn.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.plot.animation import animate as animation
 from flexor.plot.designs_figure import Design, draw_designs
+from flexor.plot.front_figure import front
 from flexor.plot.history import read_history
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 
 MOST_SCENES = 12
 
-__all__ = ["designs", "landscape", "path", "profiles", "save", "writable"]
+__all__ = ["animation", "designs", "front", "landscape", "path", "profiles", "save", "writable"]
 
 
 def path(path: Path) -> Figure:

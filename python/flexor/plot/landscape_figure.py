@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.objectives import Extremum
 from flexor.optimizers import entries
+from flexor.plot.landscape_constraints import draw_curve, draw_plan, faded
+from flexor.plot.landscape_constraints import handles as constraint_handles
 from flexor.plot.style import COLUMN, LINE, PAGE, literal, style
 
 if TYPE_CHECKING:
@@ -51,8 +54,9 @@ def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        A surface and a contour plot, one page wide; or a curve, one column wide. The minimum, the
-        designs that snap and those that failed are marked.
+        A surface and a contour plot, one page wide; or a curve, one column wide. The best design,
+        the designs that snap, those that failed, those that are infeasible and the lines on which
+        constraints are active are marked.
     """
     from matplotlib.figure import Figure
 
@@ -71,12 +75,12 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     from matplotlib.colors import Normalize
 
     x, y = _display_axes(landscape)
-    value = np.where(landscape.failed, np.nan, landscape.value).T  # rows are the second parameter
+    value = _values(landscape).T  # rows are the second parameter
     low, high = (np.nanmin(value), np.nanmax(value)) if np.isfinite(value).any() else (0.0, 1.0)
     colours = ScalarMappable(Normalize(low, high if high > low else low + 1.0), "viridis")
     space: Any = figure.add_axes((0.025, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
     plan = figure.add_axes((0.58, 0.24, 0.33, 0.73))
-    _surface(space, x, y, value, colours)
+    _surface(space, x, y, value, colours, landscape)
     _plan(plan, x, y, value, colours, landscape)
     for axes in (space, plan):
         axes.set_xlabel(_label(landscape, 0))
@@ -97,7 +101,9 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     figure.legend(handles=_handles(landscape, paths), loc="lower center", ncols=3)
 
 
-def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None:
+def _surface(
+    space: Any, x: Array, y: Array, value: Array, colours: Any, landscape: Landscape
+) -> None:
     from matplotlib.ticker import MaxNLocator
 
     X, Y = np.meshgrid(x, y)
@@ -105,7 +111,7 @@ def _surface(space: Any, x: Array, y: Array, value: Array, colours: Any) -> None
         X,
         Y,
         value,
-        facecolors=colours.to_rgba(_faces(value)),
+        facecolors=faded(colours.to_rgba(_faces(value)), landscape.infeasible.T),
         rcount=value.shape[0],
         ccount=value.shape[1],
         linewidth=0.0,
@@ -159,6 +165,7 @@ def _plan(plan: Any, x: Array, y: Array, value: Array, colours: Any, landscape: 
             linewidths=0.4,
             alpha=0.6,
         )
+    draw_plan(plan, x, y, landscape)
     across, up = np.nonzero((landscape.events > 0) & ~landscape.failed)
     size = (min(PAGE * 72.0 * 0.38 / max(x.size, y.size), 8.0) * 0.45) ** 2
     plan.scatter(x[across], y[up], s=size, c=SNAP, linewidths=0.0, zorder=3, rasterized=True)
@@ -207,11 +214,12 @@ def _draw_search(
             annotation_clip=True,
             path_effects=[withStroke(linewidth=1.4, foreground=LINE)],
         )
-    space.plot(x, y, path.values, color=LINE, linewidth=1.6, zorder=4)
-    space.plot(x, y, path.values, color=colour, linewidth=0.8, zorder=5)
+    heights = landscape.problem.objective.displayed(path.values)
+    space.plot(x, y, heights, color=LINE, linewidth=1.6, zorder=4)
+    space.plot(x, y, heights, color=colour, linewidth=0.8, zorder=5)
     for i, face, size in ((0, colour, 3.0), (-1, LINE, 4.0)):
         space.plot(
-            [x[i]], [y[i]], [path.values[i]], marker=marker, color=face, markersize=size,
+            [x[i]], [y[i]], [heights[i]], marker=marker, color=face, markersize=size,
             zorder=6, **ends,
         )  # fmt: skip
 
@@ -219,7 +227,8 @@ def _draw_search(
 def _curve(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) -> None:
     axes = figure.add_subplot()
     (x,) = _display_axes(landscape)
-    value = np.where(landscape.failed, np.nan, landscape.value)
+    value = _values(landscape)
+    draw_curve(axes, x, landscape)
     axes.plot(x, value, color="#0072B2", zorder=2)
     snapped = (landscape.events > 0) & ~landscape.failed
     axes.plot(x[snapped], value[snapped], ".", color=SNAP, markersize=3.0, zorder=3)
@@ -227,11 +236,14 @@ def _curve(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     for bad in x[landscape.failed]:
         axes.axvspan(bad - half, bad + half, color=FAILED, linewidth=0.0, zorder=1)
     for (colour, marker), path in _with_styles(paths):
-        across = _column(landscape, path, 0)
-        axes.plot(across, path.values, color=LINE, linewidth=0.6, zorder=4)
+        across, heights = (
+            _column(landscape, path, 0),
+            landscape.problem.objective.displayed(path.values),
+        )
+        axes.plot(across, heights, color=LINE, linewidth=0.6, zorder=4)
         ends: dict[str, Any] = {"marker": marker, "markeredgecolor": LINE, "linestyle": ""}
-        axes.plot(across[:1], path.values[:1], color=colour, markersize=4.0, zorder=5, **ends)
-        axes.plot(across[-1:], path.values[-1:], color=LINE, markersize=5.0, zorder=6, **ends)
+        axes.plot(across[:1], heights[:1], color=colour, markersize=4.0, zorder=5, **ends)
+        axes.plot(across[-1:], heights[-1:], color=LINE, markersize=5.0, zorder=6, **ends)
     if not landscape.failed.all():
         (i,) = landscape.minimum_index
         axes.plot(x[i], value[i], markersize=11, zorder=7, **STAR)
@@ -253,11 +265,14 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
             f"{'' if unit == '1' else ' ' + unit}"
             for axis, column, scale, unit in _varied(landscape)
         )
-        handles.append(Line2D([], [], markersize=11, label=f"minimum at {position}", **STAR))
+        word = "least violation" if not best.feasible else "minimum"
+        word = "best" if best.feasible and _maximised(landscape) else word
+        handles.append(Line2D([], [], markersize=11, label=f"{word} at {position}", **STAR))
     if np.any((landscape.events > 0) & ~landscape.failed):
         handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps"))
     if landscape.failed.any():
         handles.append(Patch(facecolor=FAILED, label="failed"))
+    handles += constraint_handles(landscape)
     styles = {path.method: path_style for path_style, path in _with_styles(paths)}
     for method, (colour, marker) in styles.items():
         name = entries()[method].title if method in entries() else method
@@ -297,13 +312,28 @@ def _label(landscape: Landscape, axis: int) -> str:
 
 
 def _mathematical(label: str) -> str:
+    if "." in label:  # a field of the model file
+        return literal(label)
     stem, _, index = label.partition("_")
     stem = "\\phi" if stem == "phi" else stem
     return f"${stem}_{{{index}}}$" if index else f"${stem}$"
 
 
+def _maximised(landscape: Landscape) -> bool:
+    objective = landscape.problem.objective
+    return isinstance(objective, Extremum) and objective.sign < 0.0
+
+
+def _values(landscape: Landscape) -> Array:
+    """Return what is drawn, NaN where a design failed."""
+    value = np.where(landscape.failed, np.nan, landscape.value)
+    return landscape.problem.objective.displayed(value)
+
+
 def _value_label(landscape: Landscape) -> str:
     objective = landscape.problem.objective
+    if isinstance(objective, Extremum):
+        return literal(f"{objective.quantity} / {objective.unit}".removesuffix(" / "))
     name = SYMBOLS.get(objective.name, objective.name)
     # The unit of a user-defined objective need not be that of its value.
     return f"{name} / {objective.unit}" if objective.name in SYMBOLS else name

@@ -12,6 +12,7 @@ from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Mark, Rod, Scene
 from flexor.plot.style import STRAP
+from flexor.plot.surroundings import planes, springs
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
@@ -53,8 +54,10 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if actuator.kind != "pressure"
     ]
     lines += [_strap(path, name, frames) for name in model.file.straps]
+    lines += springs(path, frames)
     arrows = _contact_arrows(path.contact_forces(step))
-    return Scene(list(rods.values()), links, lines, arrows)
+    scene = Scene(list(rods.values()), links, lines, arrows)
+    return replace(scene, lines=[*lines, *planes(path, *scene.extent())])
 
 
 def marked(scene: Scene, path: Path, step: int = -1) -> Scene:

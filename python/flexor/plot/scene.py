@@ -38,9 +38,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Line:
-    """A line, such as a chamber or a cable along a rod, or a strap."""
+    """A line, such as a chamber or a cable along a rod, a strap, a spring or a plane's outline."""
 
-    name: str  # of the actuator or the strap
+    name: str  # of the actuator, the strap, the spring or the obstacle
     points: Array  # (m, 3) [m]
     label: str  # in the legend
     colour: str = CHAMBER
@@ -74,7 +74,7 @@ class Scene:
     marks: list[Mark] = field(default_factory=list)
 
     def extent(self) -> tuple[Array, Array]:
-        """Return the corners of the bounding box of all bodies, each of shape (3,) [m]."""
+        """Return the corners of the bounding box of all bodies and lines, each (3,) [m]."""
         low, high = [], []
         for rod in self.rods:
             margin = np.maximum(rod.half_height, rod.half_width)[:, None]
@@ -83,6 +83,9 @@ class Scene:
         for link in self.links:
             low.append(np.minimum(link.base - link.radius_base, link.tip - link.radius_tip))
             high.append(np.maximum(link.base + link.radius_base, link.tip + link.radius_tip))
+        for line in self.lines:
+            low.append(line.points.min(axis=0))
+            high.append(line.points.max(axis=0))
         if not low:
             return np.zeros(3), np.zeros(3)
         return np.min(low, axis=0), np.max(high, axis=0)

@@ -102,6 +102,8 @@ def _named(
         if not known:
             raise InputError(f'scenarios "all": the model "{model.name}" has no variants.')
         names = list(known)
+    elif not known:
+        raise InputError(f'scenario "{name}": the model "{model.name}" has no variants.')
     elif name not in known:
         raise InputError(f"{unknown_name('variant', name, known)}.")
     else:

@@ -11,6 +11,7 @@ from flexor.study.executors import (
     Threads,
     chosen_executor,
 )
+from flexor.study.front import Front
 from flexor.study.function import ObjectiveFunction, ObjectiveGradients, objective_function
 from flexor.study.optimization import optimize, resume
 from flexor.study.problem import Problem
@@ -31,6 +32,7 @@ __all__ = [
     "Design",
     "DesignEvaluator",
     "Difference",
+    "Front",
     "Kept",
     "ObjectiveFunction",
     "ObjectiveGradients",

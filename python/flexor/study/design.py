@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.study.designed_model import designed_model
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.sensitivity import Sensitivity
 from flexor.study.verdict import Verdict
 
 if TYPE_CHECKING:
-    from flexor.model import Path, Paths
+    from flexor.model import Model, Path, Paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,11 @@ class Design:
     def path(self) -> Path:
         """The complete path of equilibria, computed again."""
         return self.problem.path(self.vector)
+
+    @cached_property
+    def model(self) -> Model:
+        """The model with this design in place of its own; ``model.file.to_toml()`` is its file."""
+        return designed_model(self.problem, self.vector)
 
     @cached_property
     def sensitivity(self) -> Sensitivity:

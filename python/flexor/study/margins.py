@@ -33,7 +33,7 @@ class WorstErrors:
     errors: FloatArray  # (c, m), SI
     values: FloatArray  # (c,), what is constrained there, SI; NaN where the design then fails
     excess: FloatArray  # (c,), in units of the bounds; +inf where the design then fails
-    scenario: tuple[str, ...]  # c names
+    scenario: tuple[int, ...]  # (c + 1,), in which scenarios; the last of the objective
     # The objective's quantity, for display, and the errors that change it most for the worse.
     shown: float
     error: FloatArray  # (m,)
@@ -57,7 +57,9 @@ def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0)
     rise = slopes[:, :m] - slopes[:, m:]  # (S, m, c + 1)
     signs = np.sign(np.where(np.isfinite(rise), rise, 0.0))
     corners = np.unique(np.moveaxis(signs, 1, 2).reshape(-1, m) * reach, axis=0)
-    tried = np.concatenate([axes, corners, within(problem.tolerances, CHECKED, problem.seed + 1)])
+    spread = within(problem.tolerances, CHECKED, problem.seed + 1)
+    known = problem.corners.reshape(len(problem.corners), m)
+    tried = np.concatenate([known, axes, corners, spread])
     found = _evaluated(problem, design, tried, threads)
     return _worst(problem, tried, found)
 
@@ -91,7 +93,7 @@ def _worst(problem: ScenarioProblem, errors: FloatArray, found: FloatArray) -> W
         errors=errors[rows[:c]],
         values=np.where(np.isfinite(excess[:c]), values, np.nan),
         excess=excess[:c],
-        scenario=tuple(problem.scenarios[i].name for i in scenarios[:c]),
+        scenario=tuple(map(int, scenarios)),
         shown=float(sign * excess[c] / factor) if np.isfinite(excess[c]) else np.nan,
         error=errors[rows[c]],
     )

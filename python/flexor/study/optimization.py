@@ -14,8 +14,18 @@ from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
-from flexor.optimizers import Budget, Progress, Search, SearchResult, uses_gradients
+from flexor.objectives import Objective
+from flexor.optimizers import (
+    Auto,
+    Budget,
+    Pareto,
+    PatternSearch,
+    Progress,
+    Search,
+    SearchResult,
+    takes_several,
+    uses_gradients,
+)
 from flexor.optimizers import method as named_method
 from flexor.scenarios.scenario import Given
 from flexor.store import Kind, Workspace
@@ -35,7 +45,7 @@ if TYPE_CHECKING:
 def optimize(
     model: Model,
     parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "L+R01",
-    objective: str | Objective = "bending",
+    objective: str | Objective | Sequence[str | Objective] = "bending",
     method: str | Search | None = None,
     *,
     subject_to: Sequence[str] = (),
@@ -66,12 +76,13 @@ def optimize(
     parameters : str, ParameterSet or dict
         Design parameters: a set, for example ``"L+R01"``, or any numeric fields of the model file
         with their bounds, ``{"exosuit.length": ("8 cm", "12 cm")}``; see `flexor.design.variables`.
-    objective : str or Objective
+    objective : str or Objective, or a sequence of these
         The objective: ``"maximise NAME"`` or ``"minimise NAME"`` of an observable
-        (`flexor.observables`), or one of the paper's such as ``"bending"`` (f_b).
+        (`flexor.observables`), or one of the paper's such as ``"bending"`` (f_b). Of several,
+        which conflict, the study has the ``front``.
     method : str or Search, optional
-        Search method; by default ``"auto"`` to maximise or minimise an observable, and otherwise
-        the paper's ``"pattern-search"``.
+        Search method; by default ``"auto"`` to maximise or minimise an observable, ``"pareto"``
+        for several objectives, and otherwise the paper's ``"pattern-search"``.
     subject_to : sequence of str
         Constraints on observables along the whole path, such as ``"overlap <= 0.5 mm"``. Designs
         that keep them come before all others, and these are ordered by how far they exceed them.
@@ -145,16 +156,19 @@ def optimize(
         model, parameters, objective, force, bounds, engine_options, subject_to, without
     )
     stated = Uncertainty(scenarios, aggregate, tolerance or {}, integer("samples", samples, 0))
+    if stated and problem.objective.count:
+        raise InputError("several objectives cannot be had over scenarios or within tolerances.")
     if stated:
         problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))
     if method is None:
-        method = "auto" if isinstance(problem.objective, Extremum) else "pattern-search"
+        method = _default_method(problem.objective)
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:
         raise InputError("options of a method are given with its name, not with a ready method.")
     else:
         search = method
+    check_objectives(search, problem.objective)
     return run_search(
         STUDY,
         problem,
@@ -333,6 +347,20 @@ def _search(
         budget=budget,
         progress=report if progress is not None else None,
     )
+
+
+def check_objectives(search: Search, wanted: Objective) -> None:
+    """Refuse a method for one objective if there are several, and the other way round."""
+    if takes_several(search) and not wanted.count:
+        raise InputError(f"method {search.name} needs several objectives.")
+    if wanted.count and not takes_several(search):
+        raise InputError(f"method {search.name} takes one objective: pareto takes several.")
+
+
+def _default_method(wanted: Objective) -> str:
+    if wanted.count:
+        return Pareto.name
+    return Auto.name if wanted.of_observable else PatternSearch.name
 
 
 def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | None:

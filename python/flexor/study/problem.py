@@ -19,18 +19,23 @@ from flexor.constraints import (
 )
 from flexor.design import Geometry, ParameterSet, parameter_set, variables
 from flexor.design.start import bounds_in_si
+from flexor.errors import InputError
 from flexor.model.chunks import chunks
+from flexor.model.derivatives import last_step
 from flexor.model.loading import require_model
 from flexor.model.loads import loads
 from flexor.model.results import Path, Paths
 from flexor.model.solver import solver_options
-from flexor.objectives import Extremum, Objective, evaluate_objective
+from flexor.objectives import Objective, evaluate_objective
 from flexor.objectives import objective as named_objective
 
 if TYPE_CHECKING:
     from flexor.model import Model
 
 FloatArray = NDArray[np.float64]
+
+# Designs that are differentiated at a time: by all of the engine's parameters, which are many.
+_DIFFERENTIATED = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +73,7 @@ class Problem:
         cls,
         model: Model,
         parameters: str | ParameterSet | Mapping[str, Sequence[object]],
-        objective: str | Objective,
+        objective: str | Objective | Sequence[str | Objective],
         force: Any = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
         options: Mapping[str, float] | None = None,
@@ -83,9 +88,7 @@ class Problem:
         if bounds:
             chosen = chosen.with_bounds(bounds_in_si(bounds, chosen))
         wanted = named_objective(objective, model)
-        # The paper's objectives are stated without constraints, and so are users' own.
-        defaults = isinstance(wanted, Extremum)
-        kept = chosen_constraints(subject_to, without, model, defaults)
+        kept = chosen_constraints(subject_to, without, model, wanted.of_observable)
         if force is not None:
             wanted = wanted.at(loads(force, model.input_dimensions))
         return cls(model, chosen, wanted, solver_options(options or {}), kept)
@@ -184,8 +187,25 @@ class Problem:
 
         The paths must have their derivatives. InputError if the objective has no gradient.
         """
-        found = self.objective.gradient(self._complete(paths)).chained(paths.derivatives)
-        return np.where(np.isfinite(paths.value)[:, None], found, np.nan)
+        if not self.objective.differentiable:
+            raise InputError(f'objective "{self.objective.name}" has no gradient.')
+        return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
+
+    @property
+    def linearizable(self) -> bool:
+        """Whether the value and all constraints have exact derivatives."""
+        observed = (each.observable(self.model) for each in self.constraints)
+        return self.objective.differentiable and all(each.differentiable for each in observed)
+
+    def excess_gradients(self, paths: Paths) -> FloatArray:
+        """Gradients (n, c, k) of `excesses`, per SI unit; NaN where a design failed.
+
+        The paths must have their derivatives. Of what exists at no load they are zero.
+        """
+        scale = np.array([each.sign / each.scale for each in self.constraints])
+        absent = np.isnan(paths.constraint_values)[..., None]
+        found = np.where(absent, 0.0, paths.constraint_gradients * scale[:, None])
+        return np.where(np.isfinite(paths.value)[:, None, None], found, np.nan)
 
     def jacobians(self, paths: Paths) -> FloatArray:
         """Jacobians (n, r, k) of `residuals`, per SI unit; NaN where a design failed.
@@ -215,10 +235,12 @@ class Problem:
             "has a length or radius that is not positive",
             self.parameters.size if gradient else None,
             len(self.constraints),
+            self.objective.count,
         )
         if not valid.any():
             return every
-        paths = self.model.evaluate(chosen, self.loads, threads, gradient=gradient, **self.options)
+        options = dict[str, Any](self.options)
+        paths = self.model.evaluate(chosen, self.loads, threads, **options)
         worst = worst_values(self.constraints, paths)
         broken = violation(excesses(self.constraints, worst))
         evaluated = evaluate_objective(self.objective, paths)
@@ -226,5 +248,38 @@ class Problem:
         evaluated = replace(evaluated, constraint_values=worst, violation=broken)
         evaluated.scatter(every, np.flatnonzero(valid))
         if gradient:
-            every.derivatives[valid] = self.parameters.chained(paths, designs[valid], self.model)
+            for first in range(0, len(paths), _DIFFERENTIATED):
+                part = np.arange(first, min(first + _DIFFERENTIATED, len(paths)))
+                rows = np.flatnonzero(valid)[part]
+                self._differentiate(paths[part], designs[rows], every, rows, threads)
         return every
+
+    def _differentiate(
+        self, paths: Paths, designs: FloatArray, out: Paths, rows: NDArray[np.intp], threads: int
+    ) -> None:
+        """Write the derivatives of paths of designs (n, k) into rows of others."""
+        model, joints = self.model, paths.joint_angles.shape[2]
+        observed = [each.observable(model) for each in self.constraints]
+        known = np.array([each.differentiable for each in observed], dtype=bool)
+        changes = last_step(paths)
+        if self.objective.differentiable:
+            changes.append(self.objective.differential(paths))
+        changes += [
+            each.differential(paths)
+            for each, has in zip(self.constraints, known, strict=True)
+            if has
+        ]
+        found = model.differentiate(paths, changes, self.parameters.slots(model), threads)
+        slopes = found.by_slots @ self.parameters.slot_jacobian(designs, model)
+        failed = ~(paths.converged & paths.stable).all(axis=1)
+        slopes[failed], found.regularity[failed] = np.nan, "no-equilibrium"
+        out.derivatives[rows] = slopes[:, : joints + 1]
+        out.regularity[rows] = found.regularity[:, joints]
+        first = joints + 1
+        if self.objective.differentiable:
+            out.value_gradient[rows] = slopes[:, first]
+            out.regularity[rows] = found.regularity[:, first]
+            first += 1
+        out.constraint_gradients[np.ix_(rows, known)] = slopes[:, first:]
+        out.constraint_regularity[np.ix_(rows, known)] = found.regularity[:, first:]
+        out.constraint_regularity[np.ix_(rows, ~known)] = "no-derivative"

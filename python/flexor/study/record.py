@@ -33,23 +33,33 @@ CREATE TABLE evaluations (
     design BLOB NOT NULL,        -- parameters, SI, little-endian float64: the exact design
     parameters TEXT NOT NULL,    -- the same for reading, as a JSON list
     value REAL,                  -- of the objective; NULL if the design failed
+    objectives BLOB NOT NULL,    -- float64: value of each of several objectives; empty with one
     shown REAL,                  -- the objective's quantity for display; NULL if failed
     reason TEXT NOT NULL,        -- empty, or why the design failed
     events INTEGER NOT NULL,     -- snaps along the path
     iterations INTEGER NOT NULL, -- Newton iterations along the path
     {", ".join(f"{name} BLOB NOT NULL" for name, *_ in _ARRAYS)},
     derivatives BLOB,            -- float64 (joints + 1, parameters): angles, tip force; last step
-    regularity TEXT,             -- what they are worth; NULL in searches without gradients
+    regularity TEXT,             -- what that of the value is worth; NULL without derivatives
     constraints BLOB NOT NULL,   -- float64: worst value along the path of what each bounds, SI
     violation REAL,              -- how far constraints are exceeded; NULL if the design failed
-    slope BLOB,                  -- float64 (parameters,): of an aggregate over scenarios
+    slopes BLOB,                 -- float64 (1 + constraints, parameters): derivatives of the value
+                                 -- and of what each constraint bounds; NULL without
     UNIQUE (search, design)
 );
 """
-_COLUMNS = ("value", "shown", "reason", "events", "iterations", *(name for name, *_ in _ARRAYS))
+_COLUMNS = (
+    "value",
+    "objectives",
+    "shown",
+    "reason",
+    "events",
+    "iterations",
+    *(name for name, *_ in _ARRAYS),
+)
 _INSERT = f"INSERT INTO evaluations VALUES (NULL{', ?' * (len(_COLUMNS) + 9)})"
 _DERIVATIVES = """
-UPDATE evaluations SET derivatives = ?, regularity = ?, slope = ? WHERE search = ? AND design = ?
+UPDATE evaluations SET derivatives = ?, regularity = ?, slopes = ? WHERE search = ? AND design = ?
 """
 
 
@@ -113,16 +123,18 @@ class Record:
         """
         good, now = np.isfinite(outcomes.value), time.time()
         # A NaN becomes NULL.
-        values = (np.where(good, each, np.nan) for each in (outcomes.value, outcomes.shown))
+        value, shown = (np.where(good, each, np.nan) for each in (outcomes.value, outcomes.shown))
         others = outcomes.reason, outcomes.event_count, outcomes.total_iterations
         columns = (
             _blobs(designs, "<f8"),
             map(str, designs.tolist()),
-            *(column.tolist() for column in (*values, *others)),
+            value.tolist(),
+            _vectors(outcomes.objective_values, len(outcomes)),
+            *(column.tolist() for column in (shown, *others)),
             *(_blobs(getattr(outcomes, name), kind) for name, kind, *_ in _ARRAYS),
-            *_slopes(outcomes),
+            *_derivatives(outcomes),
             *_kept(outcomes, good),
-            _slope(outcomes),
+            _gradients(outcomes),
         )
         rows = zip(*columns, strict=True)
         self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
@@ -130,8 +142,8 @@ class Record:
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already."""
         columns = (
-            *_slopes(outcomes),
-            _slope(outcomes),
+            *_derivatives(outcomes),
+            _gradients(outcomes),
             [self._search] * len(designs),
             _blobs(designs, "<f8"),
         )
@@ -160,7 +172,7 @@ class Record:
         An unknown design gives outcomes of length zero.
         """
         names = (*_COLUMNS, "constraints", "violation")
-        names = names if design is None else (*names, "derivatives", "regularity", "slope")
+        names = names if design is None else (*names, "derivatives", "regularity", "slopes")
         rows = self._rows(", ".join(names), design=design)
         columns = zip(*rows, strict=True) if rows else [()] * len(names)
         found = {name: list(column) for name, column in zip(names, columns, strict=True)}
@@ -169,8 +181,11 @@ class Record:
             k, _, joints = self.sizes
             slopes["derivatives"] = self._decoded(found["derivatives"], "<f8", (joints + 1, k))
             slopes["regularity"] = np.array(found["regularity"], dtype=object)
-        if any(blob is not None for blob in found.get("slope", ())):
-            slopes["value_gradient"] = self._decoded(found["slope"], "<f8", self.sizes[:1])
+        if any(blob is not None for blob in found.get("slopes", ())):
+            count = 1 + len(found["constraints"][0]) // 8
+            every = self._decoded(found["slopes"], "<f8", (count, self.sizes[0]))
+            slopes["value_gradient"] = every[:, 0]
+            slopes["constraint_gradients"] = every[:, 1:]
         try:
             arrays: dict[str, Any] = {
                 name: self._decoded(found[name], kind, self.sizes[1 : 1 + axes]).astype(here)
@@ -180,7 +195,8 @@ class Record:
                 value=self._numbers(found["value"], np.inf),
                 shown=self._numbers(found["shown"], np.nan),
                 reason=np.array(found["reason"], dtype=object),
-                constraint_values=self._constraints(found["constraints"]),
+                objective_values=self._vectors(found["objectives"]),
+                constraint_values=self._vectors(found["constraints"]),
                 violation=self._numbers(found["violation"], np.inf),
                 event_count=np.array(found["events"], dtype=np.int64),
                 total_iterations=np.array(found["iterations"], dtype=np.int64),
@@ -225,8 +241,8 @@ class Record:
             raise self.database.damaged("a value is not finite")
         return np.array([missing if value is None else value for value in column], dtype="f8")
 
-    def _constraints(self, blobs: list[bytes]) -> FloatArray:
-        """Values of constraints, whose number is that of the first row."""
+    def _vectors(self, blobs: list[bytes]) -> FloatArray:
+        """Values of constraints or objectives, whose number is that of the first row."""
         first = blobs[0] if blobs else b""
         size = len(first) // 8 if isinstance(first, bytes) else 0
         return self._decoded(blobs, "<f8", (size,))
@@ -247,20 +263,25 @@ def _blobs(array: NDArray[Any], kind: str) -> list[bytes]:
 
 def _kept(outcomes: Paths, good: NDArray[np.bool_]) -> tuple[Sequence[bytes], Sequence[float]]:
     """Return values of constraints and violation of each design; of paths without, none and 0."""
-    if outcomes.constraint_values is None:
-        return [b""] * len(outcomes), np.where(good, 0.0, np.nan).tolist()
-    broken = np.where(good, outcomes.violation, np.nan).tolist()
-    return _blobs(outcomes.constraint_values, "<f8"), broken
+    broken = 0.0 if outcomes.violation is None else outcomes.violation
+    vectors = _vectors(outcomes.constraint_values, len(outcomes))
+    return vectors, np.where(good, broken, np.nan).tolist()
 
 
-def _slope(outcomes: Paths) -> Sequence[bytes | None]:
-    """Return the gradient of the value of each design, None without."""
+def _vectors(values: FloatArray | None, count: int) -> list[bytes]:
+    """Return the bytes of each row, or nothing of what was not evaluated."""
+    return [b""] * count if values is None else _blobs(values, "<f8")
+
+
+def _gradients(outcomes: Paths) -> Sequence[bytes | None]:
+    """Return the gradients of value and constraints of each design, None without."""
     if outcomes.value_gradient is None:
         return [None] * len(outcomes)
-    return _blobs(outcomes.value_gradient, "<f8")
+    rows = (outcomes.value_gradient[:, None], outcomes.constraint_gradients)
+    return _blobs(np.concatenate(rows, axis=1), "<f8")
 
 
-def _slopes(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
+def _derivatives(outcomes: Paths) -> tuple[Sequence[bytes | None], Sequence[str | None]]:
     """Return derivatives and regularity of each design, None without."""
     if outcomes.derivatives is None:
         nothing = [None] * len(outcomes)

@@ -60,6 +60,35 @@ class RecordedEvaluator(CachedEvaluator):
         found = np.concatenate([self._problem.excesses(row) for row in rows])
         return values, np.where(np.isfinite(values)[:, None], found, np.nan)
 
+    def linearized(
+        self, designs: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None:
+        """Return `constrained` with the gradients of both, (n, k) and (n, c, k), per SI unit.
+
+        Designs that are not known yet are differentiated as they are evaluated. None if the
+        objective or a constraint has no derivative.
+        """
+        if not self._problem.linearizable:
+            return None
+        asked, self._gradients = self._gradients, True
+        try:
+            paths = self._differentiated(designs)
+        finally:
+            self._gradients = asked
+        problem, values = self._problem, paths.value
+        excesses = np.where(np.isfinite(values)[:, None], problem.excesses(paths), np.nan)
+        return values, excesses, problem.gradients(paths), problem.excess_gradients(paths)
+
+    def objectives(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of several objectives (n, m) and excesses (n, c), from the record.
+
+        +inf and NaN for those that failed.
+        """
+        _, found = self.constrained(designs)
+        rows = [self._record.outcomes(design) for design in normalized(designs)]
+        values = np.concatenate([row.objective_values for row in rows])
+        return np.where(np.isnan(values), np.inf, values), found
+
     def jacobian(self, designs: FloatArray) -> FloatArray | None:
         """Jacobians (n, r, k) of the vectors at designs (n, k); NaN for those that failed.
 
@@ -71,15 +100,17 @@ class RecordedEvaluator(CachedEvaluator):
 
     def _evaluate(self, designs: FloatArray, part: int) -> Generator[FloatArray, None, None]:
         """Yield values of designs that are not known yet, each recorded before it is seen."""
-        with closing(self._parts(designs)) as parts:
+        with closing(self._parts(designs, self._gradients)) as parts:
             for chunk, paths in parts:
                 self._record.append(chunk, paths)
                 yield self._problem.ranks(paths)
 
-    def _parts(self, designs: FloatArray) -> Generator[tuple[FloatArray, Paths], None, None]:
+    def _parts(
+        self, designs: FloatArray, gradients: bool
+    ) -> Generator[tuple[FloatArray, Paths], None, None]:
         """Evaluate designs; yield those of each chunk with their paths."""
         done = 0
-        with closing(self._executor.parts(self._problem, designs, self._gradients)) as parts:
+        with closing(self._executor.parts(self._problem, designs, gradients)) as parts:
             for paths in parts:
                 yield designs[done : done + len(paths)], paths
                 done += len(paths)
@@ -93,7 +124,7 @@ class RecordedEvaluator(CachedEvaluator):
             [paths.derivatives is None and paths.value_gradient is None for paths in found]
         )
         if missing.any():  # recorded by a search that had no use for them
-            for part, paths in self._parts(designs[missing]):
+            for part, paths in self._parts(designs[missing], True):
                 self._record.append_derivatives(part, paths)
             found = [self._record.outcomes(row) for row in designs]
         return Paths.concatenate(found)

@@ -25,12 +25,13 @@ if TYPE_CHECKING:
 
 # Arrays of the record that are compared.
 _COLUMNS = (
-    *("value", "shown", "reason", "joint_angles", "tip_force", "touching"),
+    *("value", "objective_values", "shown", "reason", "joint_angles", "tip_force", "touching"),
     *("converged", "stable", "event_count", "total_iterations", "constraint_values", "violation"),
 )
 _READ_AS = {
     "event_count": "events",
     "total_iterations": "iterations",
+    "objective_values": "objectives",
     "constraint_values": "constraints",
 }
 
@@ -173,7 +174,7 @@ def _in_round(old: Record, new: Record) -> Difference | None:
 def _slopes(record: Record, design: FloatArray) -> tuple[Any, ...]:
     found = record.outcomes(design)
     regularity = None if found.regularity is None else str(found.regularity[0])
-    return found.derivatives, found.value_gradient, regularity
+    return found.derivatives, found.value_gradient, found.constraint_gradients, regularity
 
 
 def _bits(value: Any) -> Any:

@@ -17,7 +17,7 @@ from flexor.design.fields import keys_of, value_of
 from flexor.errors import InputError
 from flexor.model.interruption import cancel_solves
 from flexor.model.quantity import infer_quantity
-from flexor.model.results import Paths
+from flexor.model.results import Path, Paths
 from flexor.objectives import Extremum
 from flexor.objectives import objective as named_objective
 from flexor.observables import observable
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from flexor.model import Model
 
 AS_IT_IS = Scenario("as it is")
+# Arrays of derivatives, which are those of the aggregate.
+_SLOPES = ("derivatives", "regularity", "value_gradient", "constraint_gradients")
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,10 @@ class ScenarioProblem(Problem):
         )
         if stated.samples and not made.tolerances:
             raise InputError("samples of errors need a tolerance: state one or leave them out.")
+        if wanted.kind != "mean" and len(made.weights) == 1:
+            raise InputError(
+                f'aggregate "{wanted.text}": there is one scenario; name several, or sample errors.'
+            )
         made.cases  # noqa: B018 - a scenario that breaks the model is said at once
         return made
 
@@ -178,6 +184,22 @@ class ScenarioProblem(Problem):
             raise InputError("the paths have no gradient: evaluate them with gradient=True.")
         return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
 
+    @property
+    def linearizable(self) -> bool:
+        """Whether the aggregate and all constraints have exact derivatives."""
+        return super().linearizable and self.aggregate.differentiable
+
+    def excess_gradients(self, paths: Paths) -> FloatArray:
+        """Gradients (n, cases c, k) of `excesses`, per SI unit; NaN where a design failed."""
+        n, k = len(paths), self.parameters.size
+        if not self.aggregate.everywhere or not self.constraints:
+            return np.zeros((n, 0, k))
+        cases = paths.constraint_values.shape[1] // len(self.constraints)
+        signs = [each.sign / each.scale for each in self.constraints] * cases
+        found = paths.constraint_gradients * np.array(signs)[:, None]
+        found = np.where(np.isnan(paths.constraint_values)[..., None], 0.0, found)
+        return np.where(np.isfinite(paths.value)[:, None, None], found, np.nan)
+
     def by_case(
         self, designs: FloatArray, errors: FloatArray, threads: int = 0, gradient: bool = False
     ) -> list[Paths]:
@@ -193,6 +215,16 @@ class ScenarioProblem(Problem):
             for index, case in enumerate(self.cases)
         ]
         return _all_of(work, threads)
+
+    def path_of(self, design: FloatArray, error: FloatArray, scenario: int = 0) -> Path:
+        """Follow the path of a design (k,) with an error (m,) in one of the scenarios."""
+        return self.cases[scenario].path(self._placed(design[None], error[None], scenario)[0])
+
+    def unit_of(self, tolerance: Tolerance) -> tuple[str, float]:
+        """Return the unit of a field with a tolerance, and its SI value."""
+        chosen = self.cases[0].parameters
+        i = chosen.labels.index(tolerance.field)
+        return chosen.units[i], float(chosen.scale[i])
 
     def _evaluate(self, designs: FloatArray, threads: int, gradient: bool) -> Paths:
         n, corners = len(designs), self.corners.reshape(len(self.corners), len(self.tolerances))
@@ -231,7 +263,12 @@ class ScenarioProblem(Problem):
                     total += (
                         np.where(shares[:, i, None] > 0.0, slopes[:, i], 0.0) * shares[:, i, None]
                     )
-            every = replace(every, value_gradient=total)
+            kept_slopes = [
+                paths.constraint_gradients[..., : self.parameters.size].reshape(n, e, c, -1)
+                for paths in found
+            ]
+            bounded = np.stack(kept_slopes, axis=1).reshape(n, -1, self.parameters.size)
+            every = replace(every, value_gradient=total, constraint_gradients=bounded)
         return every
 
     def _mark_failures(self, every: Paths, found: list[Paths], values: FloatArray) -> None:
@@ -239,13 +276,14 @@ class ScenarioProblem(Problem):
         for i in np.flatnonzero(np.isinf(values).any(axis=(1, 2))):
             scenario, error = np.argwhere(np.isinf(values[i]))[0]
             reason = found[scenario].reason[i * values.shape[2] + error]
-            where = f' in scenario "{self.scenarios[scenario].name}"' if self._named else ""
+            where = f' in scenario "{self.scenarios[scenario].name}"' if self.named else ""
             within = " with an error within the tolerances" if len(self.tolerances) else ""
             every.value[i], every.shown[i], every.violation[i] = np.inf, np.nan, np.inf
             every.reason[i] = f"{reason}{where}{within}"
 
     @property
-    def _named(self) -> bool:
+    def named(self) -> bool:
+        """Whether there are scenarios besides the model as it is."""
         return self.scenarios != (AS_IT_IS,)
 
     def _shown(self, values: FloatArray, shown: FloatArray, broken: FloatArray) -> FloatArray:
@@ -264,7 +302,7 @@ class ScenarioProblem(Problem):
         plain = [i for i, each in enumerate(self.scenarios) if not each.changes]
         if plain and not self.errors.any():
             rows = np.arange(len(designs)) * (len(found[plain[0]]) // max(len(designs), 1))
-            return found[plain[0]][rows].recorded(without=("derivatives", "regularity"))
+            return found[plain[0]][rows].recorded(without=_SLOPES)
         return self.nominal.evaluate(designs, threads).recorded()
 
     def _placed(self, designs: FloatArray, errors: FloatArray, index: int) -> FloatArray:

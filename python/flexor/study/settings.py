@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sized
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_validator
 
-from flexor.constraints import constraint
+from flexor.constraints import Constraint, constraint
 from flexor.design import ParameterSet, parameter_set
 from flexor.design.variables import NAME as FIELDS
 from flexor.design.variables import recorded_variables
@@ -95,9 +95,20 @@ class UncertaintyTable(_Table):
     seed: NonNegativeInt
 
 
-class _Parameters(LimitsTable):
-    name: str
+class SetTable(LimitsTable):
+    """Parameters of a set with the units in which they are shown."""
+
     units: list[str]
+
+    @model_validator(mode="after")
+    def _one_unit_each(self) -> SetTable:
+        if len(self.units) != len(self.labels):
+            raise ValueError("rows of different lengths")
+        return self
+
+
+class _Parameters(SetTable):
+    name: str
 
 
 class _Budget(_Table):
@@ -119,7 +130,7 @@ class _Shape(Header):
 
     @model_validator(mode="after")
     def _one_size(self) -> _Shape:
-        rows: list[Sized] = [self.parameters.units, *(self.start or [])]
+        rows: Sequence[Sized] = self.start or []
         if any(len(row) != len(self.parameters.labels) for row in rows):
             raise ValueError("rows of different lengths")
         return self
@@ -166,16 +177,8 @@ def study_settings(
     chosen = problem.parameters
     return {
         **common_settings(problem),
-        "constraints": [
-            {"text": each.text(problem.model), "default": each.default}
-            for each in problem.constraints
-        ],
         "uncertainty": _uncertainty(problem),
-        "parameters": {
-            "name": chosen.name,
-            "units": list(chosen.units),
-            **limits_table(chosen),
-        },
+        "parameters": {"name": chosen.name, **set_table(chosen)},
         "method": method_table(search),
         "start": None if start is None else start.tolist(),
         "seed": seed,
@@ -209,11 +212,14 @@ def _over(nominal: Problem, table: Mapping[str, Any] | None) -> Problem:
 
 
 def common_settings(problem: Problem) -> dict[str, Any]:
-    """Describe what is common to all parameter sets: the model, the objective and the solver."""
+    """Describe what is common to all parameter sets: all but the set and the search."""
     model = problem.model
     return {
         "model": {"name": model.name, "variant": model.file.use, "hash": model.hash},
         "objective": {"name": problem.objective.name, "force": _recorded(problem.loads)},
+        "constraints": [
+            {"text": each.text(model), "default": each.default} for each in problem.constraints
+        ],
         "engine": dict(problem.options),
     }
 
@@ -227,6 +233,25 @@ def limits_table(chosen: ParameterSet) -> dict[str, Any]:
     """Describe the bounds of a parameter set."""
     lower, upper = chosen.lower.tolist(), chosen.upper.tolist()
     return {"labels": list(chosen.labels), "lower": lower, "upper": upper}
+
+
+def set_table(chosen: ParameterSet) -> dict[str, Any]:
+    """Describe a parameter set but for its name."""
+    return {"units": list(chosen.units), **limits_table(chosen)}
+
+
+def recorded_set(name: str, table: Mapping[str, Any], model: Model) -> ParameterSet:
+    """Return the parameter set of a name that a `set_table` describes; InputError if unknown."""
+    if name == FIELDS:
+        return recorded_variables(table, model)
+    return within_limits(parameter_set(name, model.design), table)
+
+
+def recorded_constraints(
+    tables: Sequence[Mapping[str, str]], model: Model
+) -> tuple[Constraint, ...]:
+    """Return the constraints that settings list."""
+    return tuple(constraint(each["text"], model, each["default"]) for each in tables)
 
 
 def within_limits(chosen: ParameterSet, table: Mapping[str, Any]) -> ParameterSet:
@@ -253,10 +278,10 @@ def reopened(
     model = model if model is not None else recorded_model(folder)
     try:
         kind, name = "parameters", values["parameters"]["name"]
-        if parameters is None and name == FIELDS:
-            chosen: ParameterSet = recorded_variables(values["parameters"], model)
+        if parameters is None:
+            chosen = recorded_set(name, values["parameters"], model)
         else:
-            chosen = parameter_set(name if parameters is None else parameters, model.design)
+            chosen = parameter_set(parameters, model.design)
         kind, name = "objective", values["objective"]["name"]
         wanted = named_objective(name if objective is None else objective, model)
     except InputError as error:
@@ -265,9 +290,7 @@ def reopened(
             "does not know: "
             f"give it as {kind}=."
         ) from error
-    kept = tuple(constraint(each["text"], model, each["default"]) for each in values["constraints"])
-    if parameters is None:
-        chosen = within_limits(chosen, values["parameters"])
+    kept = recorded_constraints(values["constraints"], model)
     wanted = at_loads(wanted, values, model)
     nominal = Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
     return _over(nominal, values["uncertainty"])

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.display import Displayed
 from flexor.errors import InputError
-from flexor.objectives import Extremum, Objective
+from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
 from flexor.store import open_record
 from flexor.study.design import Design
+from flexor.study.front import Front
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
 from flexor.study.scenario_problem import ScenarioProblem
@@ -37,7 +39,7 @@ class Comparison:
 
 
 @dataclass(eq=False, repr=False)
-class Study:
+class Study(Displayed):
     """A problem, its settings, and everything that was evaluated to solve it.
 
     Made by `flexor.optimize`, or opened for reading by `Study.open`. Pickled, a study in a folder
@@ -122,6 +124,11 @@ class Study:
             raise InputError(f"no design of the study succeeded{why}.")
         return Design.of(self.problem, vector, self.record.outcomes(vector))
 
+    @property
+    def front(self) -> Front:
+        """Designs that no other is better than in all of several objectives, as known by now."""
+        return Front.of(self)
+
     @cached_property
     def start(self) -> Design:
         """The design the search began from; the parameter set's own start if it was drawn."""
@@ -142,7 +149,7 @@ class Study:
         if self.problem.quantity != "bending":
             sought = self.problem.quantity, self.problem.unit
             lines.append(Comparison(*sought, start.shown, best.shown))
-        if not isinstance(objective, Extremum):
+        if not objective.of_observable:
             lines.append(Comparison(f"objective {objective.name}", "", start.value, best.value))
         return lines
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexor.constraints import excesses
 from flexor.design import Variables
+from flexor.scenarios import Tolerance
+from flexor.study.fragility import Fragile, fragile
+from flexor.study.margins import worst_errors
 from flexor.study.problem import FloatArray, Problem
+from flexor.study.scenario_problem import ScenarioProblem
 
 if TYPE_CHECKING:
     from flexor.study.design import Design
@@ -22,8 +28,10 @@ _THIN_BELOW = 5e-3
 _BINDS = 1e-3
 # Of the bound: a constraint that is nearer to it is active.
 _ACTIVE = 0.02
-# Change of the answer for 1 % of a parameter, or for twice the elements, that is worth a warning.
-FRAGILE, COARSE = 0.1, 0.02
+# The same for the worst case within the tolerances to be worth a line.
+_NEAR = 0.1
+# Change of the answer for twice the elements that is worth a warning.
+COARSE = 0.02
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,28 @@ class Kept:
         return "BROKEN" if self.excess > 0.0 else "active" if self.excess > -_ACTIVE else "kept"
 
 
+@dataclass(frozen=True)
+class Within:
+    """The worst that errors within the tolerances do."""
+
+    what: str  # the constraint as written, or the objective's quantity
+    value: str  # the worst value, in its unit; empty where the design fails
+    place: str  # where, and at which load; empty for the objective
+    error: str  # such as ``"exosuit.length + 0.5 mm, exosuit.section.wall - 0.1 mm"``
+    scenario: str  # in which; empty for the model as it is
+    excess: float  # in units of the bound; kept where not above 0, as the objective always is
+
+    @property
+    def kept(self) -> bool:
+        """Whether the constraint holds for every error that was tried."""
+        return self.excess <= 0.0
+
+    @property
+    def near(self) -> bool:
+        """Whether it is nearly exceeded."""
+        return self.kept and self.excess > -_NEAR
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What is known of a design beyond its value."""
@@ -53,8 +83,9 @@ class Verdict:
     steps: tuple[str, ...]
     off: FloatArray  # (k, 2)
     broken: FloatArray  # (k, 2), the violation then; +inf where the design fails
-    fragile: tuple[str, ...]  # parameters of which 1 % moves the quantity by more than a tenth
-    shown: float  # the quantity of the objective
+    within: tuple[Within, ...]  # the constraints and the objective; none without tolerances
+    fragile: tuple[Fragile, ...]  # of which 1 % moves the quantity by more than a tenth
+    shown: float  # the quantity of the objective for the model as it is
     finer: float | None  # the same with twice the elements; None where that is not known
     snaps: int  # along the path
 
@@ -74,42 +105,122 @@ class Verdict:
         """Evaluate a design, those around it, and the same with twice the elements."""
         problem, x = design.problem, design.vector
         chosen = problem.parameters
-        path, model = design.path, problem.model
-        worst = problem.worst_of(design.constraint_values)
-        excess = problem.worst_excesses(design.constraint_values)
-        constraints = tuple(
-            Kept(
-                each.text(model),
-                each.observable(model).shown(float(value)),
-                each.place(path),
-                float(over),
-                each.default,
-            )
-            for each, value, over in zip(problem.constraints, worst, excess, strict=True)
-        )
-        step = np.array([_error(value, unit) for value, unit in zip(x, chosen.units, strict=True)])
-        percent = 0.01 * np.abs(x)
-        around = np.concatenate([np.diag(step), np.diag(percent)])
-        off = problem.evaluate(x + np.concatenate([-around, around]))
+        constraints = tuple(_kept(design))
+        nominal = problem.nominal
+        step = np.array([_step(problem, i, value) for i, value in enumerate(x.tolist())])
+        around = np.concatenate([-np.diag(step), np.diag(step)])
+        off = nominal.evaluate(np.concatenate([x[None, :], x + around]))
         k = chosen.size
-        shown, broken = off.shown.reshape(2, 2, k), off.violation.reshape(2, 2, k)
-        change = np.abs(shown[:, 1] - design.shown).max(axis=0)
-        moved = (change > FRAGILE * abs(design.shown)) | np.isnan(change)
-        fragile = [label for label, much in zip(chosen.labels, moved, strict=True) if much]
         return cls(
             constraints=constraints,
             bounds=tuple(_binding(problem, x)),
-            steps=tuple(
-                f"{size / scale:.3g} {unit if unit != '1' else ''}".rstrip()
-                for size, scale, unit in zip(step, chosen.scale, chosen.units, strict=True)
-            ),
-            off=shown[:, 0].T,
-            broken=broken[:, 0].T,
-            fragile=tuple(fragile),
-            shown=design.shown,
+            steps=tuple(_stated(problem, i, size) for i, size in enumerate(step.tolist())),
+            off=off.shown[1:].reshape(2, k).T,
+            broken=off.violation[1:].reshape(2, k).T,
+            within=_within(problem, x),
+            fragile=fragile(nominal, x),
+            shown=float(off.shown[0]),
             finer=_finer(problem, x),
             snaps=design.events,
         )
+
+
+def _kept(design: Design) -> Iterator[Kept]:
+    """Yield the constraints of a design, each of the scenario where it is worst, without errors."""
+    problem, x = design.problem, design.vector
+    paths = [design.path]
+    values = problem.worst_of(design.constraint_values)[None, :]
+    if isinstance(problem, ScenarioProblem):
+        none = np.zeros((1, len(problem.tolerances)))
+        found = problem.by_case(x[None, :], none)
+        values = np.concatenate([each.constraint_values for each in found])
+        paths = [problem.path_of(x, none[0], i) for i in range(len(found))]
+    excess = excesses(problem.constraints, values)
+    for i, each in enumerate(problem.constraints):
+        worst = int(np.argmax(np.where(np.isnan(excess[:, i]), np.inf, excess[:, i])))
+        where = each.place(paths[worst])
+        if isinstance(problem, ScenarioProblem) and problem.named:
+            where = f"{problem.scenarios[worst].name}: {where}"
+        yield Kept(
+            each.text(problem.model),
+            each.observable(problem.model).shown(float(values[worst, i])),
+            where,
+            float(excess[worst, i]),
+            each.default,
+        )
+
+
+def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:
+    """Return the worst case of each constraint and of the objective within the tolerances."""
+    if not isinstance(problem, ScenarioProblem) or not problem.tolerances:
+        return ()
+    found, rows = worst_errors(problem, x), []
+    for i, each in enumerate(problem.constraints):
+        scenario, error = found.scenario[i], found.errors[i]
+        value, place = "", ""
+        if np.isfinite(found.values[i]):
+            path = problem.path_of(x, error, scenario)
+            value = each.observable(path.model).shown(float(found.values[i]))
+            place = each.place(path)
+        rows.append(
+            Within(
+                each.text(problem.model),
+                value,
+                place,
+                _in_words(problem, error),
+                problem.scenarios[scenario].name if problem.named else "",
+                float(found.excess[i]),
+            )
+        )
+    shown = f"{found.shown:.4g} {problem.objective.unit}".rstrip()
+    rows.append(
+        Within(
+            problem.objective.quantity,
+            shown if np.isfinite(found.shown) else "",
+            "",
+            _in_words(problem, found.error),
+            problem.scenarios[found.scenario[-1]].name if problem.named else "",
+            -np.inf,
+        )
+    )
+    return tuple(rows)
+
+
+def _in_words(problem: ScenarioProblem, error: FloatArray) -> str:
+    def size(tolerance: Tolerance, value: float) -> str:
+        if abs(value) == tolerance.size:
+            return tolerance.text.removesuffix("uniform").strip()
+        return _amount(abs(value), *problem.unit_of(tolerance))
+
+    return ", ".join(
+        f"{each.field} {'+' if value > 0.0 else '-'} {size(each, value)}"
+        for each, value in zip(problem.tolerances, error.tolist(), strict=True)
+        if value
+    )
+
+
+def _amount(size: float, unit: str, scale: float) -> str:
+    return f"{size / scale:.3g} {unit if unit != '1' else ''}".rstrip()
+
+
+def _step(problem: Problem, i: int, value: float) -> float:
+    """Return the tolerance of a parameter, or the usual manufacturing error, SI."""
+    stated = _tolerance(problem, i)
+    return _error(value, problem.parameters.units[i]) if stated is None else stated.reach
+
+
+def _stated(problem: Problem, i: int, size: float) -> str:
+    """Return an error of a parameter in words, as it was stated."""
+    chosen, stated = problem.parameters, _tolerance(problem, i)
+    if stated is not None and stated.size == size:
+        return stated.text.removesuffix("uniform").strip()
+    return _amount(size, chosen.units[i], float(chosen.scale[i]))
+
+
+def _tolerance(problem: Problem, i: int) -> Tolerance | None:
+    stated = problem.tolerances if isinstance(problem, ScenarioProblem) else ()
+    label = problem.parameters.labels[i]
+    return next((each for each in stated if each.field == label), None)
 
 
 def _error(value: float, unit: str) -> float:

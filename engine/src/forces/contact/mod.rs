@@ -15,6 +15,7 @@ use pair::KeptForce;
 pub(crate) use round_cone::{Closest, closest, is_far};
 pub(crate) use sphere::direction;
 
+use super::differential::{Depth, Differential};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
@@ -374,22 +375,49 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 }
 
-/// The tip force F_t, the resultant of contact on the tip spheres.
+/// What is reported of contacts.
 impl Contacts {
-    /// Adds ∂F_t/∂p with frames and points held.
-    pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the overlaps of all pairs.
+    pub fn for_each_depth<const P: usize>(&self, state: &ContactState<P>, mut visit: impl FnMut(Depth<P>)) {
+        for (_, pair) in &state.pairs {
+            let [a, b] = pair.second;
+            let (depth, t, normal) = (pair.overlap, pair.t, pair.normal);
+            visit(Depth { depth, spheres: [pair.first, a, b], t, normal });
+        }
+    }
+
+    /// Adds a multiple of the change of the force on the tip along a direction.
+    pub fn add_tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         state: &ContactState<P>,
         direction: &Vector<P>,
-        gradient: &mut [f64],
+        weight: f64,
+        out: &mut Differential<P>,
     ) {
         for (contact, k, pair) in self.tip_pairs(at.parameters(), state) {
-            let along = direction.dot(&pair.normal);
-            let turned = direction.dot(&pair.across) * pair.overlap * pair.slip / pair.distance;
-            add_pair_parameters(at, contact, pair, k, [along, turned], gradient);
+            let along = weight * direction.dot(&pair.normal);
+            let turned = weight * direction.dot(&pair.across) * pair.overlap * pair.slip / pair.distance;
+            add_pair_parameters(at, contact, pair, k, [along, turned], &mut out.parameters);
+            let [a, b] = pair.second;
+            let changes = force_change(pair, k * weight, direction);
+            out.add_points(at.tree, [pair.first, a, b], changes);
         }
     }
+}
+
+/// Slopes of the force k d n along a direction by the three points of a pair.
+fn force_change<const P: usize>(pair: &ContactPair<P>, k: f64, direction: &Vector<P>) -> [Vector<P>; 3] {
+    let mut changes = [Vector::ZERO; 3];
+    for (i, change) in changes.iter_mut().enumerate() {
+        for axis in 0..P {
+            let mut motion = [Vector::ZERO; 3];
+            motion[i] = Vector::unit(axis);
+            let pressed = pair.normal * pair.closing(&motion) + pair.turning(&motion) * pair.overlap;
+            change[axis] = k * direction.dot(&pressed);
+        }
+    }
+    changes
 }
 
 #[cfg(test)]

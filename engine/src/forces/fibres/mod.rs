@@ -13,6 +13,7 @@ mod law;
 mod sensitivity;
 mod single;
 
+use super::differential::{Differential, Largest};
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
@@ -35,6 +36,17 @@ pub(crate) struct FibreSections {
     materials: Vec<Material>,
     rods: Vec<FibreRod>,
     strains: AxialStrains,
+}
+
+/// Where a fibre is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FibrePlace {
+    /// Its rod, with the indices of the sample point and of the Gauss point there.
+    pub rod: usize,
+    pub point: usize,
+    gauss: usize,
+    /// Parameter that holds its first number.
+    first: usize,
 }
 
 /// What a design makes of the sections.
@@ -96,28 +108,80 @@ impl FibreSections {
         self.materials.len()
     }
 
-    /// Visits the stretch of each fibre, with its material and its rod's index and sample point.
+    /// Visits the stretch of each fibre, with its material.
+    #[inline]
     pub fn for_each_stretch<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         tree: &Tree<G, D, P>,
         p: &[f64],
         q: &[f64],
-        mut visit: impl FnMut(usize, [usize; 2], f64),
+        mut visit: impl FnMut(usize, FibrePlace, f64),
     ) {
         for fibre_rod in &self.rods {
             let rod = &tree.rods[fibre_rod.rod];
             let length = p[rod.length];
-            for (gauss, section) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+            for (g, (gauss, section)) in rod.gauss.iter().zip(&fibre_rod.of_gauss).enumerate() {
                 let strain = strains(&gauss.columns, q);
                 let s = p[rod.radius.start + gauss.point];
-                for (m, n) in numbers(&fibre_rod.sections[*section], p) {
+                let section = &fibre_rod.sections[*section];
+                for (index, (m, n)) in numbers(section, p).enumerate() {
                     let fibre = Fibre::new(n, s);
                     let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
                     let stretch = fibre.stretch * (1.0 + strain[3] + bent);
-                    visit(m, [fibre_rod.rod, gauss.point], stretch);
+                    let first = section.fibres + NUMBERS * index;
+                    let place = FibrePlace { rod: fibre_rod.rod, point: gauss.point, gauss: g, first };
+                    visit(m, place, stretch);
                 }
             }
         }
+    }
+
+    /// Adds a multiple of the change of the least (`sign` −1) or greatest (1) stretch of a material's fibres.
+    pub fn add_stretch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        material: usize,
+        sign: f64,
+        at: &State<G, D, P>,
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let (p, tree) = (at.parameters(), at.tree);
+        let mut largest = Largest::new();
+        self.for_each_stretch(tree, p, at.q, |m, place, stretch| {
+            if m == material {
+                // Mirror images of a fibre are stretched alike.
+                let mirrored = |other: &(FibrePlace, f64)| {
+                    let same = |k: usize| p[place.first + k].abs() == p[other.0.first + k].abs();
+                    (place.rod, place.gauss) == (other.0.rod, other.0.gauss) && (0..NUMBERS).all(same)
+                };
+                largest.offer(sign * stretch, (place, stretch), mirrored);
+            }
+        });
+        let Some((place, total)) = largest.place else { return };
+        out.tied |= largest.tied;
+        let rod = &tree.rods[place.rod];
+        let (gauss, length) = (&rod.gauss[place.gauss], p[rod.length]);
+        let radius = rod.radius.start + place.point;
+        let numbers = &p[place.first..place.first + NUMBERS];
+        let Fibre { y, z, stretch, .. } = Fibre::new(numbers, p[radius]);
+        let strain = strains(&gauss.columns, at.q);
+        let slope = weight * stretch;
+        for (dof, mode, phi) in &gauss.columns {
+            let arm = match mode {
+                1 => z / length,
+                2 => -y / length,
+                3 => 1.0,
+                _ => 0.0,
+            };
+            out.coordinates[*dof] += slope * phi * arm;
+        }
+        let bent = (strain[1] * z - strain[2] * y) / length;
+        out.parameters[rod.length] -= slope * bent / length;
+        let slopes =
+            [-slope * strain[2] / length, slope * strain[1] / length, 0.0, weight * total / stretch, 0.0];
+        let own = &mut out.parameters[place.first..place.first + NUMBERS];
+        let by_radius = Fibre::add_derivatives(numbers, p[radius], slopes, own);
+        out.parameters[radius] += by_radius;
     }
 
     /// Visits the materials that are not linear with their fibres, their energies under the strains of

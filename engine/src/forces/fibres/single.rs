@@ -1,9 +1,38 @@
 //! A single fibre of a material, for stress–stretch curves and fits.
 
 use super::evaluation::Energies;
+use super::jet::{Constant, MixedJet};
 use super::law::Law;
 
 impl Law {
+    /// Derivatives of the nominal stress w′ of such a fibre with respect to each constant, row by row of the
+    /// stretches; `None` likewise.
+    pub fn stress_slopes(self, constants: &[f64], wound: bool, stretch: &[f64]) -> Option<Vec<f64>> {
+        if !self.accepts(constants.len()) {
+            return None;
+        }
+        let fixed =
+            |value: f64, first: f64| MixedJet { value, first, second: 0.0, by_parameter: 0.0, mixed: 0.0 };
+        let modulus = Self::modulus(constants, wound);
+        let slope = |k: usize, stretch: f64| {
+            if self == Law::Linear {
+                return modulus[k + 1] * (stretch - 1.0);
+            }
+            let seed = |(i, value): (usize, &f64)| Constant {
+                value: *value,
+                by_parameter: f64::from(u8::from(i == k)),
+            };
+            let seeded: Vec<Constant> = constants.iter().enumerate().map(seed).collect();
+            self.fibre(&seeded, fixed(stretch, 1.0), wound.then(|| fixed(1.0, 0.0))).mixed
+        };
+        Some(
+            stretch
+                .iter()
+                .flat_map(|x| (0..constants.len()).map(|k| slope(k, *x)).collect::<Vec<_>>())
+                .collect(),
+        )
+    }
+
     /// Energy per volume [J/m³] and its first and second derivative with respect to the stretch [Pa], of a
     /// fibre that contracts freely or, if `wound`, keeps its hoop stretch at one.
     ///

@@ -25,6 +25,29 @@ pub(super) fn moved<const P: usize>(contact: &ConeContact<P>, [p, a, b]: &[Vecto
     Change { relative, axis: *b - *a, explicit: [0.0; 6] }
 }
 
+/// Slopes by the points p, a, b of what changes with them in a given way.
+pub(super) fn by_points<const P: usize>(
+    contact: &ConeContact<P>,
+    change: impl Fn(&Change<P>) -> f64,
+) -> [Vector<P>; 3] {
+    let mut slopes = [Vector::ZERO; 3];
+    for (i, slope) in slopes.iter_mut().enumerate() {
+        for axis in 0..P {
+            let mut motion = [Vector::ZERO; 3];
+            motion[i] = Vector::unit(axis);
+            slope[axis] = change(&moved(contact, &motion));
+        }
+    }
+    slopes
+}
+
+/// Its slope by one of the quantities in [`Change::explicit`].
+pub(super) fn by_explicit<const P: usize>(i: usize, change: impl Fn(&Change<P>) -> f64) -> f64 {
+    let mut explicit = [0.0; 6];
+    explicit[i] = 1.0;
+    change(&Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit })
+}
+
 /// Frames of the rod's point and of the link.
 #[inline]
 fn frames<G: LieGroup<D, P>, const D: usize, const P: usize>(

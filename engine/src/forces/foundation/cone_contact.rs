@@ -234,6 +234,42 @@ impl<const P: usize> ConeContact<P> {
         hessian * self.weight
     }
 
+    /// The changes of depth and t.
+    #[inline]
+    fn rates(&self, Change { relative, axis, explicit }: &Change<P>) -> [f64; 2] {
+        let n = &self.normal;
+        let [a, b] = RADII.map(|i| explicit[i]);
+        let across = self.axis - *n * self.along;
+        let depth = explicit[SURFACE] + (1.0 - self.t) * a + self.t * b - n.dot(relative);
+        let slide = -n.dot(axis) - across.dot(relative) / self.distance + a - b;
+        [depth, -slide * self.slip]
+    }
+
+    /// The change of the stiffness at t.
+    #[inline]
+    fn change_of_stiffness(&self, t: f64, explicit: &Explicit) -> f64 {
+        let [start, stop] = STIFFNESS.map(|i| explicit[i]);
+        self.k[1] * t + start + self.section.share * (stop - start)
+    }
+
+    /// The change of [`ConeContact::pressure`].
+    pub fn change_of_pressure(&self, change: &Change<P>) -> f64 {
+        let [depth, t] = self.rates(change);
+        self.k[0] * depth + self.change_of_stiffness(t, &change.explicit) * self.depth
+    }
+
+    /// Tension of a loop, a force that pulls.
+    pub fn tension(&self) -> f64 {
+        -self.normal_force()
+    }
+
+    /// The change of [`ConeContact::tension`] of a loop.
+    pub fn change_of_tension(&self, change: &Change<P>) -> f64 {
+        let [depth, t] = self.rates(change);
+        let stiffness = self.change_of_stiffness(t, &change.explicit);
+        -self.weight * (self.k[0] * depth + stiffness * self.strip.by_depth)
+    }
+
     /// The change of [`ConeContact::gradient`], its weight held.
     pub fn change_of_gradient(&self, change: &Change<P>) -> Vector<P> {
         let (s, section, n) = (&self.strip, &self.section, &self.normal);
@@ -256,12 +292,10 @@ impl<const P: usize> ConeContact<P> {
             + k_t * (s.by_curvature * kappa + s.by_width * width);
 
         // The change of depth and t, and of their gradients.
+        let [depth, t] = self.rates(change);
         let away = n.dot(relative);
         let sideways = *relative - *n * away;
         let across = self.axis - *n * self.along;
-        let depth = explicit[SURFACE] + (1.0 - self.t) * a + self.t * b - away;
-        let slide = -n.dot(axis) - across.dot(relative) / self.distance + a - b;
-        let t = -slide * self.slip;
         let of_normal = (sideways - across * t) * (1.0 / self.distance);
         let mut of_slide = Vector::ZERO;
         if self.slip > 0.0 {

@@ -12,6 +12,7 @@ pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
 
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
+use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
@@ -21,7 +22,7 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
-use attached::{moved, points, relative};
+use attached::{points, relative};
 use cone_contact::{Change, ConeCandidate, ConeContact, RADII, STIFFNESS, SURFACE, WIDTH};
 use definition::Foundation;
 
@@ -146,45 +147,49 @@ impl Foundations {
         foundation.tip[contact.first - foundation.first.start]
     }
 
-    /// Visits the contacts of the tip: their points p, a, b, and the derivatives with respect to these of the
-    /// force on the tip along a direction.
-    pub fn for_each_tip_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits the depths of all contacts.
+    pub fn for_each_depth<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
-        tree: &Tree<G, D, P>,
-        state: &[ConeContact<P>],
-        direction: &Vector<P>,
-        mut visit: impl FnMut([usize; 3], [Vector<P>; 3]),
+        at: &State<G, D, P>,
+        mut visit: impl FnMut(Depth<P>),
     ) {
-        for contact in state {
-            let share = self.tip_share(contact);
-            if share == 0.0 {
-                continue;
-            }
-            let mut changes = [Vector::ZERO; 3];
-            for (i, change) in changes.iter_mut().enumerate() {
-                for axis in 0..P {
-                    let mut motion = [Vector::ZERO; 3];
-                    motion[i] = Vector::unit(axis);
-                    change[axis] =
-                        -share * direction.dot(&contact.change_of_gradient(&moved(contact, &motion)));
-                }
-            }
-            visit(points(contact, tree), changes);
-        }
+        self.for_each_contact(at, |contact| visit(depth(&contact)));
     }
 
-    /// Adds the derivative of the force on the tip along a direction with frames and points held.
-    pub fn add_tip_force_parameters<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Adds a multiple of the change of the largest pressure.
+    pub fn add_pressure<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let mut largest = Largest::new();
+        self.for_each_contact(at, |contact| {
+            let here = depth(&contact);
+            largest.offer(contact.pressure(), contact, |other| depth(other).is_same(&here));
+        });
+        let Some(contact) = largest.place else { return };
+        out.tied |= largest.tied;
+        let change = |change: &Change<P>| weight * contact.change_of_pressure(change);
+        out.add_points(at.tree, spheres(&contact), attached::by_points(&contact, change));
+        self.add_explicit(at, &contact, change, &mut out.parameters);
+    }
+
+    /// Adds a multiple of the change of the force on the tip along a direction.
+    pub fn add_tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         state: &[ConeContact<P>],
         direction: &Vector<P>,
-        gradient: &mut [f64],
+        weight: f64,
+        out: &mut Differential<P>,
     ) {
         for contact in state {
-            let share = self.tip_share(contact);
-            if share != 0.0 {
-                self.add_work(at, contact, &(*direction * -share), gradient);
+            let along = *direction * (-weight * self.tip_share(contact));
+            if along != Vector::ZERO {
+                let change = |change: &Change<P>| along.dot(&contact.change_of_gradient(change));
+                out.add_points(at.tree, spheres(contact), attached::by_points(contact, change));
+                self.add_work(at, contact, &along, &mut out.parameters);
             }
         }
     }
@@ -198,28 +203,45 @@ impl Foundations {
         velocity: &Vector<P>,
         gradient: &mut [f64],
     ) {
+        let length = self.0[contact.foundation].length;
+        gradient[length] += velocity.dot(&contact.gradient()) / at.parameters()[length];
+        let change = |change: &Change<P>| velocity.dot(&contact.change_of_gradient(change));
+        self.add_explicit(at, contact, change, gradient);
+    }
+
+    /// Adds the slopes by every parameter, frames, points and the rod's length held, of what changes with a
+    /// contact in a given way.
+    fn add_explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        contact: &ConeContact<P>,
+        change: impl Fn(&Change<P>) -> f64,
+        gradient: &mut [f64],
+    ) {
         let (p, tree) = (at.parameters(), at.tree);
         let foundation = &self.0[contact.foundation];
         let cone = &foundation.cones[contact.cone];
-        let work = |i: usize| {
-            let mut explicit = [0.0; 6];
-            explicit[i] = 1.0;
-            let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
-            velocity.dot(&contact.change_of_gradient(&change))
-        };
-        gradient[foundation.length] += velocity.dot(&contact.gradient()) / p[foundation.length];
-        let spheres = [contact.first, contact.ends[0], contact.ends[1]];
-        for (sphere, i) in spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
-            add_radius_slope(tree, p, tree.spheres[sphere].radius, work(i), gradient);
+        let slope = |i: usize| attached::by_explicit(i, &change);
+        for (sphere, i) in spheres(contact).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+            add_radius_slope(tree, p, tree.spheres[sphere].radius, slope(i), gradient);
         }
         for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
-            gradient[slot] += work(i);
+            gradient[slot] += slope(i);
         }
         let point = contact.first - foundation.first.start;
-        let by_width = work(WIDTH);
+        let by_width = slope(WIDTH);
         gradient[foundation.half_width + point] += by_width;
         gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[contact.first];
     }
+}
+
+/// The spheres at p, a, b.
+fn spheres<const P: usize>(contact: &ConeContact<P>) -> [usize; 3] {
+    [contact.first, contact.ends[0], contact.ends[1]]
+}
+
+fn depth<const P: usize>(contact: &ConeContact<P>) -> Depth<P> {
+    Depth { depth: contact.depth, spheres: spheres(contact), t: contact.t, normal: contact.normal }
 }
 
 impl<const P: usize> ForceMemory<P> for Foundations {

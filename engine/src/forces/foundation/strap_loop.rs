@@ -2,6 +2,7 @@
 //! ½ k (‖p − c(t)‖ − r(t) − S − ℓ₀)₊², with the point c(t) of the link's axis that is closest.
 
 use super::super::contact::closest;
+use super::super::differential::Differential;
 use super::super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::super::magnitudes::Magnitudes;
 use super::super::state::State;
@@ -10,7 +11,6 @@ use super::attached::{self, relative};
 use super::cone_contact::{Change, ConeCandidate, ConeContact, RADII, STIFFNESS, SURFACE};
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
 use crate::tree::{ModelError, Tree, finite, not_negative};
 use serde::Deserialize;
 
@@ -69,12 +69,48 @@ impl StrapLoops {
     /// Tension of each.
     pub fn tensions<const P: usize>(&self, state: &[ConeContact<P>]) -> Vec<f64> {
         let mut tensions = vec![0.0; self.0.len()];
-        state.iter().for_each(|contact| tensions[contact.foundation] = -contact.normal_force());
+        state.iter().for_each(|contact| tensions[contact.foundation] = contact.tension());
         tensions
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds a multiple of the change of the tension of one strap; a slack one has none.
+    pub fn add_tension<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &[ConeContact<P>],
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        for contact in state.iter().filter(|contact| contact.foundation == index) {
+            let change = |change: &Change<P>| weight * contact.change_of_tension(change);
+            out.add_points(at.tree, self.0[index].spheres, attached::by_points(contact, change));
+            self.0[index].add_explicit(at, change, &mut out.parameters);
+        }
     }
 }
 
 impl StrapLoop {
+    /// Adds the slopes by every parameter, frames and points held, of what changes with the strap in a
+    /// given way.
+    fn add_explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        change: impl Fn(&Change<P>) -> f64,
+        gradient: &mut [f64],
+    ) {
+        let slope = |i: usize| attached::by_explicit(i, &change);
+        gradient[self.stiffness] += slope(STIFFNESS[0]);
+        gradient[self.rest_length] += slope(SURFACE);
+        for (sphere, i) in self.spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+            add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, slope(i), gradient);
+        }
+    }
+
     /// The strap with its index, if it is taut.
     fn taut<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
@@ -197,18 +233,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     ) {
         for contact in state {
             let velocity = relative(contact, at, motion);
-            let strap = &self.0[contact.foundation];
-            let work = |i: usize| {
-                let mut explicit = [0.0; 6];
-                explicit[i] = 1.0;
-                let change = Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit };
-                velocity.dot(&contact.change_of_gradient(&change))
-            };
-            gradient[strap.stiffness] += work(STIFFNESS[0]);
-            gradient[strap.rest_length] += work(SURFACE);
-            for (sphere, i) in strap.spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
-                add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, work(i), gradient);
-            }
+            let change = |change: &Change<P>| velocity.dot(&contact.change_of_gradient(change));
+            self.0[contact.foundation].add_explicit(at, change, gradient);
         }
     }
 

@@ -32,6 +32,10 @@ Bounds = Annotated[Pair, BeforeValidator(_two), AfterValidator(_ordered)]
 
 
 End = Text | Number
+# One text, or several.
+Texts = Annotated[
+    tuple[Text, ...], BeforeValidator(lambda value: (value,) if isinstance(value, str) else value)
+]
 
 
 class Variable(Table):
@@ -54,8 +58,8 @@ class Design(Table):
     radius_bounds: Bounds | None = None
     minimum_radius: PositiveLength | None = None
     variable: tuple[Variable, ...] = ()
-    maximise: Text | None = None
-    minimise: Text | None = None
+    maximise: Texts = ()
+    minimise: Texts = ()
     subject_to: tuple[Text, ...] = ()
     without: tuple[Text, ...] = ()
     scenarios: tuple[Text, ...] = ()
@@ -64,11 +68,10 @@ class Design(Table):
     samples: Annotated[int, Strict(), Field(ge=0)] = 0
 
     @property
-    def aim(self) -> str | None:
-        """What is wanted, such as ``"maximise bending"``; None if the file does not say."""
-        if self.maximise is not None:
-            return f"maximise {self.maximise}"
-        return None if self.minimise is None else f"minimise {self.minimise}"
+    def aims(self) -> tuple[str, ...]:
+        """What is wanted, such as ``"maximise bending"``; empty if the file does not say."""
+        more = [f"maximise {name}" for name in self.maximise]
+        return (*more, *(f"minimise {name}" for name in self.minimise))
 
     @property
     def varied(self) -> dict[str, tuple[End, End]]:
@@ -77,8 +80,9 @@ class Design(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Design:
-        if self.maximise is not None and self.minimise is not None:
-            raise field_error("is given as well as maximise: give one", path="minimise")
+        if (twice := first_repeated((*self.maximise, *self.minimise))) is not None:
+            key = "minimise" if twice in self.minimise else "maximise"
+            raise field_error(f"has {describe(twice)} twice: objectives must differ", path=key)
         fields = [each.field for each in self.variable]
         if (twice := first_repeated(fields)) is not None:
             tail = f"is {describe(twice)}, as that of another variable"

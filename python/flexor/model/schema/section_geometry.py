@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -118,18 +118,38 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     """
     built: dict[tuple[int, float], Built] = {}
     of_gauss = []
-    vary = [any(isinstance(size, tuple) for size in _sizes(piece)) for piece in rod.pieces]
+    vary = [varies(piece) for piece in rod.pieces]
     for x in rod.sample_points[gauss_points(rod)]:
         place = rod.piece_at(x)
-        piece = rod.pieces[place]
         key = (place, float(x) if vary[place] else 0.0)
         if key not in built:
-            geometry = None
-            if not isinstance(piece, Stiffness):
-                geometry = _geometry(piece, rod.material, materials, float(x))
-            built[key] = (place, geometry)
+            built[key] = (place, section_at(rod, materials, place, float(x)))
         of_gauss.append(list(built).index(key))
     return list(built.values()), of_gauss
+
+
+def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
+    """Return one of a rod's sections as it is at X; None if only its stiffness is given.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    piece
+        Which of its sections.
+    x
+        X in [0, 1].
+    """
+    section = rod.pieces[piece]
+    given = isinstance(section, Stiffness)
+    return None if given else _geometry(section, rod.material or "", materials, x)
+
+
+def varies(section: Section) -> bool:
+    """Whether a section has sizes that are given at several places along the rod."""
+    return any(isinstance(size, tuple) for size in _sizes(section))
 
 
 def _sizes(section: Section) -> list[object]:
@@ -212,17 +232,41 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
     places = np.array([rod.piece_at(x) for x in points])
-    for place, piece in enumerate(rod.pieces):
-        if isinstance(piece, Stiffness):
-            continue
-        varies = any(isinstance(size, tuple) for size in _sizes(piece))
-        rows = np.flatnonzero(places == place)
-        # Sections that are the same all along are evaluated at once.
-        for group in rows[:, None] if varies else [rows] if len(rows) else []:
-            parts = _geometry(piece, rod.material, materials, float(points[group[0]])).parts
-            each = [np.broadcast_to(p.shape.extent(radius[group])[1], group.shape) for p in parts]
-            found[group] = np.max(each, axis=0)
+    for place in range(len(rod.pieces)):
+        of_piece = np.flatnonzero(places == place)
+        for rows, geometry in along(rod, materials, place, points[of_piece]):
+            if geometry is not None:
+                here = of_piece[rows]
+                shapes = [part.shape for part in geometry.parts]
+                each = [np.broadcast_to(a.extent(radius[here])[1], here.shape) for a in shapes]
+                found[here] = np.max(each, axis=0)
     return found
+
+
+def along(
+    rod: Rod, materials: Materials, place: int, points: Array
+) -> Iterator[tuple[NDArray[np.intp], Geometry | None]]:
+    """Return one of a rod's sections at points along it.
+
+    Parameters
+    ----------
+    rod
+        The rod.
+    materials
+        The materials of the file.
+    place
+        Which of its sections.
+    points : (n,) array
+        X in [0, 1].
+
+    Yields
+    ------
+    rows, geometry : (k,) array and Geometry
+        Points with the same sizes, and the section there; None if it is given by its stiffness.
+    """
+    piece, rows = rod.pieces[place], np.arange(len(points))
+    for group in rows[:, None] if varies(piece) else [rows] if len(rows) else []:
+        yield group, section_at(rod, materials, place, float(points[group[0]]))
 
 
 def roundness(rod: Rod, materials: Materials) -> float:

@@ -13,7 +13,13 @@ from flexor.store import Database, Header, Kind
 from flexor.study.comparison.result import SearchRun
 from flexor.study.problem import Problem
 from flexor.study.record import TABLES, Record
-from flexor.study.settings import LimitsTable, MethodTable, ModelTable, ObjectiveTable
+from flexor.study.settings import (
+    ConstraintTable,
+    MethodTable,
+    ModelTable,
+    ObjectiveTable,
+    SetTable,
+)
 
 _TABLES = """
 CREATE TABLE searches (
@@ -26,9 +32,10 @@ CREATE TABLE searches (
 class _Shape(Header):
     model: ModelTable
     objective: ObjectiveTable
+    constraints: list[ConstraintTable]
     budget: NonNegativeInt
     engine: dict[str, FiniteFloat]
-    sets: dict[str, LimitsTable]
+    sets: dict[str, SetTable]
     methods: dict[str, MethodTable]
     seeds: list[NonNegativeInt]
 

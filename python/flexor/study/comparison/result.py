@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.constraints import INFEASIBLE
 from flexor.errors import unknown
 from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
@@ -41,7 +42,8 @@ class Summary:
     parameters: str
     method: str
     searches: int  # their number
-    best: float  # of the final values
+    # Of the final values; of infeasible designs what they rank by, see `flexor.constraints.ranks`.
+    best: float
     median: float
     worst: float
     success: float  # fraction that reached the target
@@ -92,11 +94,14 @@ class MethodComparison:
         The gain of a design is how far its value lies below that of the set's own start. Success
         is all but ``within`` of the gain of the best known design: f0 - (1 - within) (f0 - f*),
         the convergence test of Moré and Wild (2009) with one f0 for all. If that start fails, f0
-        is the highest value that a search began from.
+        is the highest of the first values of all searches; if it is infeasible and the best known
+        is not, of their first feasible ones.
         """
         first, best = self.reference[parameters], self.best_known(parameters)
-        if not np.isfinite(first):
-            begun = [run.result.improvement_values[:1] for run in self.of(parameters)]
+        feasible = best < INFEASIBLE
+        if not np.isfinite(first) or (feasible and first >= INFEASIBLE):
+            values = [run.result.improvement_values for run in self.of(parameters)]
+            begun = [found[(found < INFEASIBLE) == feasible][:1] for found in values]
             first = float(np.max(np.concatenate(begun), initial=best))
         return max(best, first - (1.0 - within) * (first - best))
 
@@ -114,7 +119,7 @@ class MethodComparison:
             method=method,
             searches=len(runs),
             best=float(values.min()),
-            median=float(np.median(values)),
+            median=_median(values),
             worst=float(values.max()),
             success=successes / len(runs),
             evaluations=float(np.median(needed[reached])) if successes else np.inf,
@@ -165,3 +170,9 @@ class MethodComparison:
             runs = sorted(self.of(parameters, method), key=lambda run: run.seed)
             rows.append([run.evaluations_to(target) for run in runs])
         return np.array(rows)
+
+
+def _median(values: FloatArray) -> float:
+    """Return the median; between a feasible and an infeasible design the latter."""
+    mixed = np.any(values >= INFEASIBLE)
+    return float(np.quantile(values, 0.5, method="higher" if mixed else "linear"))

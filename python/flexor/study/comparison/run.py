@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexor.arguments import check_callable, integer
-from flexor.design import ParameterSet, parameter_set
+from flexor.design import ParameterSet
 from flexor.errors import InputError
-from flexor.objectives import Objective
+from flexor.objectives import Objective, needs_model
 from flexor.objectives import objective as named_objective
-from flexor.optimizers import Search, available, canonical
+from flexor.optimizers import LevenbergMarquardt, Search, available, canonical
 from flexor.optimizers import method as named_method
 from flexor.store import Workspace, open_record, read_settings
 from flexor.study.comparison.record import COMPARISON, finished, references
@@ -22,11 +22,13 @@ from flexor.study.executors import AnyExecutor, Threads, chosen_executor
 from flexor.study.problem import Problem
 from flexor.study.settings import (
     MODEL,
+    at_loads,
     common_settings,
-    limits_table,
     method_table,
+    recorded_constraints,
     recorded_model,
-    within_limits,
+    recorded_set,
+    set_table,
 )
 
 if TYPE_CHECKING:
@@ -34,15 +36,17 @@ if TYPE_CHECKING:
 
 BUILT_IN_SETS = ("L", "R01", "L+R01", "Rsc", "L+Rsc", "RLP", "L+RLP")
 # Not compared unless asked for: a grid does not search, and a surrogate's own work for a design
-# takes longer than evaluating hundreds of them.
-_ASKED_FOR = ("grid", "surrogate")
+# takes longer than evaluating hundreds of them. A front is not comparable.
+_ASKED_FOR = ("grid", "surrogate", "pareto")
 
 
 def compare(
     model: Model,
-    parameters: str | Sequence[str | ParameterSet] = BUILT_IN_SETS,
+    parameters: str | Sequence[str | ParameterSet] | Mapping[str, Sequence[object]] = BUILT_IN_SETS,
     objective: str | Objective = "bending",
     *,
+    subject_to: Sequence[str] = (),
+    without: Sequence[str] = (),
     methods: str | Sequence[str] | Mapping[str, Search] | None = None,
     seeds: int | Sequence[int] = 10,
     budget: int = 500,
@@ -60,14 +64,15 @@ def compare(
 
     Parameters
     ----------
-    model, objective : Model, str or Objective
+    model, objective, subject_to, without
         As for `flexor.optimize`.
-    parameters : str or sequence
+    parameters : str, sequence or dict
         Parameter sets; a text lists them with commas: ``"L,R01"``. By default the built-in ones
-        and their unions with the length.
+        and their unions with the length. Or fields of the model file with their bounds, as for
+        `flexor.optimize`.
     methods : str, sequence of str, or mapping of Search, optional
         Methods by name with their default options, or ready ones by label; by default all whose
-        libraries are installed, without grid and surrogate.
+        libraries are installed and that take the objective, without grid and surrogate.
     seeds : int or sequence of int
         One search for each; a number n means 0 to n - 1. A seed decides the start, the same for
         every method: a random design of the set, or the next if that fails.
@@ -103,17 +108,31 @@ def compare(
         If a name is not known, a library is missing, an objective is not the norm of a vector
         where a method needs that, or the folder cannot be used.
     """
-    workers = integer("workers", workers, 0)
-    check_callable("progress", progress)
-    check_callable("finish", finish)
+    problems = _problems(model, parameters, objective, force, engine_options, subject_to, without)
     plan = Plan(
-        problems=_problems(model, parameters, objective, force, engine_options),
-        methods=_methods(methods),
+        problems=problems,
+        methods=_methods(methods, next(iter(problems.values())).objective),
         seeds=_seeds(seeds),
         budget=integer("budget", budget, 1),
     )
+    return _compare(plan, known, folder, resume, progress, executor, finish, workers)
+
+
+def _compare(
+    plan: Plan,
+    known: Mapping[str, float] | None,
+    folder: str | Path | None,
+    resume: bool,
+    progress: ComparisonCallback | None,
+    executor: AnyExecutor | None,
+    finish: Callable[[MethodComparison], None] | None,
+    workers: int,
+) -> MethodComparison:
+    workers = integer("workers", workers, 0)
+    check_callable("progress", progress)
+    check_callable("finish", finish)
     plan.check()
-    files = {MODEL: model.file.to_toml()}
+    files = {MODEL: plan.problem.model.file.to_toml()}
     with (
         chosen_executor(executor if executor is not None else Threads(1)) as where,
         Workspace(
@@ -158,29 +177,22 @@ def resume_comparison(
     place = Path(folder)
     values = read_settings(COMPARISON, place)
     model = recorded_model(place)
-    return compare(
-        model,
-        [
-            within_limits(parameter_set(name, model.design), limits)
-            for name, limits in values["sets"].items()
-        ],
-        values["objective"]["name"],
+    wanted = at_loads(named_objective(values["objective"]["name"], model), values, model)
+    kept = recorded_constraints(values["constraints"], model)
+    sets = {name: recorded_set(name, table, model) for name, table in values["sets"].items()}
+    plan = Plan(
+        problems={
+            name: Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+            for name, chosen in sets.items()
+        },
         methods={
             label: named_method(method["name"], **method["options"])
             for label, method in values["methods"].items()
         },
-        seeds=values["seeds"],
+        seeds=tuple(values["seeds"]),
         budget=values["budget"],
-        force=values["objective"]["force"],
-        known=known,
-        folder=place,
-        resume=True,
-        progress=progress,
-        executor=executor,
-        finish=finish,
-        workers=workers,
-        engine_options=values["engine"],
     )
+    return _compare(plan, known, place, True, progress, executor, finish, workers)
 
 
 def open_comparison(
@@ -207,7 +219,9 @@ def open_comparison(
         is not known.
     """
     values = read_settings(COMPARISON, Path(folder))
-    wanted = named_objective(values["objective"]["name"]).at(values["objective"]["force"])
+    name = values["objective"]["name"]
+    model = recorded_model(Path(folder)) if needs_model(name) else None
+    wanted = named_objective(name, model).at(values["objective"]["force"])
     with closing(open_record(COMPARISON, Path(folder), write=False)) as database:
         runs, reference = finished(database), references(database)
     keys = [
@@ -232,14 +246,27 @@ def open_comparison(
 
 def _problems(
     model: Model,
-    parameters: str | Sequence[str | ParameterSet],
+    parameters: str | Sequence[str | ParameterSet] | Mapping[str, Sequence[object]],
     objective: str | Objective,
     force: Any,
     engine_options: Mapping[str, float] | None,
+    subject_to: Sequence[str],
+    without: Sequence[str],
 ) -> dict[str, Problem]:
     problems: dict[str, Problem] = {}
-    for each in _listed(parameters, "parameter set"):
-        problem = Problem.of(model, each, objective, force, options=engine_options)
+    listed: Sequence[Any] = [parameters]
+    if not isinstance(parameters, Mapping):
+        listed = _listed(parameters, "parameter set")
+    for each in listed:
+        problem = Problem.of(
+            model,
+            each,
+            objective,
+            force,
+            options=engine_options,
+            subject_to=subject_to,
+            without=without,
+        )
         name = problem.parameters.name
         if name in problems:
             raise InputError(f'the parameter set "{name}" is given twice.')
@@ -247,13 +274,17 @@ def _problems(
     return problems
 
 
-def _methods(methods: str | Sequence[str] | Mapping[str, Search] | None) -> dict[str, Search]:
+def _methods(
+    methods: str | Sequence[str] | Mapping[str, Search] | None, wanted: Objective
+) -> dict[str, Search]:
     if isinstance(methods, Mapping):
         if not methods:
             raise InputError("give at least one method to compare.")
         return dict(methods)
     if methods is None:
         methods = [name for name in available() if name not in _ASKED_FOR]
+        if not wanted.is_norm:
+            methods = [name for name in methods if name != LevenbergMarquardt.name]
     chosen: dict[str, Search] = {}
     for name in map(canonical, _listed(methods, "method")):
         if name in chosen:
@@ -283,7 +314,7 @@ def _settings(plan: Plan) -> dict[str, Any]:
     return {
         **common_settings(plan.problem),
         "budget": plan.budget,
-        "sets": {name: limits_table(each.parameters) for name, each in plan.problems.items()},
+        "sets": {name: set_table(each.parameters) for name, each in plan.problems.items()},
         "methods": {label: method_table(search) for label, search in plan.methods.items()},
         "seeds": list(plan.seeds),
     }

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexor.errors import InputError
 from flexor.model.interruption import cancel_solves
 from flexor.optimizers import (
     Budget,
@@ -24,6 +25,7 @@ from flexor.store import Workspace
 from flexor.study.comparison.record import Key, finished, references, running_record, save
 from flexor.study.comparison.result import MethodComparison, SearchRun
 from flexor.study.executors import DesignEvaluator, Threads
+from flexor.study.optimization import check_objectives
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.record import Record
 from flexor.study.recorded_evaluator import RecordedEvaluator
@@ -43,7 +45,7 @@ class Plan:
 
     @property
     def problem(self) -> Problem:
-        """Any of the problems: model, objective and loads are the same in all."""
+        """Any of the problems, which differ in their parameters alone."""
         return next(iter(self.problems.values()))
 
     @property
@@ -52,7 +54,11 @@ class Plan:
         return {name for each in self.methods.values() for name in getattr(each, "packages", ())}
 
     def check(self) -> None:
-        """Refuse an objective that is not the norm of a vector where a method needs it."""
+        """Refuse an objective that a method does not take."""
+        for search in self.methods.values():
+            check_objectives(search, self.problem.objective)
+        if self.problem.objective.count:
+            raise InputError("methods are compared on one objective, not on several.")
         if any(isinstance(search, LevenbergMarquardt) for search in self.methods.values()):
             start = self.problem.parameters.start[None, :]
             self.problem.residuals(self.problem.evaluate(start))
@@ -227,10 +233,10 @@ def carry_out(
 
 
 def _references(plan: Plan, work: Workspace) -> dict[str, float]:
-    """Evaluate each set's own start; the values must be those that are known."""
+    """Evaluate each set's own start: its rank, which must be that which is known."""
     kept = references(work.database)
     found = {
-        name: float(problem.evaluate(problem.parameters.start[None, :]).value[0])
+        name: float(problem.ranks(problem.evaluate(problem.parameters.start[None, :]))[0])
         for name, problem in plan.problems.items()
     }
     known = [name for name in found if name in kept]

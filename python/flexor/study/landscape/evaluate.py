@@ -26,9 +26,11 @@ if TYPE_CHECKING:
 
 def landscape(
     model: Model,
-    parameters: str | ParameterSet = "R01",
+    parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "R01",
     objective: str | Objective = "bending",
     *,
+    subject_to: Sequence[str] = (),
+    without: Sequence[str] = (),
     grid: int = 81,
     axes: Sequence[str] | None = None,
     start: ArrayLike | str | None = None,
@@ -45,7 +47,7 @@ def landscape(
 
     Parameters
     ----------
-    model, parameters, objective : Model, str or ParameterSet, str or Objective
+    model, parameters, objective, subject_to, without
         As for `flexor.optimize`.
     grid : int
         Points along each axis, both bounds included.
@@ -67,7 +69,11 @@ def landscape(
         If a name is not known, the axes are not one or two of the set's parameters, or the folder
         cannot be used.
     """
-    problem = Problem.of(model, parameters, objective, force, bounds, engine_options)
+    problem = Problem.of(
+        model, parameters, objective, force, bounds, engine_options, subject_to, without
+    )
+    if problem.objective.count:
+        raise InputError("a landscape shows one objective, not several.")
     check_callable("finish", finish)
     study = run_search(
         LANDSCAPE,

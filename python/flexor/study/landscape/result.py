@@ -1,4 +1,4 @@
-"""A landscape: the objective on a grid over one or two parameters, and searches on it."""
+"""A landscape: objective and constraints on a grid over one or two parameters, and searches."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 
+from flexor.constraints import INFEASIBLE, ranks
+from flexor.display import Displayed
 from flexor.errors import InputError
 from flexor.optimizers import SearchResult, grid_axes, grid_designs
 from flexor.store.files import csv_text, reason, replaced, write_text
@@ -18,11 +20,9 @@ from flexor.study.problem import FloatArray, Problem
 from flexor.study.settings import LANDSCAPE, Settings
 from flexor.study.study import Study
 
-_SI = {"cm": "m", "mm": "m", "deg": "rad"}
-
 
 @dataclass(frozen=True, eq=False)
-class Landscape:
+class Landscape(Displayed):
     """Values on a grid; every array has the grid's shape (n,) or (n, n), first axis first."""
 
     study: Study  # its record has the designs
@@ -35,6 +35,9 @@ class Landscape:
     tip_force: FloatArray  # at the last load [N]; NaN where the design failed
     touching: NDArray[np.int32]  # spheres of the exosuit in contact at the last load
     events: NDArray[np.int64]  # snaps along the path
+    constraint_values: FloatArray  # (..., c), worst along the path, SI
+    excesses: FloatArray  # (..., c), by the bound; kept where not above 0, NaN where failed
+    violation: FloatArray  # sum of what constraints are exceeded by; +inf where the design failed
     reason: NDArray[np.object_]  # of the failure; empty if there is none
 
     @classmethod
@@ -60,6 +63,8 @@ class Landscape:
         if not np.array_equal(recorded, designs + 0.0):
             raise InputError(f"{where} is damaged: its record is not its grid.")
         shape = (points,) * len(columns)
+        excess = study.problem.excesses(outcomes)
+        excess[~np.isfinite(outcomes.value)] = np.nan
         return cls(
             study=study,
             columns=columns,
@@ -71,6 +76,9 @@ class Landscape:
             tip_force=outcomes.tip_force[:, -1].reshape(shape),
             touching=outcomes.touching[:, -1].reshape(shape),
             events=outcomes.event_count.reshape(shape),
+            constraint_values=outcomes.constraint_values.reshape(*shape, -1),
+            excesses=excess.reshape(*shape, -1),
+            violation=outcomes.violation.reshape(shape),
             reason=outcomes.reason.reshape(shape),
         )
 
@@ -95,33 +103,52 @@ class Landscape:
         return tuple(self.problem.parameters.labels[i] for i in self.columns)
 
     @property
+    def constraints(self) -> tuple[str, ...]:
+        """The constraints as they are written, such as ``"overlap <= 1 mm"``."""
+        problem = self.problem
+        return tuple(each.text(problem.model) for each in problem.constraints)
+
+    @property
     def failed(self) -> NDArray[np.bool_]:
         """Which designs failed."""
         return ~np.isfinite(self.value)
 
     @property
+    def infeasible(self) -> NDArray[np.bool_]:
+        """Which designs exceed a constraint."""
+        return ~self.failed & (self.violation > 0.0)
+
+    @property
+    def rank(self) -> FloatArray:
+        """Numbers that order the designs: feasible ones by value, then others by violation."""
+        return ranks(self.value, self.violation)
+
+    @property
     def minimum(self) -> Design:
         """Best design of the grid, the global minimum to its resolution.
 
-        InputError if every design failed.
+        If none keeps the constraints, the one that exceeds them least. InputError if every design
+        failed.
         """
         return self.study.best
 
     @property
     def minimum_index(self) -> tuple[int, ...]:
         """Indices of the best design."""
-        return tuple(int(i) for i in np.unravel_index(int(np.argmin(self.value)), self.value.shape))
+        index = np.unravel_index(int(np.argmin(self.rank)), self.value.shape)
+        return tuple(int(i) for i in index)
 
     def local_minima(self) -> NDArray[np.intp]:
         """Find the indices (m, axes) of the points below all their neighbours, diagonal ones too.
 
-        A measure of how rough the landscape is; it grows as the grid shows finer bumps. A failed
-        neighbour counts as higher.
+        A measure of how rough the landscape is; it grows as the grid shows finer bumps. Only
+        feasible designs count; neighbours that fail or are infeasible count as higher.
         """
+        value = np.where(self.infeasible, np.inf, self.value)
         neighbours = np.ones((3,) * len(self.axes), dtype=bool)
         neighbours[(1,) * len(self.axes)] = False
-        lowest = minimum_filter(self.value, footprint=neighbours, mode="constant", cval=np.inf)
-        return np.argwhere(self.value < lowest)
+        lowest = minimum_filter(value, footprint=neighbours, mode="constant", cval=np.inf)
+        return np.argwhere(value < lowest)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``landscape.npz`` (every array) and ``landscape.csv`` (a row for each design).
@@ -129,10 +156,14 @@ class Landscape:
         Returns the files; InputError if they cannot be written into the folder.
         """
         npz, csv = (Path(folder) / f"landscape.{ending}" for ending in ("npz", "csv"))
-        names = ("designs", "value", "shown", "joint_angles", "tip_force", "touching", "events")
+        names = (
+            *("designs", "value", "shown", "joint_angles", "tip_force", "touching", "events"),
+            *("constraint_values", "excesses", "violation"),
+        )
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         arrays |= {f"axis_{i}": axis for i, axis in enumerate(self.axes)}
         arrays |= {"labels": self.problem.parameters.labels, "columns": self.columns}
+        arrays |= {"constraints": np.array(self.constraints, dtype=str)}
         arrays |= {"reason": self.reason.astype(str), "force": self.problem.force}
         try:
             with replaced(npz) as draft:
@@ -145,17 +176,20 @@ class Landscape:
 
     def _csv(self) -> str:
         chosen, objective = self.problem.parameters, self.problem.objective
-        units = ["" if unit == "1" else f" [{_SI.get(unit, unit)}]" for unit in chosen.units]
+        units = ["" if unit == "1" else f" [{unit}]" for unit in chosen.si_units]
         heads = [f"{label}{unit}" for label, unit in zip(chosen.labels, units, strict=True)]
         heads += [f"objective {objective.name}", f"{objective.quantity} [{objective.unit}]"]
         heads += [f"{joint} [rad]" for joint in self.problem.model.joints]
-        heads += ["tip force [N]", "touching", "events", "failure"]
+        heads += ["tip force [N]", "touching", "events"]
+        # Heads of constraints are their texts; a row has what they bound, SI.
+        heads += [*self.constraints, "violation", "failure"]
         rows: list[list[object]] = [[*heads]]
         for i in np.ndindex(*self.value.shape):
             values = ["", ""] if self.failed[i] else [float(self.value[i]), float(self.shown[i])]
             counts = self.touching[i], self.events[i]
             path = *self.joint_angles[i], self.tip_force[i], *counts
-            rows.append([*self.designs[i], *values, *path, self.reason[i]])
+            kept = *self.constraint_values[i], "" if self.failed[i] else self.violation[i]
+            rows.append([*self.designs[i], *values, *path, *kept, self.reason[i]])
         return csv_text(rows)
 
 
@@ -166,7 +200,7 @@ class SearchPath:
     label: str  # in figures, for example ``"L_1"``; may be empty
     method: str  # its name
     designs: FloatArray  # (m, k), from the first that succeeded to the end, SI
-    values: FloatArray  # (m,)
+    values: FloatArray  # (m,), of the objective; NaN where not known, as of infeasible designs
     evaluations: FloatArray  # (m,), until each was found
 
     @classmethod
@@ -176,21 +210,23 @@ class SearchPath:
             label=label,
             method=method,
             designs=result.improvement_designs,
-            values=result.improvement_values,
+            values=np.where(
+                result.improvement_values < INFEASIBLE, result.improvement_values, np.nan
+            ),
             evaluations=result.improvement_evaluations.astype(np.float64),
         )
 
     @classmethod
     def from_study(cls, study: Study, label: str = "") -> SearchPath:
         """Read the history of a study's search from its record."""
-        values = study.record.outcomes().value
-        best = np.minimum.accumulate(values) if values.size else values
-        better = np.isfinite(values) & (values < np.append(np.inf, best[:-1]))
-        rows = np.flatnonzero(better)
+        outcomes = study.record.outcomes()
+        rank = study.problem.ranks(outcomes)
+        best = np.minimum.accumulate(rank) if rank.size else rank
+        rows = np.flatnonzero(np.isfinite(rank) & (rank < np.append(np.inf, best[:-1])))
         return cls(
             label=label,
             method=str(study.settings.values["method"]["name"]),
             designs=study.record.designs()[rows],
-            values=values[rows],
+            values=outcomes.value[rows],
             evaluations=(rows + 1).astype(np.float64),
         )

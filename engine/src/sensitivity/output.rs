@@ -1,0 +1,115 @@
+//! Numbers that an equilibrium gives and that can be differentiated.
+
+use crate::data::Data;
+use crate::forces::differential::{Differential, Largest};
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// What an equilibrium gives. Of the largest of several numbers the derivative is that of the one that is
+/// largest, as long as no other equals it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Output {
+    /// A coordinate of a joint.
+    Joint(usize),
+    /// The force of contact on the tip; zero while nothing touches it.
+    TipForce,
+    /// The largest overlap of contacts.
+    Overlap,
+    /// The largest pressure on elastic foundations.
+    Pressure,
+    /// The least or greatest stretch of the fibres of a material.
+    Stretch(usize, f64),
+    /// The tension of a spring.
+    Spring(usize),
+    /// The tension of a strap around a link.
+    Loop(usize),
+    /// The force on a half-space.
+    HalfSpace(usize),
+    /// The volume of a cavity.
+    Volume(usize),
+    /// The load that an input has.
+    Applied(usize),
+}
+
+/// Names of groups of outputs with the number of each, in their order.
+pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+) -> [(&'static str, usize); 10] {
+    [
+        ("joints", model.joints.len()),
+        ("tip_force", 1),
+        ("max_overlap", 1),
+        ("max_contact_pressure", 1),
+        ("stretch", 2 * model.material_count()),
+        ("springs", model.forces.springs.count()),
+        ("loops", model.forces.loops.count()),
+        ("half_spaces", model.forces.half_spaces.count()),
+        ("volume", model.pressure_count()),
+        ("applied", model.inputs().len()),
+    ]
+}
+
+impl Output {
+    /// All outputs, in the order of [`output_groups`].
+    pub fn all<G: LieGroup<D, P>, const D: usize, const P: usize>(model: &Model<G, D, P>) -> Vec<Self> {
+        let of = |group: usize, index: usize| match group {
+            0 => Self::Joint(index),
+            1 => Self::TipForce,
+            2 => Self::Overlap,
+            3 => Self::Pressure,
+            4 => Self::Stretch(index / 2, if index % 2 == 0 { -1.0 } else { 1.0 }),
+            5 => Self::Spring(index),
+            6 => Self::Loop(index),
+            7 => Self::HalfSpace(index),
+            8 => Self::Volume(index),
+            _ => Self::Applied(index),
+        };
+        let groups = output_groups(model);
+        groups.iter().enumerate().flat_map(|(g, (_, count))| (0..*count).map(move |i| of(g, i))).collect()
+    }
+
+    /// Adds a multiple of its change at the state evaluated last, the loads held.
+    pub fn add<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        q: &[f64],
+        weight: f64,
+        out: &mut Differential<P>,
+    ) {
+        let (at, states) = (data.state(model, q, &[]), &data.assembly.forces);
+        let forces = &model.forces;
+        match self {
+            Self::Joint(joint) => out.coordinates[model.joints[joint].dof] += weight,
+            Self::TipForce => {
+                let Some(direction) = data.tip_direction(model) else { return };
+                forces.contacts.add_tip_force(&at, &states.contacts, &direction, weight, out);
+                forces.foundations.add_tip_force(&at, &states.foundations, &direction, weight, out);
+            }
+            Self::Overlap => {
+                let mut largest = Largest::new();
+                let mut offer = |depth: crate::forces::differential::Depth<P>| {
+                    largest.offer(depth.depth, depth, |other| other.is_same(&depth));
+                };
+                forces.contacts.for_each_depth(&states.contacts, &mut offer);
+                forces.foundations.for_each_depth(&at, &mut offer);
+                if let Some(depth) = largest.place {
+                    out.tied |= largest.tied;
+                    depth.add(&model.tree, at.parameters(), weight, out);
+                }
+            }
+            Self::Pressure => forces.foundations.add_pressure(&at, weight, out),
+            Self::Stretch(material, sign) => forces.fibres.add_stretch(material, sign, &at, weight, out),
+            Self::Spring(spring) => forces.springs.add_tension(spring, &at, weight, out),
+            Self::Loop(strap) => forces.loops.add_tension(strap, &at, &states.loops, weight, out),
+            Self::HalfSpace(index) => {
+                forces.half_spaces.add_force(index, &at, &states.half_spaces, weight, out);
+            }
+            Self::Volume(index) => {
+                forces.pressures.add_volume(index, &at, &data.design.forces.pressures, weight, out);
+            }
+            // With the state only if it is found; see `HeldConjugates`.
+            Self::Applied(_) => {}
+        }
+    }
+}

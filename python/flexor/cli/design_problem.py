@@ -1,0 +1,118 @@
+"""A design problem stated on the command line, for all commands that take one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from flexor.cli.values import assignments, ranges
+from flexor.errors import InputError
+
+if TYPE_CHECKING:
+    from flexor.design import Variables
+    from flexor.model import Model
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What the options of a command state, completed by the ``[design]`` of the model file."""
+
+    varied: Variables | None  # None if a parameter set varies
+    aims: tuple[str, ...]  # objectives, such as ``"maximise bending"``
+    subject_to: tuple[str, ...]
+    without: tuple[str, ...]
+
+    @property
+    def aim(self) -> str:
+        """The objective; InputError if there are several."""
+        if len(self.aims) > 1:
+            raise InputError("give one of --maximise, --minimise and --objective.")
+        return self.aims[0]
+
+
+def stated(
+    context: typer.Context,
+    model: Model,
+    objective: str,
+    vary: Sequence[str] | None,
+    maximise: Sequence[str] | None,
+    minimise: Sequence[str] | None,
+    subject_to: Sequence[str] | None,
+    without: Sequence[str] | None,
+) -> Statement:
+    """Read the statement of a design problem.
+
+    Options replace what the model file states; a parameter set replaces its variables.
+
+    Parameters
+    ----------
+    context
+        Of the command, whose parameter sets are its option `--parameters`.
+    model
+        The model.
+    objective
+        One of the paper's, if neither an observable nor the file says what is wanted.
+    vary, maximise, minimise, subject_to, without
+        The options of these names.
+
+    Raises
+    ------
+    InputError
+        If two options exclude each other, or a field or bound is wrong.
+    """
+    from flexor.design import variables
+    from flexor.model.schema import Design
+
+    there = model.file.design or Design.model_construct()
+    by_set, by_name = (_is_given(context, name) for name in ("parameters", "objective"))
+    if vary and by_set:
+        raise InputError("--vary and --parameters are two statements of what varies: give one.")
+    aims = [f"maximise {name}" for name in maximise or []]
+    aims += [f"minimise {name}" for name in minimise or []]
+    if aims and by_name:
+        raise InputError("give one of --maximise, --minimise and --objective.")
+    if not aims:
+        aims = [objective] if by_name else list(there.aims) or [objective]
+    bounds = dict(ranges("--vary", list(vary or []))) or ({} if by_set else there.varied)
+    source = "--vary" if vary else f"{model.name}: design.variable"
+    return Statement(
+        varied=variables(bounds, model, source) if bounds else None,
+        aims=tuple(aims),
+        subject_to=tuple(subject_to or there.subject_to),
+        without=tuple(without or there.without),
+    )
+
+
+def uncertainty(
+    model: Model,
+    problem: Statement,
+    scenarios: str | None,
+    aggregate: str | None,
+    tolerance: Sequence[str] | None,
+    samples: int | None,
+) -> dict[str, Any]:
+    """Return scenarios and tolerances as `flexor.optimize` takes them.
+
+    What the file states holds for problems such as its own: one observable, over fields.
+    """
+    from flexor.model.schema import Design
+    from flexor.objectives import needs_model
+
+    there = Design.model_construct()
+    if problem.varied is not None and len(problem.aims) == 1 and needs_model(problem.aim):
+        there = model.file.design or there
+    given = assignments("--tolerance", list(tolerance or []), "exosuit.section.wall=0.1 mm")
+    return {
+        "scenarios": scenarios or there.scenarios,
+        "aggregate": aggregate or there.aggregate,
+        "tolerance": given or there.tolerance,
+        "samples": there.samples if samples is None else samples,
+    }
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"

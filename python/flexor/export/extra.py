@@ -1,0 +1,33 @@
+"""The packages of the extra `make`, imported where they are needed."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from flexor.errors import InputError
+from flexor.installing import install_command
+
+EXTRA = "flexor[make]"
+
+
+def required(name: str) -> Any:
+    """Import a package of the extra.
+
+    Parameters
+    ----------
+    name
+        Of the module.
+
+    Raises
+    ------
+    InputError
+        If it is not installed, with the command that installs the extra.
+    """
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as error:
+        missing = (error.name or name).partition(".")[0]
+        raise InputError(
+            f"solids need the package {missing}, which is not installed: {install_command(EXTRA)}."
+        ) from None

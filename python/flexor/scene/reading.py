@@ -1,0 +1,154 @@
+"""A model in three dimensions at every step of a path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexor.arrays import Array
+from flexor.model.schema import ModelFile
+from flexor.scene import pressure
+from flexor.scene.frames import frames_of
+from flexor.scene.links import link_objects
+from flexor.scene.objects import Free, Object
+from flexor.scene.rods import Swept, chambers, lines, rod_objects
+from flexor.scene.scale import Scale
+from flexor.scene.straps import strap_objects
+
+if TYPE_CHECKING:
+    from flexor.model import Path
+
+STRAIN, PRESSURE = "strain", pressure.FIELD
+_FIELDS = {
+    STRAIN: ("strain along the axis, λ - 1", (0.01, "%"), True),
+    PRESSURE: ("pressure of contact", (1e3, "kPa"), False),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What there is to see of a path; made by `scene`.
+
+    Attributes
+    ----------
+    path : Path
+        The equilibria.
+    objects : list of Object
+        Meshes of rods, links, chambers, straps and obstacles, each at every step.
+    scales : dict of Scale
+        Colour scale of each field that there is, the same at every step.
+    """
+
+    path: Path
+    objects: list[Object]
+    scales: dict[str, Scale]
+
+    def extent(self) -> tuple[Array, Array]:
+        """Return the corners of the box of rods and links over all steps, each (3,) [m]."""
+        solid = [each for each in self.objects if each.kind in ("rod", "link")]
+        steps = range(len(self.path))
+        points = [each.vertices(step) for each in solid for step in steps]
+        low = np.min([p.min(axis=0) for p in points], axis=0)
+        return low, np.max([p.max(axis=0) for p in points], axis=0)
+
+
+def scene(path: Path, file: ModelFile | None = None) -> Scene:
+    """Return the meshes of a model along a path, with the fields on their surfaces.
+
+    Parameters
+    ----------
+    path
+        Equilibria of one design.
+    file
+        The model file of the design, whose sections are drawn; that of the model unless given.
+        Lengths and radii are those of the path.
+
+    Returns
+    -------
+    Scene
+        A step without equilibrium looks as the last one that has.
+
+    Examples
+    --------
+    >>> import flexor
+    >>> from flexor.scene import scene
+    >>> model = flexor.load("pneumatic-finger")
+    >>> found = scene(model.equilibrium())
+    >>> sorted({each.kind for each in found.objects})
+    ['chamber', 'link', 'rod', 'strap']
+    """
+    shown = file or path.model.file
+    frames = frames_of(path)
+    rods = {name: Swept.of(path, name, frames[name], shown) for name in path.model.rods}
+    prints = pressure.footprints(path, rods, frames)
+    objects: list[Object] = []
+    for name in shown.bodies:
+        if name in rods:
+            objects += _rod(name, rods[name], prints)
+            objects += [*chambers(rods[name], shown), *lines(rods[name], path, shown)]
+        else:
+            objects += _link(path, name, frames[name], prints, shown)
+    objects += strap_objects(path, rods, frames, shown)
+    objects += _obstacles(path, objects, shown)
+    scales = {}
+    for name, (label, unit, signed) in _FIELDS.items():
+        values = [each.fields[name] for each in objects if name in each.fields]
+        if values:
+            scales[name] = Scale.of(name, label, unit, values, signed)
+    return Scene(path, objects, scales)
+
+
+Prints = dict[tuple[str, str], pressure.Footprint]
+
+
+def _rod(name: str, rod: Swept, prints: Prints) -> Iterator[Object]:
+    mine = [each for (first, _), each in prints.items() if first == name]
+    for part in rod_objects(rod):
+        if rod.rod.skin is not None:
+            part.fields[PRESSURE] = pressure.on_rod(part, rod, mine)
+        yield part
+
+
+def _link(
+    path: Path, name: str, frames: Array, prints: Prints, file: ModelFile
+) -> Iterator[Object]:
+    base, tip = (
+        float(path.model.slot(f"{name}.radius_{end}", path.parameters)[0])
+        for end in ("base", "tip")
+    )
+    mine = [each for (_, second), each in prints.items() if second == name]
+    for part in link_objects(name, frames, (base, tip), file):
+        if part.part == "skin":
+            part.fields[PRESSURE] = pressure.on_link(part, mine)
+        yield part
+
+
+def _obstacles(path: Path, solid: list[Object], file: ModelFile) -> Iterator[Object]:
+    """Yield a square of each half-space's plane, as large as what stands before it."""
+    if not file.obstacles:
+        return
+    points = np.concatenate([each.vertices(step) for each in solid for step in (0, -1)])
+    half = 0.6 * float(np.linalg.norm(np.ptp(points, axis=0)))
+    for name, obstacle in file.obstacles.items():
+        normal = np.array(obstacle.normal, dtype=float)
+        normal /= np.linalg.norm(normal)
+        first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+        first /= np.linalg.norm(first)
+        second = np.cross(normal, first)
+        given = np.array(obstacle.point.components, dtype=float)
+        middle = points.mean(axis=0)
+        centre = middle - ((middle - given) @ normal) * normal
+        corners = [
+            centre + half * (a * first + b * second)
+            for a, b in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+        ]
+        yield Free(
+            name=name,
+            kind="obstacle",
+            part="",
+            faces=np.array([[0, 1, 2], [0, 2, 3]]),
+            positions=np.broadcast_to(np.array(corners), (len(path), 4, 3)),
+        )

@@ -1,0 +1,120 @@
+"""What moves the answer most if it is off by 1 %: every number of the model and every load."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from flexor.design import Variables
+from flexor.design.slot_map import parameters_with
+from flexor.model.geometry import SlotValues
+from flexor.objectives import evaluate_objective
+from flexor.study.problem import FloatArray, Problem
+
+if TYPE_CHECKING:
+    from flexor.model import Model
+
+# How far everything is off, as a share of its value.
+SHARE = 0.01
+# Change of the answer, as a share of it, that is worth a warning.
+FRAGILE = 0.1
+# Tables that are no part of what is made or worn.
+_OTHER = ("design", "evaluation", "start", "solver")
+
+
+@dataclass(frozen=True)
+class Fragile:
+    """A number of the model, or a load, of which 1 % moves the answer by more than a tenth."""
+
+    name: str  # such as ``"ph_1.joint.stiffness"``
+    change: float  # of the answer, as a share of it; NaN if the design then fails
+
+
+def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
+    """Find what moves the objective of a design (k,) by more than a tenth if it is off by 1 %.
+
+    Every number of the model's file that the engine's parameters depend on, and every load, is
+    changed both ways; of parameter sets that are no fields of the file, these parameters and every
+    load.
+    """
+    model, names, rows = _neighbours(problem, x)
+    here = model.parameters if rows is None else rows[0]
+    loads, options = problem.loads, dict[str, Any](problem.options)
+
+    def shown(paths: Any) -> FloatArray:
+        return evaluate_objective(problem.objective, paths).shown
+
+    if rows is None:
+        around = SHARE * np.diag(np.abs(x))
+        off = problem.evaluate(np.concatenate([x[None, :], x + around, x - around])).shown
+        design, _ = problem.parameters.designs(x[None, :], model)
+    else:
+        every = np.arange(here.size, dtype=np.intp)
+        # Of a change of 1 % the other way the parameters are those of a straight line.
+        both = np.concatenate([rows, 2.0 * here - rows[1:]])
+        off = shown(model.evaluate(SlotValues(every, both), loads, **options))
+        design = SlotValues(every, here[None, :])
+    value, count = off[0], len(names)
+    changes = dict(zip(names, np.abs(off[1:].reshape(2, count) - value).max(axis=0), strict=True))
+    for i, name in enumerate(model.inputs):
+        if loads[:, i].any():
+            ends = []
+            for factor in (1.0 + SHARE, 1.0 - SHARE):
+                scaled = loads.copy()
+                scaled[:, i] *= factor
+                ends.append(shown(model.evaluate(design, scaled, **options))[0])
+            changes[f"the load {name}"] = np.abs(np.array(ends) - value).max()
+    size = max(abs(value), 1e-300)
+    return tuple(
+        Fragile(name, float(change / size))
+        for name, change in changes.items()
+        if not change <= FRAGILE * size
+    )
+
+
+def _neighbours(problem: Problem, x: FloatArray) -> tuple[Model, list[str], FloatArray | None]:
+    """Return the model of a design, names of numbers, and the engine's parameters if each is more.
+
+    The first row is that of the design itself. None for parameter sets that are no fields.
+    """
+    from flexor.model import load
+
+    chosen = problem.parameters
+    if not isinstance(chosen, Variables):
+        return problem.model, list(chosen.labels), None
+    model = load(problem.model.file, changes=chosen.changes(x))
+    names, rows = [], [model.parameters]
+    for keys, value in _numbers(model):
+        changed = parameters_with(model, {keys: value * (1.0 + SHARE)})
+        if changed is not None and not np.array_equal(changed, model.parameters):
+            # The table need not be said where the name of the entry says which.
+            names.append(".".join(keys[1:] if len(keys) > 2 else keys))
+            rows.append(changed)
+    return model, names, np.stack(rows)
+
+
+def _numbers(model: Model) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Yield every number of a model's file that is not zero, by its keys."""
+    for table in type(model.file).model_fields:
+        if table not in _OTHER:
+            yield from _leaves(getattr(model.file, table), (table,))
+
+
+def _leaves(node: Any, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float]]:
+    if isinstance(node, float):
+        if node != 0.0 and np.isfinite(node):
+            yield keys, float(node)
+    elif isinstance(node, BaseModel):
+        for name in type(node).model_fields:
+            yield from _leaves(getattr(node, name), (*keys, name))
+    elif isinstance(node, dict):
+        if keys[0] not in ("constants", "variants"):
+            for name, value in node.items():
+                yield from _leaves(value, (*keys, name))
+    elif isinstance(node, tuple):
+        for i, value in enumerate(node):
+            yield from _leaves(value, (*keys, str(i)))

@@ -1,0 +1,100 @@
+"""The verdict of a design: tolerances and fragility, against models loaded one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.model import Model
+from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
+from flexor.study.fragility import FRAGILE, fragile
+from flexor.study.margins import worst_errors
+
+
+@pytest.fixture(scope="module")
+def demo() -> Study:
+    """Return the study of the preset's own design problem."""
+    model = flexor.load("pneumatic-finger")
+    design = model.file.design
+    assert design is not None
+    return flexor.optimize(
+        model,
+        design.varied,
+        design.aims,
+        subject_to=design.subject_to,
+        tolerance=design.tolerance,
+    )
+
+
+def test_the_demo_s_optimum_keeps_its_constraints_in_200_neighbours(demo: Study) -> None:
+    """Within the tolerances that its file states; some are checked as models of their own."""
+    problem = demo.problem
+    assert isinstance(problem, ScenarioProblem)
+    assert [each.field for each in problem.tolerances] == list(problem.parameters.labels)
+    reach = np.array([each.reach for each in problem.tolerances])
+    assert (reach[:5] == 5e-4).all()
+    random = np.random.default_rng(0).uniform(-1.0, 1.0, (200, 8)) * reach
+    found = problem.nominal.evaluate(demo.best.vector + random)
+    assert (found.violation == 0.0).all()
+    assert demo.best.shown > 1.5 * demo.start.shown
+    for error in random[:3]:
+        changes = problem.parameters.changes(demo.best.vector + error)  # type: ignore[attr-defined]
+        path = flexor.load("pneumatic-finger", changes=changes).equilibrium()
+        assert path.stable.all() and path.max_overlap.max() <= 1.5e-3
+
+
+def test_the_demo_s_verdict_names_the_worst_case(demo: Study) -> None:
+    verdict = demo.best.verdict
+    assert verdict.feasible and all(each.kept for each in verdict.within)
+    (overlap,) = (each for each in verdict.within if each.what == "overlap <= 1.5 mm")
+    assert overlap.near and "exosuit.section.wall - 0.5 mm" in overlap.error
+    assert "60 kPa" in overlap.place and overlap.value == "1.5 mm"
+    assert "exosuit.section.wall + 0.5 mm" in verdict.within[-1].error
+    assert verdict.within[-1].what == "range-of-motion"
+    assert verdict.steps[0] == "0.5 mm"
+
+
+def test_an_optimum_without_a_margin_is_not_robust() -> None:
+    """The error that breaks it is that of a model of its own."""
+    model = flexor.load("pneumatic-finger")
+    varied = {"exosuit.section.wall": ("1.5 mm", "3 mm")}
+    nominal = Problem.of(model, varied, "maximise bending", subject_to=["overlap <= 1.5 mm"])
+    problem = ScenarioProblem.over(
+        nominal, Uncertainty(tolerance={"exosuit.section.wall": "0.1 mm"})
+    )
+    free = flexor.optimize(model, varied, "maximise bending", subject_to=["overlap <= 1.5 mm"])
+    found = worst_errors(problem, free.best.vector)
+    assert not found.kept
+    thin = flexor.load(
+        model.file, changes={"exosuit.section.wall": f"{float(free.best.vector[0]) - 1e-4!r} m"}
+    )
+    assert found.values[-1] == pytest.approx(thin.equilibrium().max_overlap.max(), rel=1e-9)
+
+
+def test_what_is_fragile_is_so_in_models_of_their_own() -> None:
+    """Just beyond a snap of the paper's finger, 1 % of some numbers leave out the snap."""
+    model = flexor.load("finger", "surface")
+    (snap,) = model.equilibrium("0:10:0.5").events
+    loads = [0.0, 0.5 * snap.force, 1.003 * snap.force]
+    varied = {"exosuit.length": ("8 cm", "12 cm")}
+    problem = Problem.of(model, varied, "maximise bending", force=loads)
+    value = problem.evaluate(np.array([[0.1]])).shown[0]
+    named = {each.name for each in fragile(problem, np.array([0.1]))}
+    assert "the load chamber" in named
+
+    def moved(changed: Model) -> bool:
+        shown = np.degrees(changed.equilibrium(loads).joint_angles[-1].sum())
+        return not abs(shown - value) <= FRAGILE * value
+
+    fields = {
+        "ph_1.length": (0.045, "m"),
+        "exosuit.radius.base": (0.0116, "m"),
+        "exosuit.young_modulus": (361.1e3, "Pa"),
+        "ph_2.length": (0.0253, "m"),
+        "ph_1.joint.stiffness": (0.04, "N*m/rad"),
+    }
+    for name, (size, unit) in fields.items():
+        changed = [{name: f"{size * factor!r} {unit}"} for factor in (0.99, 1.01)]
+        found = any(moved(flexor.load(model.file, changes=each)) for each in changed)
+        assert found == (name in named), name

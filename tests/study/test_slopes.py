@@ -1,0 +1,166 @@
+"""Exact derivatives of every observable by every kind of variable, against differences of paths."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.errors import InputError
+from flexor.model import Model, parse
+from flexor.observables import observables
+from flexor.study import Problem
+
+EXAMPLE = FilePath(__file__).parents[2] / "examples" / "pneumatic-finger.toml"
+# Lengths, profiles, sections, layers, places, straps, moduli, skins, joints.
+FINGER: dict[str, tuple[object, object]] = {
+    "exosuit.length": ("9 cm", "11 cm"),
+    "exosuit.radius.base": ("7 mm", "10 mm"),
+    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
+    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
+    "exosuit.section.floor": ("1.8 mm", "3 mm"),
+    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
+    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
+    "proximal.to.at": (0.45, 0.65),
+    "middle.slack": ("0 mm", "1 mm"),
+    "distal.width": ("10 mm", "20 mm"),
+    "fabric.young_modulus": ("20 MPa", "40 MPa"),
+    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
+    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
+    "ph_3.length": ("2.2 cm", "2.5 cm"),
+}
+# Sixth order.
+STENCIL = {1: 45 / 60, 2: -9 / 60, 3: 1 / 60, -1: -45 / 60, -2: 9 / 60, -3: -1 / 60}
+STEP = 1e-4
+TIGHT = {"tolerance": 1e-12}
+
+
+def _bounded(model: Model) -> tuple[str, ...]:
+    """Return a constraint on every observable, at its worst along the path."""
+    made = []
+    for name, each in observables(model).items():
+        sense, unit = (">=" if name == "min-stretch" else "<="), each.unit[1]
+        made.append(f"{name} {sense} 1 {unit}".rstrip())
+    return tuple(text for text in made if not text.startswith("energy"))
+
+
+def _compare(problem: Problem, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return errors (n, 1 + c), relative to the largest component, and where they must vanish."""
+    chosen = problem.parameters
+    span = chosen.upper - chosen.lower
+    u = np.random.default_rng(seed).uniform(0.05, 0.95, (count, chosen.size))
+    x = chosen.lower + u * span
+    here = problem.evaluate(x, gradient=True)
+    exact = np.concatenate([here.value_gradient[:, None], here.constraint_gradients], axis=1)
+    exact *= span
+    regular = np.column_stack([here.regularity, here.constraint_regularity]) == "regular"
+    differences = np.zeros_like(exact)
+    for k in range(chosen.size):
+        for at, weight in STENCIL.items():
+            moved = problem.evaluate(x + at * STEP * span * np.eye(chosen.size)[k])
+            values = np.column_stack([moved.value, moved.constraint_values])
+            differences[:, :, k] += weight * values / STEP
+            regular &= (moved.event_count == here.event_count)[:, None]
+            regular &= (moved.touching == here.touching).all(axis=1)[:, None]
+    # What vanishes, such as the bending at rest, is small against a display unit.
+    unit = np.array([1e-2, *(1e-2 * each.scale for each in problem.constraints)])
+    size = np.maximum(np.abs(exact).max(axis=2), unit)
+    error = np.abs(exact - differences).max(axis=2) / size
+    return error, regular
+
+
+def test_gradients_of_all_observables_are_those_of_differences() -> None:
+    """On the pneumatic finger, which cannot touch itself, whatever its length."""
+    model = flexor.load(EXAMPLE, changes={"exosuit.self_contact": False})
+    problem = Problem.of(
+        model, FINGER, "maximise range-of-motion", subject_to=_bounded(model), options=TIGHT
+    )
+    error, regular = _compare(problem, 8, 0)
+    # At least half of the designs for what is not tied by nature, as the stretch at rest is.
+    tied = [each.name in ("min-stretch", "bending") for each in problem.constraints]
+    assert (regular[:, ~np.array([False, *tied])].mean(axis=0) >= 0.5).all()
+    assert error[regular].max() <= 1e-6
+
+
+# A strap around a link, an obstacle, a stress limit and constants of a law.
+DEVICE = """
+[spheres.pad]
+points = [{ body = "ph_3", at = "tip" }]
+
+[obstacles.plate]
+kind = "half-space"
+spheres = ["pad"]
+point = { z = "-4 cm" }
+normal = [0, 0, 1]
+stiffness = "2 kN/m"
+"""
+
+
+def _device() -> Model:
+    text = EXAMPLE.read_text(encoding="utf-8")
+    silicone = 'silicone = { library = "dragon-skin-30", winding = "hoop" }'
+    ogden = (
+        'silicone = { kind = "ogden", mu = ["0.2 MPa"], alpha = [2.5], winding = "hoop", '
+        'stress_limit = "200 kPa", density = "1080 kg/m^3" }'
+    )
+    pinned, looped = 'to = { body = "ph_2", at = 0.6 }', 'to = { body = "ph_2", loop = true }'
+    assert silicone in text
+    assert pinned in text
+    text = text.replace(silicone, ogden).replace(pinned, f'{looped}, pretension = "2 N"')
+    return Model(parse(text + DEVICE))
+
+
+def test_gradients_of_a_device_that_presses_on_an_obstacle() -> None:
+    model = _device()
+    fields = {
+        "exosuit.length": ("9.5 cm", "10.5 cm"),
+        "exosuit.radius.base": ("7 mm", "9 mm"),
+        "silicone.alpha.0": (2.4, 2.6),
+        "middle.pretension": ("1 N", "3 N"),
+        "plate.stiffness": ("1 kN/m", "3 kN/m"),
+        "ph_3.radius.tip": ("8 mm", "9 mm"),
+    }
+    problem = Problem.of(
+        model, fields, "maximise obstacle-force", subject_to=_bounded(model), options=TIGHT
+    )
+    error, regular = _compare(problem, 4, 1)
+    assert regular.any(axis=0).sum() >= 15
+    assert error[regular].max() <= 1e-6
+
+
+def test_gradients_of_a_pressure_that_is_found() -> None:
+    """The volume of the cavity is given, in addition to that at rest."""
+    model = flexor.load(EXAMPLE, changes={"actuators.chamber.control": "volume"})
+    fields = {name: FINGER[name] for name in ("exosuit.length", "exosuit.section.wall")}
+    subject = ["pressure.chamber <= 60 kPa", "volume.chamber <= 20 mL", "bending >= 0 deg"]
+    problem = Problem.of(
+        model,
+        fields,
+        "minimise pressure",
+        force={"chamber": ["0 mL", "0.5 mL", "1 mL"]},
+        subject_to=subject,
+        options=TIGHT,
+    )
+    error, regular = _compare(problem, 4, 2)
+    assert regular[:, 0].sum() >= 3
+    assert error[regular].max() <= 1e-6
+
+
+def test_what_a_derivative_is_worth_is_said() -> None:
+    """Equal stretches at rest are tied; the energy has no derivative, and differences are taken."""
+    model = flexor.load(EXAMPLE)
+    fields = {"exosuit.length": FINGER["exosuit.length"]}
+    problem = Problem.of(
+        model,
+        fields,
+        "maximise range-of-motion",
+        subject_to=["min-stretch >= 0.2", "energy <= 1 J"],
+        without=["defaults"],
+    )
+    paths = problem.evaluate(problem.parameters.start[None], gradient=True)
+    assert paths.constraint_regularity.tolist() == [["tied", "no-derivative"]]
+    assert not problem.linearizable
+    with pytest.raises(InputError, match='objective "minimise energy" has no gradient'):
+        Problem.of(model, fields, "minimise energy").gradients(paths)
