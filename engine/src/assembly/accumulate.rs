@@ -3,7 +3,7 @@
 use super::Assembly;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
-use crate::linalg::{LANES, Matrix, Vector};
+use crate::linalg::{LANES, Matrix, Vector, fma};
 use crate::model::Model;
 use crate::tree::Chain;
 
@@ -66,7 +66,9 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             if !frame.blocks.is_empty() {
                 self.sum_run(model, geometry, f..end, coupled);
                 match self.chain.of(model) {
-                    None => self.pair_run(model, f, |_, path| path),
+                    None => self.pair_run(model, f, |_, path, row, y, before| {
+                        add_products(&mut row[path.clone()], y, before.map(|b| &b[path.clone()]));
+                    }),
                     Some(chain) => self.pair_run_of_chain(model, chain, f),
                 }
             }
@@ -178,14 +180,14 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
     }
 
-    /// Pairs the run that starts at frame `f` with the preceding columns on its path that `partners`
-    /// lists for each of its coordinates.
+    /// Pairs the run that starts at frame `f` with the preceding columns on its path: for each of its
+    /// coordinates, `add` is given the path, the coordinate's row of the tangent, its twist and the columns.
     #[inline(always)]
-    fn pair_run<G: LieGroup<D, P>, I: Iterator<Item = usize>>(
+    fn pair_run<G: LieGroup<D, P>>(
         &mut self,
         model: &Model<G, D, P>,
         f: usize,
-        partners: impl Fn(usize, std::ops::Range<usize>) -> I,
+        add: impl Fn(usize, &std::ops::Range<usize>, &mut [f64], [f64; D], [&[f64]; D]),
     ) {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
@@ -200,11 +202,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             let row = &mut self.terms.coordinates.half_tangent[dof * n..(dof + 1) * n];
             let y: [f64; D] = std::array::from_fn(|d| run.rows[block].0[d][lane]);
             let before: [&[f64]; D] = std::array::from_fn(|d| &prefix[d * n..(d + 1) * n]);
-            for i in partners(*dof, path.clone()) {
-                for d in 0..D {
-                    row[i] += y[d] * before[d][i];
-                }
-            }
+            add(*dof, &path, row, y, before);
             for (l, other) in dofs.iter().enumerate() {
                 row[*other] += run.own[block * count + l / LANES].0[lane][l % LANES];
             }
@@ -222,13 +220,29 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     /// The same for a chain, with neighbouring nodes only.
     #[inline(never)]
     fn pair_run_of_chain<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, chain: &Chain, f: usize) {
-        self.pair_run(model, f, |dof, path| {
-            chain.neighbours(dof).iter().copied().filter(move |i| path.contains(i))
+        self.pair_run(model, f, |dof, path, row, y, before| {
+            for &i in chain.neighbours(dof).iter().filter(|i| path.contains(i)) {
+                for d in 0..D {
+                    row[i] = fma(y[d], before[d][i], row[i]);
+                }
+            }
         });
         for (m, dof) in model.column_dofs[model.frames[f].columns.clone()].iter().enumerate() {
             let [column, row] =
                 [&self.run.columns, &self.run.rows].map(|sums| sums[m / LANES].column(m % LANES));
             self.chain.add(*dof, column, row);
+        }
+    }
+}
+
+/// row += Σ y_d columns_d.
+#[inline(always)]
+fn add_products<const D: usize>(row: &mut [f64], y: [f64; D], columns: [&[f64]; D]) {
+    // Slices of one length are indexed without checks.
+    let columns = columns.map(|column| &column[..row.len()]);
+    for i in 0..row.len() {
+        for d in 0..D {
+            row[i] = fma(y[d], columns[d][i], row[i]);
         }
     }
 }

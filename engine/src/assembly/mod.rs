@@ -222,12 +222,11 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             }
             return;
         }
-        for i in 0..n {
-            for j in 0..=i {
-                let value = half[i * n + j] + half[j * n + i];
-                self.tangent[i * n + j] = value;
-                self.tangent[j * n + i] = value;
-            }
+        let width = n.max(1);
+        let rows = self.tangent.chunks_exact_mut(width).zip(half.chunks_exact(width));
+        for (i, (out, row)) in rows.enumerate() {
+            let column = half[i..].iter().step_by(n);
+            out.iter_mut().zip(row).zip(column).for_each(|((out, a), b)| *out = a + b);
         }
         if model.chain.is_some() {
             // Entries off the chain are not cleared with the tangent.

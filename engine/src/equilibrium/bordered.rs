@@ -10,10 +10,11 @@
 //! u = u₀ + μ du, and c defines its target. The matrix of the Newton step is the
 //! tangent bordered by the gradients; it is regular at limit points, where the tangent is not.
 
+use super::bordered_matrix::BorderedMatrix;
 use super::system::System;
 use super::vector::{dot, max_norm};
 use crate::lie::LieGroup;
-use nalgebra::{DMatrix, DVector, Dyn, LU, Schur, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Schur, SymmetricEigen};
 
 /// An equation c(q, μ) = 0 between the state and its multiplier, of order one.
 pub trait Constraint {
@@ -45,6 +46,11 @@ pub struct Border<'a> {
     pub multiplier: Multiplier<'a>,
 }
 
+/// Chord steps are taken while each leaves less than this fraction of the residual,
+const CHORD_CONTRACTION: f64 = 0.1;
+/// and only if at most this many more would reach the tolerance at the current rate.
+const MAX_CHORDS_LEFT: i32 = 3;
+
 /// Convergence criteria of the bordered Newton method.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderedTarget {
@@ -56,7 +62,7 @@ pub struct BorderedTarget {
     pub max_iterations: usize,
 }
 
-/// The solver; owns the bordered matrix and its factors.
+/// The solver; owns the bordered matrix with its factors.
 #[derive(Clone, Debug)]
 pub struct Bordered {
     dof: usize,
@@ -71,10 +77,9 @@ pub struct Bordered {
     gradients: Vec<Vec<f64>>,
     /// ∂c/∂μ of each.
     by_multiplier: Vec<f64>,
-    residual: DVector<f64>,
-    matrix: DMatrix<f64>,
-    lu: LU<f64, Dyn, Dyn>,
-    step: DVector<f64>,
+    residual: Vec<f64>,
+    matrix: BorderedMatrix,
+    step: Vec<f64>,
     probe: [Vec<f64>; 2],
 }
 
@@ -90,10 +95,9 @@ impl Bordered {
             load: vec![0.0; inputs],
             gradients: vec![vec![0.0; dof]; constraints],
             by_multiplier: vec![0.0; constraints],
-            residual: DVector::zeros(size),
-            matrix: DMatrix::zeros(size, size),
-            lu: DMatrix::zeros(0, 0).lu(),
-            step: DVector::zeros(size),
+            residual: vec![0.0; size],
+            matrix: BorderedMatrix::new(dof, constraints),
+            step: vec![0.0; size],
             probe: [vec![0.0; dof], vec![0.0; dof]],
         }
     }
@@ -117,8 +121,8 @@ impl Bordered {
         target: BorderedTarget,
     ) -> bool {
         let (mut last, mut length) = (f64::INFINITY, f64::INFINITY);
+        let mut size = self.evaluate(system, borders);
         for _ in 0..=target.max_iterations {
-            let size = self.evaluate(system, borders);
             if !size.is_finite() {
                 return false;
             }
@@ -128,25 +132,44 @@ impl Bordered {
             if self.has_converged(system, borders, size, target.tolerance, settled) {
                 return true;
             }
-            self.step.copy_from(&self.residual);
-            self.step.neg_mut();
-            self.pinned.iter().for_each(|c| self.step[*c] = 0.0);
-            if !self.lu.solve_mut(&mut self.step) {
-                return false;
-            }
-            length = max_norm(&self.step.as_slice()[..self.dof]);
+            (last, length) = (size, self.advance(system, borders));
             if !length.is_finite() {
                 return false;
             }
-            last = size;
-            system.advance(&self.step.as_slice()[..self.dof]);
-            let energy = system.unit_energy();
-            for (i, border) in borders.iter().enumerate() {
-                let unit = if matches!(border.multiplier, Multiplier::Reaction) { energy } else { 1.0 };
-                self.multipliers[i] += unit * self.step[self.dof + i];
+            size = self.evaluate(system, borders);
+            // Chord steps, while the tangent hardly changes.
+            let mut contraction = size / last;
+            while size > target.tolerance
+                && contraction < CHORD_CONTRACTION
+                && size * contraction.powi(MAX_CHORDS_LEFT) <= target.tolerance
+            {
+                (last, length) = (size, self.advance(system, borders));
+                size = self.evaluate(system, borders);
+                contraction = size / last;
             }
         }
         false
+    }
+
+    /// Makes a step with the current factors; returns its length, which is not finite where they are singular.
+    fn advance<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+    ) -> f64 {
+        self.step.iter_mut().zip(&self.residual).for_each(|(s, r)| *s = -r);
+        self.pinned.iter().for_each(|c| self.step[*c] = 0.0);
+        if !self.matrix.solve(&mut self.step) {
+            return f64::INFINITY;
+        }
+        let (state, multipliers) = self.step.split_at(self.dof);
+        system.advance(state);
+        let energy = system.unit_energy();
+        for ((multiplier, step), border) in self.multipliers.iter_mut().zip(multipliers).zip(borders) {
+            let unit = if matches!(border.multiplier, Multiplier::Reaction) { energy } else { 1.0 };
+            *multiplier += unit * step;
+        }
+        max_norm(state)
     }
 
     /// Whether constraints hold and forces balance, the largest residual being `size`.
@@ -162,7 +185,7 @@ impl Bordered {
             // With reactions the forces alone do not balance.
             return size <= tolerance || settled;
         }
-        let held = max_norm(&self.residual.as_slice()[self.dof..]) <= tolerance;
+        let held = max_norm(&self.residual[self.dof..]) <= tolerance;
         held && (system.has_converged(size, tolerance) || settled && system.is_balanced(tolerance))
     }
 
@@ -195,7 +218,7 @@ impl Bordered {
             return f64::NAN;
         }
         let mut reacts = false;
-        self.residual.as_mut_slice()[..n].copy_from_slice(system.residual());
+        self.residual[..n].copy_from_slice(system.residual());
         for (i, border) in borders.iter().enumerate() {
             let mu = self.multipliers[i];
             self.residual[n + i] = border.constraint.value(system.state(), mu);
@@ -209,8 +232,8 @@ impl Bordered {
                 }
             }
         }
-        let held = max_norm(&self.residual.as_slice()[n..]);
-        held.max(if reacts { max_norm(&self.residual.as_slice()[..n]) } else { size })
+        let held = max_norm(&self.residual[n..]);
+        held.max(if reacts { max_norm(&self.residual[..n]) } else { size })
     }
 
     /// Evaluates and factorises the bordered matrix, after residual and constraints.
@@ -223,41 +246,28 @@ impl Bordered {
         system.evaluate_tangent();
         system.complete_tangent();
         let (energy, units, tangent) = (system.unit_energy(), system.units(), system.data().tangent());
-        self.matrix.fill(0.0);
-        // Columns of the matrix are contiguous; so are rows of the tangent.
-        for (j, mut column) in self.matrix.column_iter_mut().take(n).enumerate() {
-            let scale = units[j] / energy;
-            let entries = tangent.iter().skip(j).step_by(n).zip(units);
-            column.iter_mut().zip(entries).for_each(|(h, (t, u))| *h = t * u * scale);
+        let rows = self.matrix.tangent.chunks_exact_mut(n.max(1)).zip(tangent.chunks_exact(n.max(1)));
+        for ((row, source), unit) in rows.zip(units) {
+            let scale = unit / energy;
+            row.iter_mut().zip(source).zip(units).for_each(|((h, t), u)| *h = t * u * scale);
         }
         for (k, border) in borders.iter().enumerate() {
-            for (i, (c, u)) in self.gradients[k].iter().zip(units).enumerate() {
-                self.matrix[(n + k, i)] = c * u;
+            let matrix = &mut self.matrix;
+            for (row, (c, u)) in matrix.rows[k].iter_mut().zip(self.gradients[k].iter().zip(units)) {
+                *row = c * u;
             }
-            self.matrix[(n + k, n + k)] = self.by_multiplier[k];
+            matrix.corners[k] = self.by_multiplier[k];
             match border.multiplier {
                 Multiplier::Reaction => {
-                    for (i, (c, u)) in self.gradients[k].iter().zip(units).enumerate() {
-                        self.matrix[(i, n + k)] = c * u;
-                    }
-                    self.matrix[(n + k, n + k)] *= energy;
+                    matrix.columns[k].copy_from_slice(&matrix.rows[k]);
+                    matrix.corners[k] *= energy;
                     self.add_curvature(system, border.constraint, self.multipliers[k]);
                 }
-                Multiplier::Load(change) => {
-                    let column = &mut self.probe[0];
-                    system.load_gradient(change, column);
-                    for (i, b) in column.iter().enumerate() {
-                        self.matrix[(i, n + k)] = *b;
-                    }
-                }
+                Multiplier::Load(change) => system.load_gradient(change, &mut matrix.columns[k]),
             }
         }
-        for &c in &self.pinned {
-            self.matrix.row_mut(c).fill(0.0);
-            self.matrix.column_mut(c).fill(0.0);
-            self.matrix[(c, c)] = 1.0;
-        }
-        self.lu = self.matrix.clone().lu();
+        self.pinned.iter().for_each(|c| self.matrix.pin(*c));
+        self.matrix.factorise(system.is_conservative());
     }
 
     /// Adds μ ∇²c to the tangent's part of the matrix.
@@ -275,7 +285,7 @@ impl Bordered {
             unit_vector[j] = 1.0;
             constraint.add_hessian_product(system.state(), unit_vector, multiplier, product);
             for (i, h) in product.iter().enumerate() {
-                self.matrix[(i, j)] += h * units[i] * units[j] / energy;
+                self.matrix.tangent[i * self.dof + j] += h * units[i] * units[j] / energy;
             }
         }
     }
@@ -283,18 +293,7 @@ impl Bordered {
     /// Solves with the bordered matrix, in place: dimensionless coordinates, then multipliers (a reaction
     /// in units of the reference energy). `false` where it is singular.
     pub fn solve_step(&self, b: &mut [f64]) -> bool {
-        self.step_from(b, |lu, x| lu.solve_mut(x))
-    }
-
-    fn step_from(
-        &self,
-        b: &mut [f64],
-        solve: impl Fn(&LU<f64, Dyn, Dyn>, &mut DVector<f64>) -> bool,
-    ) -> bool {
-        let mut x = DVector::from_column_slice(b);
-        let solved = solve(&self.lu, &mut x);
-        b.copy_from_slice(x.as_slice());
-        solved && b.iter().all(|x| x.is_finite())
+        self.matrix.solve(b)
     }
 
     /// The adjoint of an output y(q, μ): given ∂y/∂q and ∂y/∂μ, λ in actual coordinates and ν with
@@ -315,13 +314,7 @@ impl Bordered {
         let reaction = |i: usize| matches!(borders[i].multiplier, Multiplier::Reaction);
         let mut b: Vec<f64> = by_state.iter().zip(units).map(|(y, u)| y * u).collect();
         b.extend(by_multiplier.iter().enumerate().map(|(i, y)| if reaction(i) { y * energy } else { *y }));
-        let solved = self.step_from(&mut b, |lu, x| {
-            // P A = L U, so Aᵀ = Uᵀ Lᵀ P.
-            let (l, u) = (lu.l(), lu.u());
-            let solved = u.tr_solve_upper_triangular_mut(x) && l.tr_solve_lower_triangular_mut(x);
-            lu.p().inv_permute_rows(x);
-            solved
-        });
+        let solved = self.matrix.solve_transposed(&mut b);
         for ((y, x), u) in by_state.iter_mut().zip(&b).zip(units) {
             *y = x * u / energy;
         }
@@ -337,13 +330,12 @@ impl Bordered {
     /// `None` where the eigenvalues cannot be found.
     pub fn negative_directions(&self, symmetric: bool, borders: &[Border]) -> Option<usize> {
         let n = self.dof;
-        let mut hessian = self.matrix.view((0, 0), (n, n)).into_owned();
+        let mut hessian = DMatrix::from_row_slice(n, n, &self.matrix.tangent);
         let mut held = 0;
         let reactions =
             borders.iter().enumerate().filter(|(_, b)| matches!(b.multiplier, Multiplier::Reaction));
-        let mut normals: Vec<DVector<f64>> = reactions
-            .map(|(k, _)| self.matrix.view((n + k, 0), (1, n)).transpose().column(0).into_owned())
-            .collect();
+        let mut normals: Vec<DVector<f64>> =
+            reactions.map(|(k, _)| DVector::from_column_slice(&self.matrix.rows[k])).collect();
         // Householder's reflections turn the gradients into the first axes, one after another.
         for k in 0..normals.len() {
             let mut mirror = normals[k].clone();

@@ -1,9 +1,9 @@
-//! The end of a branch, located between an equilibrium and a sub-step that could not be made.
+//! Location of the end of a branch between an equilibrium and a sub-step that could not be made.
 //!
-//! The branch is followed by its own displacement: on planes n·x = s across the velocity at the last
-//! equilibrium the load is unknown, so that [`Bordered`] finds states on both sides of a limit point. There
-//! the load is largest, smoothly or in a corner, and the branch ends. Where the tangent loses its
-//! definiteness while the load still rises, another branch crosses.
+//! States of the branch are computed on hyperplanes n·(q − q₀) = s, with n the velocity at the last
+//! equilibrium and the load unknown, so that [`Bordered`] finds them on both sides of a limit point: a
+//! maximum of the load, smooth or in a corner. Where the tangent loses its definiteness while the load still
+//! rises, there is a branch point.
 
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed};
 use super::continuation::Continuation;
@@ -13,15 +13,15 @@ use super::vector::norm;
 use crate::lie::LieGroup;
 use crate::tolerances::ZERO_EIGENVALUE;
 
-/// What was found ahead of an equilibrium.
+/// The branch ahead of an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ahead {
-    /// The branch goes on; the system holds its equilibrium here.
-    Further(f64),
-    /// The load is largest here; the system holds the state.
-    Limit(f64),
-    /// Stability is lost while the load rises.
-    Crossing,
+pub(super) enum BranchAhead {
+    /// The branch continues; the system holds its equilibrium at this λ.
+    Continues(f64),
+    /// A limit point at this λ; the system holds its state.
+    LimitPoint(f64),
+    /// A branch point: stability is lost while the load rises.
+    BranchPoint,
     /// No state of the branch was found.
     Unknown,
 }
@@ -29,26 +29,26 @@ pub(super) enum Ahead {
 /// A state of the branch.
 #[derive(Clone, Debug)]
 struct Point {
-    /// Where its plane is,
+    /// Position s of its plane.
     at: f64,
-    /// its load, and the load's derivative.
+    /// λ and dλ/ds.
     load: f64,
     slope: f64,
     q: Vec<f64>,
-    /// Derivative of the coordinates.
+    /// dq/ds, dimensionless.
     direction: Vec<f64>,
     stable: bool,
 }
 
 impl Point {
-    /// Whether the branch is stable and its load rises.
-    fn rises(&self) -> bool {
+    /// Whether the state is stable and the load rises.
+    fn is_followed(&self) -> bool {
         self.stable && self.slope > 0.0
     }
 }
 
-/// Solves for states of the branch.
-struct Planes<'a> {
+/// Solves for states of the branch on parallel planes.
+struct PlaneSolver<'a> {
     bordered: Bordered,
     plane: Hyperplane,
     rate: &'a [f64],
@@ -56,9 +56,9 @@ struct Planes<'a> {
     target: BorderedTarget,
 }
 
-impl Planes<'_> {
-    /// Measures displacements from a point, along its direction, which becomes a unit vector.
-    fn cross<G: LieGroup<D, P>, const D: usize, const P: usize>(
+impl PlaneSolver<'_> {
+    /// Takes a point for the origin of the planes, and its direction, normalised, for their normal.
+    fn set_origin<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &System<G, D, P>,
         point: &mut Point,
@@ -71,37 +71,38 @@ impl Planes<'_> {
         self.plane.origin.clone_from(&point.q);
     }
 
-    /// A state that is exact, for one that is approximate as between the listed loads; what it is, if the load
-    /// does not rise there.
+    /// The exact state near an approximate one, as those between the listed loads are; where the load does
+    /// not rise there, what that means for the branch.
     fn refine<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         near: &Point,
-    ) -> Result<Point, Ahead> {
-        let point = self.solve(system, near, near.at).ok_or(Ahead::Unknown)?;
+    ) -> Result<Point, BranchAhead> {
+        let point = self.solve(system, near, near.at, self.target).ok_or(BranchAhead::Unknown)?;
         let mut moved = vec![0.0; near.q.len()];
         system.displacement(&near.q, &mut moved);
         match norm(&moved) <= self.options.refinement {
-            true if point.rises() => Ok(point),
-            true if point.slope <= 0.0 => Err(Ahead::Limit(point.load)),
-            _ => Err(Ahead::Unknown),
+            true if point.is_followed() => Ok(point),
+            true if point.slope <= 0.0 => Err(BranchAhead::LimitPoint(point.load)),
+            _ => Err(BranchAhead::Unknown),
         }
     }
 
-    /// The state on the plane at `at`, sought from a point nearby; `None` where none is found that lies ahead
-    /// of that point.
+    /// The state on the plane at `at`, solved from a point nearby; `None` where none is found near the line
+    /// along that point's direction.
     fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         near: &Point,
         at: f64,
+        target: BorderedTarget,
     ) -> Option<Point> {
         let (n, step) = (near.q.len(), at - near.at);
         self.plane.distance = at;
         system.advance_from(&near.q, &near.direction, step);
         self.bordered.multipliers[0] = near.load + step * near.slope;
         let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
-        if !self.bordered.solve(system, &[border], self.target) {
+        if !self.bordered.solve(system, &[border], target) {
             return None;
         }
         let mut direction = vec![0.0; n + 1];
@@ -124,15 +125,16 @@ impl Planes<'_> {
     }
 }
 
-/// Whether no motion grows by itself from the equilibrium at hand.
+/// Whether the current equilibrium is statically stable.
 fn is_stable<G: LieGroup<D, P>, const D: usize, const P: usize>(system: &mut System<G, D, P>) -> bool {
     let definite = system.factorise(0.0) || system.is_conservative() && system.factorise(ZERO_EIGENVALUE);
     definite && !system.is_lost(ZERO_EIGENVALUE)
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
-    /// What lies between the equilibrium in `start`, at `from`, and `failed`, to which no sub-step led.
-    pub(super) fn look_ahead(&mut self, from: f64, failed: f64) -> Ahead {
+    /// Finds what happens to the branch between the equilibrium in `start`, at `from`, and `failed`, which no
+    /// sub-step reached.
+    pub(super) fn locate_branch_end(&mut self, from: f64, failed: f64) -> BranchAhead {
         let n = self.start.len();
         let speed = norm(&self.velocity[0]);
         let options = self.options.locate;
@@ -146,59 +148,67 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         };
         let rate = self.rate.clone();
         if !((failed - from) * speed > options.corner) {
-            // The state hardly changes: the load is as good a measure of the way.
+            // Where the state hardly changes, the load is prescribed instead of the displacement.
             let constraint = Prescribed(failed);
             bordered.multipliers[0] = failed;
             self.system.set_state(&self.start);
             let border = Border { constraint: &constraint, multiplier: Multiplier::Load(&rate) };
-            if bordered.solve(&mut self.system, &[border], target) {
+            let exact = BorderedTarget { tolerance: self.options.tolerance, ..target };
+            if bordered.solve(&mut self.system, &[border], exact) {
                 self.system.displacement(&self.start, &mut self.moved);
                 if norm(&self.moved) <= options.corner {
                     return if is_stable(&mut self.system) {
-                        Ahead::Further(failed)
+                        BranchAhead::Continues(failed)
                     } else {
-                        Ahead::Crossing
+                        BranchAhead::BranchPoint
                     };
                 }
             }
         }
         if !(speed > 0.0 && speed.is_finite()) {
-            return Ahead::Unknown;
+            return BranchAhead::Unknown;
         }
-        let mut planes = Planes { bordered, plane: Hyperplane::default(), rate: &rate, options, target };
+        let mut planes = PlaneSolver { bordered, plane: Hyperplane::default(), rate: &rate, options, target };
         let (q, slope) = (self.start.clone(), 1.0);
         let mut low = Point { at: 0.0, load: from, slope, q, direction, stable: true };
-        planes.cross(&self.system, &mut low);
+        planes.set_origin(&self.system, &mut low);
+        // A state from which the branch is followed further need not be exact.
+        let rough = BorderedTarget { tolerance: self.residual_between(failed - from), ..target };
         let mut exact = false;
         let mut reach = ((failed - from) * speed).max(options.corner).min(options.longest);
         let high = loop {
             if self.system.budget.exhausted().is_some() || !(reach > options.shortest) {
-                return Ahead::Unknown;
+                return BranchAhead::Unknown;
             }
-            match planes.solve(&mut self.system, &low, reach) {
-                Some(mut point) if point.rises() => {
+            match planes.solve(&mut self.system, &low, reach, if exact { target } else { rough }) {
+                Some(mut point) if point.is_followed() => {
                     if point.load > 1.0 {
                         reach *= 0.9 * (1.0 - low.load).max(0.0) / (point.load - low.load);
                         continue;
                     }
-                    if point.load > from.max(low.load) {
-                        return Ahead::Further(point.load);
+                    if point.load > from.max(low.load) && point.load < 1.0 {
+                        return BranchAhead::Continues(point.load);
                     }
                     if exact {
-                        planes.cross(&self.system, &mut point);
+                        planes.set_origin(&self.system, &mut point);
                         low = point;
                         reach = (2.0 * reach).min(options.longest);
                         continue;
                     }
                 }
+                Some(point) if exact => break point,
                 Some(point) => {
-                    if !exact {
-                        low = match planes.refine(&mut self.system, &low) {
-                            Ok(refined) => refined,
-                            Err(ahead) => return ahead,
-                        };
+                    let high = planes.solve(&mut self.system, &point, point.at, target);
+                    low = match planes.refine(&mut self.system, &low) {
+                        Ok(refined) => refined,
+                        Err(ahead) => return ahead,
+                    };
+                    if let Some(high) = high.filter(|high| !high.is_followed()) {
+                        break high;
                     }
-                    break point;
+                    planes.set_origin(&self.system, &mut low);
+                    exact = true;
+                    continue;
                 }
                 None if exact => {
                     reach *= options.shrinkage;
@@ -210,22 +220,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 Ok(refined) => refined,
                 Err(ahead) => return ahead,
             };
-            planes.cross(&self.system, &mut refined);
+            planes.set_origin(&self.system, &mut refined);
             (low, exact) = (refined, true);
         };
         if high.slope > 0.0 {
-            return Ahead::Crossing;
+            return BranchAhead::BranchPoint;
         }
-        self.limit_point(&mut planes, low, high)
+        self.locate_limit_point(&mut planes, low, high)
     }
 
-    /// The largest load between a point where it rises and one where it falls.
-    fn limit_point(&mut self, planes: &mut Planes, mut low: Point, mut high: Point) -> Ahead {
+    /// Locates the limit point between a point where the load rises and one where it falls.
+    fn locate_limit_point(
+        &mut self,
+        planes: &mut PlaneSolver,
+        mut low: Point,
+        mut high: Point,
+    ) -> BranchAhead {
         let tolerance = self.located();
         let (mut last, mut k) = (high.at, 0);
         for _ in 0..self.options.locate.max_points {
             let span = high.at - low.at;
-            // Where the tangents meet the load is at least as high as anywhere on a concave branch.
+            // The load where the tangents meet is an upper bound on a concave branch.
             let meet = (high.load - low.load - high.slope * span) / (low.slope - high.slope);
             let best = low.load.max(high.load);
             if low.load + low.slope * meet - best <= tolerance {
@@ -235,22 +250,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             let ahead = match k % 3 {
                 0 => top,
                 1 => meet,
-                // Beyond a corner, as far as the last point is ahead of it.
+                // As far beyond a corner as the last point was ahead of it.
                 _ => 2.0 * meet - (last - low.at),
             };
             let at = low.at + ahead.clamp(1e-3 * span, 0.999 * span);
             let near = if at - low.at < high.at - at { &low } else { &high };
             let steepness = low.slope.min(-high.slope);
-            let Some(point) = planes.solve(&mut self.system, near, at) else { break };
+            let Some(point) = planes.solve(&mut self.system, near, at, planes.target) else { break };
             last = at;
             let smooth = point.slope.abs() < 0.1 * steepness;
             k = if smooth { 0 } else { k + 1 };
-            // What is left to the top of a parabola.
+            // The remaining rise of a parabola.
             let settled = smooth && point.slope.powi(2) * span <= tolerance * (low.slope - high.slope);
-            if point.rises() {
+            if point.is_followed() {
                 low = point;
             } else if point.slope > 0.0 {
-                return Ahead::Crossing;
+                return BranchAhead::BranchPoint;
             } else {
                 high = point;
             }
@@ -260,11 +275,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         }
         let best = if low.load >= high.load { low } else { high };
         self.system.set_state(&best.q);
-        Ahead::Limit(best.load)
+        BranchAhead::LimitPoint(best.load)
     }
 }
 
-/// Where the cubic with the loads and slopes of two points is largest, ahead of the first.
+/// Distance from the first point to the maximum of the cubic Hermite interpolant of the load.
 fn cubic_maximum(low: &Point, high: &Point) -> f64 {
     let span = high.at - low.at;
     let mean = (high.load - low.load) / span;

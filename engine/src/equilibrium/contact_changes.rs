@@ -1,4 +1,5 @@
-//! When contacts open and close along a straight motion of the coordinates.
+//! Changes of contact along a straight motion of the coordinates: contacts that open and close, and springs
+//! that become taut or slack.
 
 use super::options::PredictorOptions;
 use super::point_motion::PointMotion;
@@ -8,7 +9,7 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
 
-/// A sphere that touches another body or may come to.
+/// A sphere that touches another body or may come to, or a spring that is taut or may become so.
 #[derive(Clone, Debug)]
 struct Pair<const P: usize> {
     /// The contact, with its overlap as it changes; negative while they are apart.
@@ -51,8 +52,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         let model = system.model();
         let data = system.data();
         let points = &self.motion.points;
-        let squares = model.spheres.iter().map(|s| points[s.point].dot(&points[s.point]));
-        let fastest = squares.fold(0.0, f64::max).sqrt();
+        let fastest = points.iter().map(|v| v.dot(v)).fold(0.0, f64::max).sqrt();
         // Pairs further apart do not meet at this speed; those accelerated by a change may be missed.
         let margin = fastest * h;
         let [rate_margin, speed_margin] = [options.closing_rate_margin, options.point_speed_margin];

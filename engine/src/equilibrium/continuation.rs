@@ -164,9 +164,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         } else {
             self.options.max_displacement_with_contact
         };
-        let smallest = (self.options.min_step * self.span()).min(1.0);
-        let nearest = self.options.locate.end_distance * self.span();
-        let mut control = StepControl::new(self.options.step, smallest, nearest);
+        let min_step = (self.options.min_step * self.span()).min(1.0);
+        let end_distance = self.options.locate.end_distance * self.span();
+        let mut control = StepControl::new(self.options.step, min_step, end_distance);
         // The factor at hand belongs to the equilibrium just found.
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         self.unstable = false;
@@ -176,14 +176,15 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let ahead = control.target() - lambda;
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
             let to_end = self.predictor.branch_end();
-            if control.is_at_end(to_end) && !control.is_rough() {
-                let next = (lambda + smallest).min(1.0);
-                self.go_to_predicted_end(to_end);
-                lambda = match self.snap(lambda, lambda + to_end, next, step, sink, &mut control) {
+            if control.is_at_end(to_end) && !control.ignores_ends() {
+                let next = (lambda + min_step).min(1.0);
+                self.move_to_predicted_end(to_end);
+                lambda = match self.leave_limit_point(lambda, lambda + to_end, next, step, sink, &mut control)
+                {
                     Ok(lambda) => lambda,
                     Err(status) => return status,
                 };
-                self.leave(&mut control);
+                self.restart(&mut control);
                 continue;
             }
             let mut next = control.propose(lambda, reach, to_end);
@@ -207,7 +208,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 lambda = next;
                 self.swap_ends();
             } else {
-                lambda = match self.pass_end(lambda, next, step, sink, &mut control) {
+                lambda = match self.pass_branch_end(lambda, next, step, sink, &mut control) {
                     Ok(lambda) => lambda,
                     Err(status) => return status,
                 };
@@ -219,16 +220,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if self.unstable { Status::Unstable } else { Status::Converged }
     }
 
-    /// Moves `start` to the end of the branch, which is so near that the prediction is exact: energy released
-    /// from there is that of a jump alone.
-    fn go_to_predicted_end(&mut self, to_end: f64) {
+    /// Moves `start` to the predicted end of the branch, so that the energy released from there is that of
+    /// the jump alone.
+    fn move_to_predicted_end(&mut self, to_end: f64) {
         self.predictor.displacement(to_end, &mut self.work);
         self.system.advance_from(&self.start, &self.work, 1.0);
         self.start.copy_from_slice(self.system.state());
     }
 
-    /// Restarts the prediction at the current equilibrium, which was not predicted.
-    pub(super) fn leave(&mut self, control: &mut StepControl) {
+    /// Restarts prediction and step control at the current equilibrium, on another branch.
+    pub(super) fn restart(&mut self, control: &mut StepControl) {
         self.predictor.forget_curvature();
         control.restart();
         self.swap_ends();
@@ -299,17 +300,21 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// The accuracy required of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
     fn tolerance_at(&self, lambda: f64, h: f64, step: LoadStep) -> CorrectorTolerance {
-        let tolerance = self.options.tolerance;
         if lambda == 1.0 {
+            let tolerance = self.options.tolerance;
             return CorrectorTolerance { residual: tolerance, tangent_reuse: step.tangent_reuse };
         }
+        let tangent_reuse = self.options.accuracy.tangent_reuse;
+        CorrectorTolerance { residual: self.residual_between(h), tangent_reuse }
+    }
+
+    /// The largest residual allowed after a sub-step of `h` that ends between the listed loads.
+    pub(super) fn residual_between(&self, h: f64) -> f64 {
         let accuracy = &self.options.accuracy;
         // The end of a branch is located from the state before it.
         let ends = self.predictor.branch_end().is_finite();
         let share = if ends { accuracy.residual_near_end } else { accuracy.relative_residual };
-        let predicted = share * h * self.rate_of_change();
-        let residual = predicted.min(accuracy.max_residual).max(tolerance);
-        CorrectorTolerance { residual, tangent_reuse: accuracy.tangent_reuse }
+        (share * h * self.rate_of_change()).min(accuracy.max_residual).max(self.options.tolerance)
     }
 
     /// The scale of residuals between the listed loads: the speed and, where the tangent may be softer than

@@ -13,14 +13,14 @@ use crate::tolerances::ZERO_EIGENVALUE;
 /// When a corrector is done.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CorrectorTolerance {
-    /// Dimensionless residual that suffices.
+    /// Largest dimensionless residual.
     pub residual: f64,
-    /// Where the last step left less than this share of the residual, its tangent serves for the state it
-    /// led to as well.
+    /// The tangent of the last step is reused for the final state if that step reduced the residual to less
+    /// than this fraction.
     pub tangent_reuse: f64,
 }
 
-/// Newton's method with full steps, which gives up where another branch attracts.
+/// Newton's method with full steps; fails where it seems to converge to another branch.
 #[derive(Clone, Debug)]
 pub(super) struct Corrector<const D: usize, const P: usize> {
     options: CorrectorOptions,
@@ -39,8 +39,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
         }
     }
 
-    /// Goes to the state predicted for `h` ahead of the system's, and from there to the equilibrium under
-    /// the system's load. On success the tangent at hand is positive definite and that of the state found.
+    /// Solves for the equilibrium under the system's load from the state predicted `h` ahead of the current
+    /// one. On success the current tangent is positive definite and that of the solution.
     pub fn correct<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -63,8 +63,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             .is_some_and(|Approach { size, length }| self.iterate(system, size, reach - length, tolerance))
     }
 
-    /// Chord steps from the predicted state with the tangent predicted there; `None` where one of them
-    /// shows that the prediction is far off.
+    /// Chord steps from the predicted state with the predicted tangent; `None` where the length of one shows
+    /// that the prediction is wrong.
     fn predicted_chords<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -99,8 +99,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
         Some(Approach { size, length: total })
     }
 
-    /// Newton's method with full steps from a state whose residual has this size; fails as soon as the
-    /// tangent is not positive definite, and when it goes further than `reach`.
+    /// Newton's method with full steps from a state whose largest residual is `size`; fails if a tangent is
+    /// not positive definite or the steps add up to more than `reach`.
     fn iterate<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -115,8 +115,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
                 return false;
             }
             system.evaluate_tangent();
-            // A motion along which nothing changes, as that of a round column about its axis, has a
-            // stiffness of the size of the residual.
+            // Along a neutral motion, as that of a buckled round column about its axis, the computed stiffness
+            // is of the size of the residual.
             let most = tolerance.residual.min(self.options.soft_residual);
             if !(system.factorise(0.0) || size <= most && system.factorise(size + ZERO_EIGENVALUE)) {
                 return false;

@@ -1,7 +1,7 @@
 //! The factorised tangent of a state, symmetric or not.
 
 use super::general::GeneralFactor;
-use super::pinned::Pinned;
+use super::semidefinite::SemidefiniteFactor;
 use super::stability::Stability;
 use crate::Data;
 use crate::lie::LieGroup;
@@ -18,10 +18,10 @@ pub(super) struct Factor<const D: usize> {
     chained: bool,
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
-    /// For a tangent with free motions; allocated when one occurs.
-    pinned: Option<Box<Pinned>>,
-    /// Whether `pinned` is the current factor.
-    free: bool,
+    /// For a tangent with null modes; allocated when one occurs.
+    semidefinite: Option<Box<SemidefiniteFactor>>,
+    /// Whether that is the current factor.
+    is_semidefinite: bool,
 }
 
 impl<const D: usize> Factor<D> {
@@ -29,7 +29,14 @@ impl<const D: usize> Factor<D> {
         let n = model.dof();
         let general = (n > 0 && !model.is_conservative()).then(|| GeneralFactor::new(n));
         let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
-        Self { cholesky: Cholesky::new(n), chain, chained: false, general, pinned: None, free: false }
+        Self {
+            cholesky: Cholesky::new(n),
+            chain,
+            chained: false,
+            general,
+            semidefinite: None,
+            is_semidefinite: false,
+        }
     }
 
     /// Whether the tangent is the second derivative of a potential.
@@ -41,7 +48,7 @@ impl<const D: usize> Factor<D> {
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
         let (tangent, scale) = (data.tangent(), &data.design.units.scale);
-        self.free = false;
+        self.is_semidefinite = false;
         if let Some(general) = &mut self.general {
             return general.factorise(tangent, scale, shift);
         }
@@ -62,34 +69,34 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Factorises a complete, positive semidefinite tangent with its free coordinates, among them `first`,
+    /// Factorises a complete, positive semidefinite tangent with some coordinates, among them `first`,
     /// pinned; `false` if it is not positive semidefinite to the rounding of the terms of its diagonal,
     /// whose magnitudes are `sizes`.
-    pub fn factorise_pinned<G: LieGroup<D, P>, const P: usize>(
+    pub fn factorise_semidefinite<G: LieGroup<D, P>, const P: usize>(
         &mut self,
         data: &Data<G, D, P>,
         first: &[usize],
         sizes: &[f64],
     ) -> bool {
         let scale = &data.design.units.scale;
-        let pinned = self.pinned.get_or_insert_with(|| Box::new(Pinned::new(scale.len())));
-        self.free = pinned.factorise(data.tangent(), scale, first, sizes);
-        self.free
+        let factor = self.semidefinite.get_or_insert_with(|| Box::new(SemidefiniteFactor::new(scale.len())));
+        self.is_semidefinite = factor.factorise(data.tangent(), scale, first, sizes);
+        self.is_semidefinite
     }
 
-    /// The free motions, dimensionless.
+    /// The null modes, dimensionless.
     pub fn null_modes(&self) -> &[Vec<f64>] {
-        self.free_modes().map_or(&[], Pinned::modes)
+        self.semidefinite().map_or(&[], SemidefiniteFactor::null_modes)
     }
 
-    /// Free coordinates, held fixed.
+    /// Pinned coordinates.
     pub fn pinned(&self) -> &[usize] {
-        self.free_modes().map_or(&[], Pinned::coordinates)
+        self.semidefinite().map_or(&[], SemidefiniteFactor::pinned)
     }
 
-    /// Whether there are free motions.
+    /// Whether there are null modes.
     pub fn is_singular(&self) -> bool {
-        self.general.as_ref().map_or(self.free, GeneralFactor::is_singular)
+        self.general.as_ref().map_or(self.is_semidefinite, GeneralFactor::is_singular)
     }
 
     /// The static stability of the tangent; overwrites its factor. Eigenvalues within `slack` of zero
@@ -111,8 +118,8 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    fn free_modes(&self) -> Option<&Pinned> {
-        self.pinned.as_deref().filter(|_| self.free)
+    fn semidefinite(&self) -> Option<&SemidefiniteFactor> {
+        self.semidefinite.as_deref().filter(|_| self.is_semidefinite)
     }
 
     /// The factor of the chain, if it is the current one.
@@ -122,8 +129,8 @@ impl<const D: usize> Factor<D> {
 
     /// Solves in place.
     pub fn solve(&self, b: &mut [f64]) {
-        if let Some(pinned) = self.free_modes() {
-            return pinned.solve(b);
+        if let Some(factor) = self.semidefinite() {
+            return factor.solve(b);
         }
         match (&self.general, self.chain()) {
             (Some(general), _) => general.solve(b),
@@ -134,8 +141,8 @@ impl<const D: usize> Factor<D> {
 
     /// Solves in place with a triangular factor L, L Lᵀ being the tangent, its rows in some order.
     pub fn solve_lower(&self, b: &mut [f64]) {
-        if let Some(pinned) = self.free_modes() {
-            return pinned.solve_lower(b);
+        if let Some(factor) = self.semidefinite() {
+            return factor.solve_lower(b);
         }
         match self.chain() {
             Some(chain) => chain.solve_lower(b),

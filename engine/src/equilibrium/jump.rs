@@ -1,6 +1,6 @@
-//! What follows the end of a branch: the next equilibrium, and what kind of event leads there.
+//! Beyond the end of a branch: the next stable equilibrium, and the kind of event that leads to it.
 
-use super::branch_end::Ahead;
+use super::branch_end::BranchAhead;
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink};
 use super::status::Status;
@@ -9,13 +9,13 @@ use super::vector::{dot, max_norm};
 use crate::lie::LieGroup;
 use crate::strain::gauss_legendre;
 
-/// Points of the quadrature of [`Continuation::work_of_forces`].
+/// Quadrature points of [`Continuation::work_of_forces`].
 const WORK_POINTS: usize = 12;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
-    /// From the equilibrium in `start`, at `from`, beyond which no sub-step leads to `failed`, to a stable
-    /// one as near as can be; returns where that is.
-    pub(super) fn pass_end(
+    /// Goes from the equilibrium in `start`, at `from`, from which the smallest sub-step, to `failed`, could
+    /// not be made, to the nearest stable equilibrium beyond; returns its λ.
+    pub(super) fn pass_branch_end(
         &mut self,
         from: f64,
         failed: f64,
@@ -23,40 +23,41 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
         control: &mut StepControl,
     ) -> Result<f64, Status> {
-        let ahead = if control.is_rough() { Ahead::Unknown } else { self.look_ahead(from, failed) };
+        let ahead =
+            if control.ignores_ends() { BranchAhead::Unknown } else { self.locate_branch_end(from, failed) };
         let reached = match ahead {
-            Ahead::Further(lambda) => {
+            BranchAhead::Continues(lambda) => {
                 self.arrive();
                 self.predictor.forget_curvature();
                 let near = max_norm(&self.moved) <= 10.0 * self.options.jump.min_displacement;
                 if lambda < failed && near {
-                    control.end_was_negligible();
+                    control.record_negligible_jump();
                 }
                 control.accept(from, lambda);
                 self.swap_ends();
                 return Ok(lambda);
             }
-            // One that lies further back belongs to another branch.
-            Ahead::Limit(at) if at >= 2.0 * from - failed => {
+            // A limit point further back belongs to another branch.
+            BranchAhead::LimitPoint(at) if at >= 2.0 * from - failed => {
                 self.start.copy_from_slice(self.system.state());
-                self.snap(from, at, failed, step, sink, control)?
+                self.leave_limit_point(from, at, failed, step, sink, control)?
             }
-            Ahead::Crossing => {
-                self.find_at(failed, step)?;
-                if let Some((kind, at)) = self.kind_of_crossing(from, failed) {
+            BranchAhead::BranchPoint => {
+                self.find_stable_at(failed, step)?;
+                if let Some((kind, at)) = self.classify_branch_point(from, failed) {
                     self.report(kind, at, failed, step, sink);
                 }
                 failed
             }
-            Ahead::Limit(_) | Ahead::Unknown => self.jump(from, failed, step, sink)?,
+            BranchAhead::LimitPoint(_) | BranchAhead::Unknown => self.jump(from, failed, step, sink)?,
         };
-        self.leave(control);
+        self.restart(control);
         Ok(reached)
     }
 
-    /// From the state in `start`, where the load is largest, `at`, to a stable equilibrium just behind; to one at
-    /// `next` if that is no way off.
-    pub(super) fn snap(
+    /// Goes from the limit point in `start`, at `at`, to a stable equilibrium just beyond; if the state hardly
+    /// changes, to one at `next`.
+    pub(super) fn leave_limit_point(
         &mut self,
         from: f64,
         at: f64,
@@ -65,19 +66,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
         control: &mut StepControl,
     ) -> Result<f64, Status> {
-        // The state at `from` is approximate, so that the limit point may lie before it.
+        // As the state at `from` is approximate, the limit point may lie before it.
         let lambda = (at + self.options.locate.beyond * self.span()).max(from).min(1.0);
-        self.find_at(lambda, step)?;
+        self.find_stable_at(lambda, step)?;
         let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
         if moved && self.releases_energy(lambda - at) {
             self.report(EventKind::Snap, at, lambda, step, sink);
             return Ok(lambda);
         }
-        control.end_was_negligible();
+        control.record_negligible_jump();
         self.jump(from, next, step, sink)
     }
 
-    /// From the state in `start`, at `from`, to a stable equilibrium at `next`.
+    /// Goes from the state in `start`, at `from`, to a stable equilibrium at `next`.
     fn jump(
         &mut self,
         from: f64,
@@ -85,15 +86,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Result<f64, Status> {
-        self.find_at(next, step)?;
+        self.find_stable_at(next, step)?;
         if self.has_jumped(next - from) {
             self.report(EventKind::Snap, next, next, step, sink);
         }
         Ok(next)
     }
 
-    /// A stable equilibrium at `lambda`, sought from `start`.
-    fn find_at(&mut self, lambda: f64, step: LoadStep) -> Result<(), Status> {
+    /// Finds a stable equilibrium at `lambda` from `start`.
+    fn find_stable_at(&mut self, lambda: f64, step: LoadStep) -> Result<(), Status> {
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(&self.start);
         self.system.evaluate();
@@ -124,18 +125,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
     }
 
-    /// Whether the state found, over `h`, is none to which the branch may lead.
+    /// Whether the state found, over `h`, cannot be on the branch of `start`.
     fn has_jumped(&mut self, h: f64) -> bool {
         let jump = self.options.jump;
         let speed = max_norm(&self.velocity[0]).max(max_norm(&self.velocity[1]));
         let explained = jump.min_displacement + jump.speed_margin * h * speed;
-        // Without a potential, the work on the way to a state to which the last may drift says nothing.
+        // Without a potential, the work of a drift along a neutral motion depends on its path.
         let drift = !self.system.is_conservative() && self.system.may_drift();
         !drift && max_norm(&self.moved) > explained && self.releases_energy(h)
     }
 
-    /// Whether more energy is released than where the energy is convex between `start` and the state found. There
-    /// it lies above its tangent in `start`, where the load's change over `h` is all that is not balanced.
+    /// Whether more energy is released from `start` to the state found than a convex energy would release,
+    /// which lies above its tangent in `start`; there only the change of load over `h` is not balanced.
     fn releases_energy(&mut self, h: f64) -> bool {
         let released = if self.system.is_conservative() {
             (self.energy - self.system.data().energy()) / self.system.unit_energy()
@@ -143,13 +144,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             self.work_of_forces()
         };
         self.system.load_gradient(&self.rate, &mut self.work);
-        // A control gives back what it has stored by itself over `h`.
+        // Energy that the controls themselves store over `h`.
         let stored = h * self.system.load_curvature(&self.rate);
         let work = (dot(&self.work, &self.moved) + stored).abs();
         released - 0.5 * h * stored > h * work + self.options.jump.min_energy
     }
 
-    /// The work of all forces from `start` straight to the state found.
+    /// The work of all forces along the straight line from `start` to the state found.
     fn work_of_forces(&mut self) -> f64 {
         let found = self.system.state().to_vec();
         let mut work = 0.0;
@@ -163,9 +164,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         work
     }
 
-    /// What led from `start`, at `from`, to the stable equilibrium found at `lambda`, where another branch
-    /// crosses between them, and where that is.
-    fn kind_of_crossing(&mut self, from: f64, lambda: f64) -> Option<(EventKind, f64)> {
+    /// The kind of event at a branch point between `start`, at `from`, and the stable equilibrium found at
+    /// `lambda`, and its λ; `None` if the state hardly changes.
+    fn classify_branch_point(&mut self, from: f64, lambda: f64) -> Option<(EventKind, f64)> {
         let jump = self.options.jump;
         let h = lambda - from;
         let before = h * max_norm(&self.velocity[0]);
@@ -176,14 +177,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_load_between(&self.start_load, &self.rate, from);
         self.system.set_state(&self.start);
         let distance = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, h);
-        self.return_to(&found, lambda);
+        self.restore(&found, lambda);
         let at = distance.map_or(lambda, |distance| (from + distance).min(lambda));
-        let kind = if self.is_constant(at, from, lambda) { EventKind::Snap } else { EventKind::Bifurcation };
+        let kind = if self.displacement_is_constant(at, from, lambda) {
+            EventKind::Snap
+        } else {
+            EventKind::Bifurcation
+        };
         Some((kind, at))
     }
 
-    /// Goes back to an equilibrium at `lambda`, with its tangent and factor.
-    fn return_to(&mut self, state: &[f64], lambda: f64) {
+    /// Restores an equilibrium at `lambda`, with its tangent and factor.
+    fn restore(&mut self, state: &[f64], lambda: f64) {
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(state);
         self.system.evaluate();
@@ -191,9 +196,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.factorise(0.0);
     }
 
-    /// Whether the displacement from `start` is much the same right behind the critical load, at `at`, as at
-    /// `lambda`: a jump, not a motion along a new branch.
-    fn is_constant(&mut self, at: f64, from: f64, lambda: f64) -> bool {
+    /// Whether the displacement from `start` just beyond the critical load, at `at`, is nearly that at
+    /// `lambda`: then it is a jump, not a motion along the new branch.
+    fn displacement_is_constant(&mut self, at: f64, from: f64, lambda: f64) -> bool {
         let jump = self.options.jump;
         let begin = if at < lambda { at } else { from };
         let found = self.system.state().to_vec();
@@ -204,7 +209,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let status = self.find_stable(self.options.trust_region.initial_radius, 0.0);
         self.system.displacement(&self.start, &mut self.work);
         let constant = status.is_equilibrium() && max_norm(&self.work) >= jump.constant_share * moved;
-        self.return_to(&found, lambda);
+        self.restore(&found, lambda);
         constant
     }
 }

@@ -1,17 +1,17 @@
-//! Newton's method with the forces of stiff springs and contacts as unknowns.
+//! Mixed Newton method: the forces of stiff springs and contacts are unknowns beside the coordinates.
 //!
-//! Over a step p a stiff term of stiffness k misses its distance by the curvature of its path, |p|²/2R, and
-//! k times that is no force that acts: it would bend the tangent and stop Newton's method unless p were of the
-//! size of √(R f/k). So forces λ are unknowns beside the coordinates,
+//! In Newton's method for the energy alone, a step p changes the distance d of a stiff term by a second-order
+//! error |p|²/2R, with R the radius of curvature of its path. Multiplied by the stiffness k, this spurious
+//! force limits the steps to √(R f/k), f being the actual force. Therefore the forces λ are unknowns as well,
 //!
 //! ```text
 //! [ H(q, λ)    G  ] [ dq ]     [ g(q) + G λ ]
 //! [   Gᵀ     −1/k ] [ dλ ] = − [  d − λ/k   ],
 //! ```
 //!
-//! with G the gradients of the distances d. Eliminated, (H + k G Gᵀ) dq = −(g + k d G) and
-//! λ + dλ = k (d + Gᵀ dq): Newton's method on the energy itself but for the λ in H. A contact acts as long as
-//! its λ pushes, whatever the sign of its distance, and one that is met in between is added.
+//! with G the gradients of the distances d. Elimination of dλ leaves (H + k G Gᵀ) dq = −(g + k d G) and
+//! λ + dλ = k (d + Gᵀ dq): Newton's method for the energy, but with λ in place of k d in H. A contact is
+//! active while λ > 0, regardless of the sign of d; contacts that close during the step become active.
 
 use super::options::{MixedOptions, NewtonOptions};
 use super::point_motion::PointMotion;
@@ -30,11 +30,11 @@ pub(super) struct MixedNewton<const D: usize, const P: usize> {
     motion: PointMotion<D, P>,
 }
 
-/// What an approach to an equilibrium has reached.
+/// Where an approximate solution ended.
 pub(super) struct Approach {
     /// Largest residual.
     pub size: f64,
-    /// Sum of the steps' lengths.
+    /// Sum of the lengths of its steps.
     pub length: f64,
 }
 
@@ -47,15 +47,15 @@ impl<const D: usize, const P: usize> MixedNewton<D, P> {
         Self { options, newton, step: vec![0.0; model.dof()], motion: PointMotion::new(model) }
     }
 
-    /// Takes the forces of the system's state for the first λ.
+    /// Initialises λ with the forces in the system's state.
     pub fn start<G: LieGroup<D, P>>(&mut self, system: &mut System<G, D, P>) {
         system.evaluate();
         self.motion.points.fill(Vector::ZERO);
         system.keep_forces(&self.motion.points);
     }
 
-    /// Goes from the system's state to where Newton's method on the energy itself will do; `None` where that
-    /// is not found within `reach`, or a tangent on the way is not positive definite.
+    /// Iterates from the system's state until Newton's method for the energy can take over; `None` if the steps
+    /// add up to more than `reach` or a tangent is not positive definite.
     pub fn approach<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,

@@ -15,6 +15,7 @@
 
 mod arc_length;
 mod bordered;
+mod bordered_matrix;
 #[cfg(test)]
 mod bordered_tests;
 mod branch_end;
@@ -33,10 +34,10 @@ mod newton;
 mod option_info;
 mod options;
 mod path;
-mod pinned;
 mod point_motion;
 mod predictor;
 mod same_branch;
+mod semidefinite;
 mod stability;
 mod status;
 mod step_control;

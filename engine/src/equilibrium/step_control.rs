@@ -1,4 +1,4 @@
-//! Length of the sub-steps between two listed loads.
+//! Step-size control between two listed loads.
 
 use super::options::StepOptions;
 
@@ -6,99 +6,100 @@ use super::options::StepOptions;
 #[derive(Clone, Debug)]
 pub(super) struct StepControl {
     options: StepOptions,
-    /// The smallest sub-step, unless the end of the branch is nearer,
-    smallest: f64,
-    /// and how near that is met.
-    nearest: f64,
-    /// The nearest λ that could not be reached in one sub-step.
+    /// Smallest sub-step, except towards a predicted end of the branch.
+    min_step: f64,
+    /// Distance to a predicted end below which the prediction is taken for exact.
+    end_distance: f64,
+    /// The smallest λ that could not be reached in one sub-step.
     rejected: f64,
-    /// Where an end of the branch was last predicted, and how far ahead.
+    /// The λ at which an end of the branch was last predicted, and its distance then.
     predicted_end: Option<(f64, f64)>,
-    /// Ends in a row behind which the state was no way off.
-    negligible: usize,
+    /// Number of consecutive ends of the branch with a negligible jump.
+    negligible_jumps: usize,
 }
 
-/// So many, and ends are no longer looked for until sub-steps grow.
-const ROUGH: usize = 3;
+/// After this number of consecutive negligible jumps, ends of the branch are ignored until sub-steps grow.
+const MAX_NEGLIGIBLE_JUMPS: usize = 3;
 
 impl StepControl {
-    pub fn new(options: StepOptions, smallest: f64, nearest: f64) -> Self {
-        Self { options, smallest, nearest, rejected: f64::INFINITY, predicted_end: None, negligible: 0 }
+    pub fn new(options: StepOptions, min_step: f64, end_distance: f64) -> Self {
+        let (rejected, predicted_end, negligible_jumps) = (f64::INFINITY, None, 0);
+        Self { options, min_step, end_distance, rejected, predicted_end, negligible_jumps }
     }
 
-    /// The λ to go to, if it can be reached.
+    /// The λ to aim for.
     pub fn target(&self) -> f64 {
         self.rejected.min(1.0)
     }
 
-    /// The end of the first sub-step to try from `lambda`, when the prediction holds for `reach` and sees
-    /// an end of the branch `to_end` ahead.
+    /// The end of the first sub-step to try from `lambda`, where the prediction is valid over `reach` and
+    /// the branch is predicted to end after `to_end`.
     pub fn propose(&mut self, lambda: f64, reach: f64, to_end: f64) -> f64 {
         let target = self.target();
-        let short_of_end = self.short_of_end(lambda, to_end);
-        let smallest = if self.is_rough() { self.smallest } else { self.smallest.min(short_of_end) };
-        let mut h = (target - lambda).min(short_of_end);
-        while h > reach && h > smallest {
+        let towards_end = self.step_towards_end(lambda, to_end);
+        let min_step = if self.ignores_ends() { self.min_step } else { self.min_step.min(towards_end) };
+        let mut h = (target - lambda).min(towards_end);
+        while h > reach && h > min_step {
             h *= 0.5;
             self.rejected = lambda + 2.0 * h;
         }
-        let h = h.max(smallest);
+        let h = h.max(min_step);
         if lambda + h < target { lambda + h } else { target }
     }
 
     /// Whether the branch is predicted to end so near that the prediction is exact.
     pub fn is_at_end(&self, to_end: f64) -> bool {
-        to_end < self.nearest
+        to_end < self.end_distance
     }
 
-    /// Behind an end of the branch the state was no way off.
-    pub fn end_was_negligible(&mut self) {
-        self.negligible += 1;
+    /// Records an end of the branch with a negligible jump.
+    pub fn record_negligible_jump(&mut self) {
+        self.negligible_jumps += 1;
     }
 
-    /// Whether branches end and begin again all the time, as with stiff contact.
-    pub fn is_rough(&self) -> bool {
-        self.negligible >= ROUGH
+    /// Whether ends of the branch are ignored: with stiff contact, there may be one in every sub-step.
+    pub fn ignores_ends(&self) -> bool {
+        self.negligible_jumps >= MAX_NEGLIGIBLE_JUMPS
     }
 
-    /// The end of a shorter sub-step than that to `next`; `None` where there is none.
+    /// The end of a shorter sub-step than that to `next`, which failed; `None` if that was the smallest.
     pub fn shorten(&mut self, lambda: f64, next: f64) -> Option<f64> {
-        if next - lambda <= self.options.min_step_margin * self.smallest {
+        if next - lambda <= self.options.min_step_margin * self.min_step {
             return None;
         }
         self.rejected = next;
-        Some(lambda + (0.5 * (next - lambda)).max(self.smallest))
+        Some(lambda + (0.5 * (next - lambda)).max(self.min_step))
     }
 
-    /// The sub-step to `next` succeeded.
+    /// Records that the sub-step to `next` succeeded.
     pub fn accept(&mut self, lambda: f64, next: f64) {
-        if next - lambda > 4.0 * self.smallest {
-            self.negligible = 0;
+        if next - lambda > 4.0 * self.min_step {
+            self.negligible_jumps = 0;
         }
         if next >= self.rejected {
             self.rejected = f64::INFINITY;
         }
     }
 
-    /// The state is on another branch now.
+    /// Starts on another branch.
     pub fn restart(&mut self) {
         self.rejected = f64::INFINITY;
         self.predicted_end = None;
     }
 
-    /// How far to go from `lambda` towards an end of the branch predicted at this distance; infinite where
-    /// none is in sight.
+    /// The sub-step from `lambda` towards an end of the branch predicted at this distance; infinite if none
+    /// is predicted.
     ///
-    /// Towards a corner the prediction misses by the square of the distance. Towards a fold it lags behind:
-    /// two of them are extrapolated.
-    fn short_of_end(&mut self, lambda: f64, distance: f64) -> f64 {
-        let seen = distance.is_finite().then_some((lambda, distance));
-        match std::mem::replace(&mut self.predicted_end, seen) {
-            Some((at, far)) if distance < far => {
-                let extrapolated = distance.min(distance * (lambda - at) / (far - distance));
-                let missed = (lambda + distance - at - far).abs() * (distance / far).powi(2);
-                let left = (self.options.end_margin * missed).max(0.5 * self.nearest);
-                (extrapolated - left).max(self.options.fraction_to_end * extrapolated)
+    /// The error of the prediction decreases with the square of the distance to a corner. The distance to a
+    /// limit point is overestimated: it is extrapolated from two predictions.
+    fn step_towards_end(&mut self, lambda: f64, distance: f64) -> f64 {
+        let prediction = distance.is_finite().then_some((lambda, distance));
+        match std::mem::replace(&mut self.predicted_end, prediction) {
+            Some((at, before)) if distance < before => {
+                let extrapolated = distance.min(distance * (lambda - at) / (before - distance));
+                let error = (lambda + distance - at - before).abs() * (distance / before).powi(2);
+                let margin = (self.options.end_margin * error).max(0.5 * self.end_distance);
+                (extrapolated - margin).max(self.options.fraction_to_end * extrapolated)
             }
             _ => self.options.fraction_to_end * distance,
         }
@@ -129,10 +130,9 @@ mod tests {
     fn ends_of_a_branch_are_extrapolated() {
         let mut control = control();
         assert_eq!(control.propose(0.0, 1.0, 0.4), 0.75 * 0.4);
-        // 0.2 is seen from 0.3, 0.4 was seen from 0: at this rate it is reached after 0.2 · 0.3 / 0.2.
+        // At 0 the distance was 0.4, at 0.3 it is 0.2: extrapolated, it vanishes after 0.2 · 0.3 / 0.2.
         assert_eq!(control.propose(0.3, 1.0, 0.2), 0.3 + 0.75 * 0.2);
-        // And 0.05 from 0.45: after 0.05 · 0.15 / 0.15.
-        // Both see the same end: the next sub-step goes all the way but for what counts as being there.
+        // Two predictions of the same end: the next sub-step leaves half of `end_distance`.
         assert_eq!(control.propose(0.45, 1.0, 0.05), 0.45 + (0.05 - 0.5e-5));
         control.restart();
         assert_eq!(control.propose(0.5, 1.0, 0.4), 0.5 + 0.75 * 0.4);

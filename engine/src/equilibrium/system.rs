@@ -391,8 +391,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     }
 
     /// Factorises the dimensionless tangent plus `shift`; `false` when it is not positive definite or,
-    /// without a potential, when its determinant is negative. Motions that nothing holds are let be: then
-    /// a solution does not move along them.
+    /// without a potential, when its determinant is negative. Without a shift, motions without stiffness
+    /// are allowed; solutions then do not move along them.
     pub(super) fn factorise(&mut self, shift: f64) -> bool {
         let loose = shift == 0.0 && self.is_conservative() && !self.loose.is_empty();
         if self.factor.factorise(&self.data, shift) && !loose {
@@ -404,7 +404,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         self.data.complete_tangent(self.model);
         let first = if loose { &self.loose[..] } else { null.as_slice() };
-        self.factor.factorise_pinned(&self.data, first, &self.magnitudes.stiffness)
+        self.factor.factorise_semidefinite(&self.data, first, &self.magnitudes.stiffness)
     }
 
     /// Whether the current factor has free motions.

@@ -5,6 +5,7 @@ use super::{Continuation, ContinuationOptions, Status};
 use crate::ContactForce;
 use crate::lie::SE2;
 use crate::model::Model;
+use crate::model::{AttachmentDescription, SpringDescription, Station};
 use crate::systems::finger;
 
 type Planar<'m> = Continuation<'m, SE2, 3, 2>;
@@ -66,6 +67,52 @@ fn the_velocity_behind_a_change_of_contact_is_predicted() {
         touching = found;
     }
     assert!(closed >= 2 && opened >= 1, "{closed} contacts closed, {opened} opened");
+}
+
+#[test]
+fn a_slack_spring_that_becomes_taut_is_predicted_with_the_velocity_behind() {
+    let mut described = finger();
+    described.contacts.clear();
+    described.springs.push(SpringDescription {
+        name: "strap".into(),
+        first: AttachmentDescription::Body {
+            body: "exosuit".into(),
+            station: Station::Point(20),
+            offset: [0.0; 3],
+            surface: [0.0; 3],
+        },
+        second: AttachmentDescription::World { world: [0.06, 0.0, 0.06] },
+        stiffness: 3000.0,
+        rest_length: 0.04,
+        slack: true,
+    });
+    let model = Model::<SE2, 3, 2>::new(&described).unwrap();
+    let mut path = Planar::new(&model, ContinuationOptions::default(), None);
+    let tension = |path: &Planar| path.system.data().spring_tensions(&model)[0];
+    go_to(&mut path, 0.0);
+    assert_eq!(tension(&path), 0.0);
+    let mut before = path.clone();
+    let (mut low, mut high) = (0.0, 5.0);
+    let mut after = path.clone();
+    while high - low > 1e-7 {
+        let middle = 0.5 * (low + high);
+        let mut between = before.clone();
+        go_to(&mut between, middle);
+        if tension(&between) == 0.0 {
+            (low, before) = (middle, between);
+        } else {
+            (high, after) = (middle, between);
+        }
+    }
+    assert!(0.0 < low && low < 4.9, "taut at {low} N");
+    let [old, new] = [&before, &after].map(|s| s.velocity[0].clone());
+    predict(&mut before, 1e-5);
+    let changes = before.predictor.change_points();
+    assert_eq!(changes.len(), 1);
+    assert!(changes[0] < 1e-6, "taut after {} N", changes[0]);
+    let expected: Vec<f64> = before.predictor.velocity(1e-5).collect();
+    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    assert!(apart(&expected, &new) < 1e-3 * apart(&old, &new), "{}", apart(&expected, &new));
 }
 
 #[test]

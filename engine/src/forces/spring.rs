@@ -1,7 +1,7 @@
 //! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
 
 use super::differential::Differential;
-use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
+use super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
 use super::terms::Terms;
@@ -201,6 +201,30 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for (spring, Taut { force, direction, hessian, .. }) in self.taut(at, kept) {
             let frames = spring.ends.map(|end| at.frame(end));
             out.add_pair::<G, P>(frames, spring.ends.map(|end| at.point(end)), &force, &direction, hessian);
+        }
+    }
+
+    fn has_switches(&self) -> bool {
+        self.0.iter().any(|spring| spring.slack)
+    }
+
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<Option<Vector<P>>>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        for spring in self.0.iter().filter(|spring| spring.slack) {
+            let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
+            let [a, b] = spring.ends;
+            let r = *at.point(a) - *at.point(b);
+            let length = r.norm();
+            let depth = length - rest;
+            if length > 0.0 && depth > -margin {
+                let normal = r * (-1.0 / length);
+                visit(Switch { points: [a, b, b], t: 0.0, normal, depth, stiffness: k });
+            }
         }
     }
 

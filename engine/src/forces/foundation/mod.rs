@@ -1,13 +1,11 @@
-//! Contact of a rod with round links through the elastic foundation of their skins.
-//!
-//! The overlap of rod and link is taken up by their skins, as if these were independent springs. It is
-//! integrated across in closed form and along the rod at points with weights.
+//! Contact of a rod with round links on an elastic (Winkler) foundation: both skins deform like independent
+//! springs. The pressure is integrated across the rod in closed form, and along it by quadrature.
 
 mod attached;
+mod cone_contact;
 mod definition;
 mod strap_loop;
 mod strip;
-mod touch;
 
 pub use definition::FoundationDescription;
 pub use strap_loop::StrapLoopDescription;
@@ -25,8 +23,8 @@ use crate::linalg::Vector;
 use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
 use crate::tree::{ModelError, Tree};
 use attached::{points, relative};
+use cone_contact::{Change, ConeCandidate, ConeContact, RADII, STIFFNESS, SURFACE, WIDTH};
 use definition::Foundation;
-use touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch, WIDTH};
 
 /// All elastic foundations.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,38 +44,41 @@ impl Foundations {
     /// Visits the round cones whose gap to a point with weight is below `margin` and, with negative
     /// weight, the spheres that two of these share.
     #[inline]
-    fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn for_each_candidate<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         margin: f64,
-        mut visit: impl FnMut(Near<P>),
+        mut visit: impl FnMut(ConeCandidate<P>),
     ) {
         for index in 0..self.0.len() {
-            self.0[index].weighted.iter().for_each(|first| self.near(at, index, *first, margin, &mut visit));
+            self.0[index]
+                .weighted
+                .iter()
+                .for_each(|first| self.candidates_at(at, index, *first, margin, &mut visit));
         }
     }
 
-    /// Visits everything that touches, also at points without weight.
-    fn for_each_touch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Visits all contacts, also at points without weight.
+    fn for_each_contact<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        mut visit: impl FnMut(Touch<P>),
+        mut visit: impl FnMut(ConeContact<P>),
     ) {
         for (index, foundation) in self.0.iter().enumerate() {
-            let mut visit = |near| visit(Touch::new(foundation, at.parameters(), &near));
-            foundation.first.clone().for_each(|first| self.near(at, index, first, 0.0, &mut visit));
+            let mut visit = |candidate| visit(ConeContact::new(foundation, at.parameters(), &candidate));
+            foundation.first.clone().for_each(|first| self.candidates_at(at, index, first, 0.0, &mut visit));
         }
     }
 
-    /// Visits what is near one point.
+    /// Visits the candidates at one point of the rod.
     #[inline]
-    fn near<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn candidates_at<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         index: usize,
         first: usize,
         margin: f64,
-        visit: &mut impl FnMut(Near<P>),
+        visit: &mut impl FnMut(ConeCandidate<P>),
     ) {
         let foundation = &self.0[index];
         let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
@@ -90,10 +91,10 @@ impl Foundations {
                 continue;
             }
             let axis = *ends[1] - *ends[0];
-            let mut near = |weight, found: Closest<P>| {
+            let mut visit = |weight, found: Closest<P>| {
                 let depth = surface + found.radius - found.distance;
                 if depth > -margin {
-                    visit(Near {
+                    visit(ConeCandidate {
                         foundation: index,
                         first,
                         cone: c,
@@ -106,12 +107,12 @@ impl Foundations {
                     });
                 }
             };
-            near(weight, closest(p, ends, radii));
+            visit(weight, closest(p, ends, radii));
             if cone.joined && weight != 0.0 {
                 let r = *p - *ends[0];
                 let (normal, distance) = direction(r, r.norm(), radii[0]);
                 let (across, radius) = (Vector::ZERO, radii[0]);
-                near(
+                visit(
                     -weight,
                     Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
                 );
@@ -129,30 +130,30 @@ impl Foundations {
         tip: &mut Vector<P>,
     ) {
         let mut last = None;
-        self.for_each_touch(at, |touch| {
-            let this = Some((touch.foundation, touch.first));
-            summary.pairs += u32::from(touch.weight > 0.0);
-            summary.touching += u32::from(this != last && touch.weight != 0.0);
+        self.for_each_contact(at, |contact| {
+            let this = Some((contact.foundation, contact.first));
+            summary.pairs += u32::from(contact.weight > 0.0);
+            summary.touching += u32::from(this != last && contact.weight != 0.0);
             last = this;
-            summary.overlap = summary.overlap.max(touch.depth);
-            summary.pressure = summary.pressure.max(touch.pressure());
-            *tip += touch.gradient() * -self.tip_share(&touch);
+            summary.overlap = summary.overlap.max(contact.depth);
+            summary.pressure = summary.pressure.max(contact.pressure());
+            *tip += contact.gradient() * -self.tip_share(&contact);
         });
     }
 
     /// The share of a point that belongs to the tip.
-    fn tip_share<const P: usize>(&self, touch: &Touch<P>) -> f64 {
-        let foundation = &self.0[touch.foundation];
-        foundation.tip[touch.first - foundation.first.start]
+    fn tip_share<const P: usize>(&self, contact: &ConeContact<P>) -> f64 {
+        let foundation = &self.0[contact.foundation];
+        foundation.tip[contact.first - foundation.first.start]
     }
 
-    /// Visits the depths of everything that touches.
+    /// Visits the depths of all contacts.
     pub fn for_each_depth<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         mut visit: impl FnMut(Depth<P>),
     ) {
-        self.for_each_touch(at, |touch| visit(depth(&touch)));
+        self.for_each_contact(at, |contact| visit(depth(&contact)));
     }
 
     /// Adds a multiple of the change of the largest pressure.
@@ -163,97 +164,97 @@ impl Foundations {
         out: &mut Differential<D, P>,
     ) {
         let mut largest = Largest::new();
-        self.for_each_touch(at, |touch| {
-            let here = depth(&touch);
-            largest.offer(touch.pressure(), touch, |other| depth(other).is_same(&here));
+        self.for_each_contact(at, |contact| {
+            let here = depth(&contact);
+            largest.offer(contact.pressure(), contact, |other| depth(other).is_same(&here));
         });
-        let Some(touch) = largest.place else { return };
+        let Some(contact) = largest.place else { return };
         out.tied |= largest.tied;
-        let change = |change: &Change<P>| weight * touch.change_of_pressure(change);
-        out.add_points(at.tree, spheres(&touch), attached::by_points(&touch, change));
-        self.add_explicit(at, &touch, change, &mut out.parameters);
+        let change = |change: &Change<P>| weight * contact.change_of_pressure(change);
+        out.add_points(at.tree, spheres(&contact), attached::by_points(&contact, change));
+        self.add_explicit(at, &contact, change, &mut out.parameters);
     }
 
     /// Adds a multiple of the change of the force on the tip along a direction.
     pub fn add_tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        state: &[Touch<P>],
+        state: &[ConeContact<P>],
         direction: &Vector<P>,
         weight: f64,
         out: &mut Differential<D, P>,
     ) {
-        for touch in state {
-            let along = *direction * (-weight * self.tip_share(touch));
+        for contact in state {
+            let along = *direction * (-weight * self.tip_share(contact));
             if along != Vector::ZERO {
-                let change = |change: &Change<P>| along.dot(&touch.change_of_gradient(change));
-                out.add_points(at.tree, spheres(touch), attached::by_points(touch, change));
-                self.add_work(at, touch, &along, &mut out.parameters);
+                let change = |change: &Change<P>| along.dot(&contact.change_of_gradient(change));
+                out.add_points(at.tree, spheres(contact), attached::by_points(contact, change));
+                self.add_work(at, contact, &along, &mut out.parameters);
             }
         }
     }
 
-    /// Adds the change of the work of a touch's gradient on a velocity with every parameter, frames and
+    /// Adds the change of the work of a contact's gradient on a velocity with every parameter, frames and
     /// points held.
     fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        touch: &Touch<P>,
+        contact: &ConeContact<P>,
         velocity: &Vector<P>,
         gradient: &mut [f64],
     ) {
-        let length = self.0[touch.foundation].length;
-        gradient[length] += velocity.dot(&touch.gradient()) / at.parameters()[length];
-        let change = |change: &Change<P>| velocity.dot(&touch.change_of_gradient(change));
-        self.add_explicit(at, touch, change, gradient);
+        let length = self.0[contact.foundation].length;
+        gradient[length] += velocity.dot(&contact.gradient()) / at.parameters()[length];
+        let change = |change: &Change<P>| velocity.dot(&contact.change_of_gradient(change));
+        self.add_explicit(at, contact, change, gradient);
     }
 
     /// Adds the slopes by every parameter, frames, points and the rod's length held, of what changes with a
-    /// touch in a given way.
+    /// contact in a given way.
     fn add_explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        touch: &Touch<P>,
+        contact: &ConeContact<P>,
         change: impl Fn(&Change<P>) -> f64,
         gradient: &mut [f64],
     ) {
         let (p, tree) = (at.parameters(), at.tree);
-        let foundation = &self.0[touch.foundation];
-        let cone = &foundation.cones[touch.cone];
+        let foundation = &self.0[contact.foundation];
+        let cone = &foundation.cones[contact.cone];
         let slope = |i: usize| attached::by_explicit(i, &change);
-        for (sphere, i) in spheres(touch).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+        for (sphere, i) in spheres(contact).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
             add_radius_slope(tree, p, tree.spheres[sphere].radius, slope(i), gradient);
         }
         for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
             gradient[slot] += slope(i);
         }
-        let point = touch.first - foundation.first.start;
+        let point = contact.first - foundation.first.start;
         let by_width = slope(WIDTH);
         gradient[foundation.half_width + point] += by_width;
-        gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[touch.first];
+        gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[contact.first];
     }
 }
 
 /// The spheres at p, a, b.
-fn spheres<const P: usize>(touch: &Touch<P>) -> [usize; 3] {
-    [touch.first, touch.ends[0], touch.ends[1]]
+fn spheres<const P: usize>(contact: &ConeContact<P>) -> [usize; 3] {
+    [contact.first, contact.ends[0], contact.ends[1]]
 }
 
-fn depth<const P: usize>(touch: &Touch<P>) -> Depth<P> {
-    Depth { depth: touch.depth, spheres: spheres(touch), t: touch.t, normal: touch.normal }
+fn depth<const P: usize>(contact: &ConeContact<P>) -> Depth<P> {
+    Depth { depth: contact.depth, spheres: spheres(contact), t: contact.t, normal: contact.normal }
 }
 
 impl<const P: usize> ForceMemory<P> for Foundations {
     type Design = ();
-    /// What touches.
-    type State = Vec<Touch<P>>;
+    /// The contacts.
+    type State = Vec<ConeContact<P>>;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Foundations {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<ConeContact<P>> {
         Vec::with_capacity(self.0.iter().map(Foundation::max_couplings).sum())
     }
 
@@ -269,22 +270,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
-    /// For the predictor, contacts that open and close with their current stiffness or, before they touch,
-    /// with that at a typical depth.
+    /// A contact opens with its current stiffness, and closes with that at a typical depth.
     fn for_each_switch(
         &self,
         at: &State<G, D, P>,
-        _: &Vec<Touch<P>>,
+        _: &Vec<ConeContact<P>>,
         margin: f64,
         visit: &mut impl FnMut(Switch<P>),
     ) {
-        self.for_each_near(at, margin, |near| {
-            let foundation = &self.0[near.foundation];
-            let Near { first, depth, found, .. } = &near;
-            let usual = TYPICAL_DEPTH * near.surface;
-            let expected = Near { depth: if *depth > 0.0 { *depth } else { usual }, ..near.clone() };
-            let touch = Touch::new(foundation, at.parameters(), &expected);
-            let [a, b] = touch.ends;
+        self.for_each_candidate(at, margin, |candidate| {
+            let foundation = &self.0[candidate.foundation];
+            let ConeCandidate { first, depth, found, .. } = &candidate;
+            let usual = TYPICAL_DEPTH * candidate.surface;
+            let expected =
+                ConeCandidate { depth: if *depth > 0.0 { *depth } else { usual }, ..candidate.clone() };
+            let contact = ConeContact::new(foundation, at.parameters(), &expected);
+            let [a, b] = contact.ends;
             let spheres = match found.t {
                 _ if found.slip > 0.0 => [*first, a, b],
                 t if t < 0.5 => [*first, a, a],
@@ -295,7 +296,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 t: found.t,
                 normal: found.normal,
                 depth: *depth,
-                stiffness: touch.stiffness(),
+                stiffness: contact.stiffness(),
             });
         });
     }
@@ -304,14 +305,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &mut Vec<Touch<P>>,
+        state: &mut Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         state.clear();
-        self.for_each_near(at, 0.0, |near| {
-            let touch = Touch::new(&self.0[near.foundation], at.parameters(), &near);
-            attached::add_residual(at, &touch, out);
-            state.push(touch);
+        self.for_each_candidate(at, 0.0, |candidate| {
+            let contact = ConeContact::new(&self.0[candidate.foundation], at.parameters(), &candidate);
+            attached::add_residual(at, &contact, out);
+            state.push(contact);
         });
     }
 
@@ -319,52 +320,58 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        state.iter().for_each(|touch| attached::add_tangent(at, touch, out));
+        state.iter().for_each(|contact| attached::add_tangent(at, contact, out));
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
-        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<ConeContact<P>>,
+        out: &mut Magnitudes<P>,
+    ) {
+        state.iter().for_each(|contact| attached::add_magnitudes(at, contact, out));
     }
 
     /// Opening is smooth; where a point passes from a cone's side to its end the tangent jumps.
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
         let mut found = false;
-        self.for_each_near(at, 0.0, |near| {
+        self.for_each_candidate(at, 0.0, |candidate| {
             let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
-            if near.found.unbounded.is_some_and(passing) {
-                let [a, b] = self.0[near.foundation].cones[near.cone].ends;
-                let points = [near.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
-                found |= moves(&points, &near.axis) || moves(&points, &near.found.normal);
+            if candidate.found.unbounded.is_some_and(passing) {
+                let [a, b] = self.0[candidate.foundation].cones[candidate.cone].ends;
+                let points = [candidate.first, a, b].map(|sphere| at.tree.spheres[sphere].point);
+                found |= moves(&points, &candidate.axis) || moves(&points, &candidate.found.normal);
             }
         });
         found
     }
 
     /// Contact of two joined round cones at their common sphere counts once.
-    fn contact_forces(&self, at: &State<G, D, P>, _: &Vec<Touch<P>>, out: &mut Vec<ContactForce<P>>) {
-        self.for_each_touch(at, |touch| {
-            let force = -touch.gradient();
+    fn contact_forces(&self, at: &State<G, D, P>, _: &Vec<ConeContact<P>>, out: &mut Vec<ContactForce<P>>) {
+        self.for_each_contact(at, |contact| {
+            let force = -contact.gradient();
             let same = |f: &ContactForce<P>| {
-                f.first == touch.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
+                f.first == contact.first && (f.force + force).norm() <= SAME_FORCE * force.norm()
             };
-            if let Some(i) = out.iter().rposition(same).filter(|_| touch.weight < 0.0) {
+            if let Some(i) = out.iter().rposition(same).filter(|_| contact.weight < 0.0) {
                 out.remove(i);
                 return;
             }
-            let inward = at.geometry.radii[touch.first] - 0.5 * touch.depth;
-            let [p, ..] = points(&touch, at.tree);
+            let inward = at.geometry.radii[contact.first] - 0.5 * contact.depth;
+            let [p, ..] = points(&contact, at.tree);
             out.push(ContactForce {
-                first: touch.first,
-                second: Some(touch.ends),
-                nearest: Some(touch.ends[usize::from(touch.t >= 0.5)]),
+                first: contact.first,
+                second: Some(contact.ends),
+                nearest: Some(contact.ends[usize::from(contact.t >= 0.5)]),
                 cone: true,
                 force,
-                depth: touch.depth,
-                pressure: Some(touch.pressure()),
-                point: *at.point(p) - touch.normal * inward,
+                depth: contact.depth,
+                pressure: Some(contact.pressure()),
+                point: *at.point(p) - contact.normal * inward,
             });
         });
     }
@@ -373,13 +380,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for touch in state {
-            self.add_work(at, touch, &relative(touch, at, motion), gradient);
+        for contact in state {
+            self.add_work(at, contact, &relative(contact, at, motion), gradient);
         }
     }
 
@@ -387,12 +394,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
-        let each = |touch| attached::geometric_work(at, touch, motion, velocities);
+        let each = |contact| attached::geometric_work(at, contact, motion, velocities);
         *work += state.iter().map(each).sum::<f64>();
     }
 }

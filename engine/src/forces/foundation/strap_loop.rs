@@ -3,12 +3,12 @@
 
 use super::super::contact::closest;
 use super::super::differential::Differential;
-use super::super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
+use super::super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::super::magnitudes::Magnitudes;
 use super::super::state::State;
 use super::super::terms::Terms;
 use super::attached::{self, relative};
-use super::touch::{Change, Near, RADII, STIFFNESS, SURFACE, Touch};
+use super::cone_contact::{Change, ConeCandidate, ConeContact, RADII, STIFFNESS, SURFACE};
 use crate::geometry::add_radius_slope;
 use crate::lie::LieGroup;
 use crate::tree::{ModelError, Tree, finite, not_negative};
@@ -67,9 +67,9 @@ impl StrapLoops {
     }
 
     /// Tension of each.
-    pub fn tensions<const P: usize>(&self, state: &[Touch<P>]) -> Vec<f64> {
+    pub fn tensions<const P: usize>(&self, state: &[ConeContact<P>]) -> Vec<f64> {
         let mut tensions = vec![0.0; self.0.len()];
-        state.iter().for_each(|touch| tensions[touch.foundation] = touch.tension());
+        state.iter().for_each(|contact| tensions[contact.foundation] = contact.tension());
         tensions
     }
 
@@ -82,13 +82,13 @@ impl StrapLoops {
         &self,
         index: usize,
         at: &State<G, D, P>,
-        state: &[Touch<P>],
+        state: &[ConeContact<P>],
         weight: f64,
         out: &mut Differential<D, P>,
     ) {
-        for touch in state.iter().filter(|touch| touch.foundation == index) {
-            let change = |change: &Change<P>| weight * touch.change_of_tension(change);
-            out.add_points(at.tree, self.0[index].spheres, attached::by_points(touch, change));
+        for contact in state.iter().filter(|contact| contact.foundation == index) {
+            let change = |change: &Change<P>| weight * contact.change_of_tension(change);
+            out.add_points(at.tree, self.0[index].spheres, attached::by_points(contact, change));
             self.0[index].add_explicit(at, change, &mut out.parameters);
         }
     }
@@ -116,7 +116,19 @@ impl StrapLoop {
         &self,
         index: usize,
         at: &State<G, D, P>,
-    ) -> Option<Touch<P>> {
+    ) -> Option<ConeContact<P>> {
+        let (candidate, stretch) = self.stretch(index, at);
+        let [_, a, b] = self.spheres;
+        let k = at.parameters()[self.stiffness];
+        (stretch > 0.0).then(|| ConeContact::of_loop(&candidate, [a, b], k, stretch))
+    }
+
+    /// The point and its link, and by how much the strap is stretched.
+    fn stretch<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+    ) -> (ConeCandidate<P>, f64) {
         let [first, a, b] = self.spheres;
         let [p, start, stop] = self.spheres.map(|sphere| at.point(at.tree.spheres[sphere].point));
         let radii = [a, b].map(|end| at.geometry.radii[end]);
@@ -125,24 +137,23 @@ impl StrapLoop {
         let depth = surface + found.radius - found.distance;
         let stretch = -depth - at.parameters()[self.rest_length];
         let (axis, weight) = (*stop - *start, 1.0);
-        (stretch > 0.0).then(|| {
-            let near = Near { foundation: index, first, cone: 0, weight, surface, radii, axis, depth, found };
-            Touch::of_loop(&near, [a, b], at.parameters()[self.stiffness], stretch)
-        })
+        let candidate =
+            ConeCandidate { foundation: index, first, cone: 0, weight, surface, radii, axis, depth, found };
+        (candidate, stretch)
     }
 }
 
 impl<const P: usize> ForceMemory<P> for StrapLoops {
     type Design = ();
     /// The straps that are taut.
-    type State = Vec<Touch<P>>;
+    type State = Vec<ConeContact<P>>;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for StrapLoops {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) -> Vec<Touch<P>> {
+    fn state(&self, _: &Tree<G, D, P>) -> Vec<ConeContact<P>> {
         Vec::with_capacity(self.0.len())
     }
 
@@ -154,45 +165,76 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.0.len()
     }
 
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<ConeContact<P>>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        for (index, strap) in self.0.iter().enumerate() {
+            let (ConeCandidate { found, .. }, stretch) = strap.stretch(index, at);
+            if stretch > -margin {
+                visit(Switch {
+                    points: strap.spheres.map(|sphere| at.tree.spheres[sphere].point),
+                    t: found.t,
+                    normal: -found.normal,
+                    depth: stretch,
+                    stiffness: at.parameters()[strap.stiffness],
+                });
+            }
+        }
+    }
+
     fn add_residual(
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &mut Vec<Touch<P>>,
+        state: &mut Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         state.clear();
         state.extend(self.0.iter().enumerate().filter_map(|(index, strap)| strap.taut(index, at)));
-        state.iter().for_each(|touch| attached::add_residual(at, touch, out));
+        state.iter().for_each(|contact| attached::add_residual(at, contact, out));
     }
 
     fn add_tangent(
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        state.iter().for_each(|touch| attached::add_tangent(at, touch, out));
+        state.iter().for_each(|contact| attached::add_tangent(at, contact, out));
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &Vec<Touch<P>>, out: &mut Magnitudes<P>) {
-        state.iter().for_each(|touch| attached::add_magnitudes(at, touch, out));
+    fn add_magnitudes(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &Vec<ConeContact<P>>,
+        out: &mut Magnitudes<P>,
+    ) {
+        state.iter().for_each(|contact| attached::add_magnitudes(at, contact, out));
     }
 
     fn add_parameter_work(
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for touch in state {
-            let velocity = relative(touch, at, motion);
-            let change = |change: &Change<P>| velocity.dot(&touch.change_of_gradient(change));
-            self.0[touch.foundation].add_explicit(at, change, gradient);
+        for contact in state {
+            let velocity = relative(contact, at, motion);
+            let change = |change: &Change<P>| velocity.dot(&contact.change_of_gradient(change));
+            self.0[contact.foundation].add_explicit(at, change, gradient);
         }
     }
 
@@ -200,12 +242,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        state: &Vec<Touch<P>>,
+        state: &Vec<ConeContact<P>>,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
-        *work +=
-            state.iter().map(|touch| attached::geometric_work(at, touch, motion, velocities)).sum::<f64>();
+        *work += state
+            .iter()
+            .map(|contact| attached::geometric_work(at, contact, motion, velocities))
+            .sum::<f64>();
     }
 }

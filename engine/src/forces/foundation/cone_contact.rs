@@ -1,4 +1,4 @@
-//! A point of a rod on a round cone: its potential and how its force changes.
+//! Contact of a point of a rod with a round cone: its potential and the derivatives of its force.
 //!
 //! The round cone is fixed in one body, so that the potential Φ(p) = w L e(d, t) is a field in that
 //! body's frame: d = S + r(t) − ‖p − c(t)‖ with t where this is largest, and e depends on t through
@@ -8,9 +8,9 @@
 use super::super::contact::Closest;
 use super::definition::Foundation;
 use super::strip::Strip;
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 
-/// Indices in [`Explicit`] changes.
+/// Indices of [`Explicit`].
 pub(super) const SURFACE: usize = 0;
 pub(super) const RADII: [usize; 2] = [1, 2];
 pub(super) const STIFFNESS: [usize; 2] = [3, 4];
@@ -19,7 +19,7 @@ pub(super) const WIDTH: usize = 5;
 /// Changes of S, of the radii and the stiffnesses at both ends, and of the half-width at given S.
 pub(super) type Explicit = [f64; 6];
 
-/// A change of the points p, a, b and of what else the potential depends on.
+/// A change of the points p, a, b and of the parameters of the potential.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change<const P: usize> {
     /// Motion of p relative to c(t) with t held.
@@ -29,9 +29,9 @@ pub(crate) struct Change<const P: usize> {
     pub explicit: Explicit,
 }
 
-/// A point of a rod with the closest point of a round cone's axis.
+/// A point of a rod near a round cone, with the closest point of the cone's axis.
 #[derive(Clone, Debug)]
-pub(crate) struct Near<const P: usize> {
+pub(crate) struct ConeCandidate<const P: usize> {
     /// Index of the foundation, sphere of the point, index of the cone.
     pub foundation: usize,
     pub first: usize,
@@ -46,9 +46,9 @@ pub(crate) struct Near<const P: usize> {
     pub found: Closest<P>,
 }
 
-/// A point of the rod that is pressed on a round cone.
+/// A point of a rod in contact with a round cone, or tied to it by a strap.
 #[derive(Clone, Debug)]
-pub(crate) struct Touch<const P: usize> {
+pub(crate) struct ConeContact<const P: usize> {
     /// Index of its foundation.
     pub foundation: usize,
     /// Spheres of p, and of the ends of the cone.
@@ -94,11 +94,11 @@ struct Section {
     along: [f64; 2],
 }
 
-impl<const P: usize> Touch<P> {
-    /// The contact with what is near, at its depth.
-    pub fn new(foundation: &Foundation, parameters: &[f64], near: &Near<P>) -> Self {
-        let Near { first, surface, depth, axis, radii: [start, stop], ref found, .. } = *near;
-        let cone = &foundation.cones[near.cone];
+impl<const P: usize> ConeContact<P> {
+    /// The contact of a candidate, at its depth.
+    pub fn new(foundation: &Foundation, parameters: &[f64], candidate: &ConeCandidate<P>) -> Self {
+        let ConeCandidate { first, surface, depth, axis, radii: [start, stop], ref found, .. } = *candidate;
+        let cone = &foundation.cones[candidate.cone];
         let point = first - foundation.first.start;
         let [constant, multiple] = foundation.width(parameters, point);
         let stiffness = foundation.stiffness_at(cone).map(|i| parameters[i]);
@@ -126,11 +126,11 @@ impl<const P: usize> Touch<P> {
         section.along = [-c / (r * r) * turn, c / (r * r) * (2.0 * turn * turn / r - bend * taper)];
         let scale = if slides { found.slip / found.distance } else { 0.0 };
         Self {
-            foundation: near.foundation,
+            foundation: candidate.foundation,
             first,
             ends: cone.ends,
-            cone: near.cone,
-            weight: near.weight,
+            cone: candidate.cone,
+            weight: candidate.weight,
             depth,
             t,
             normal: found.normal,
@@ -145,23 +145,23 @@ impl<const P: usize> Touch<P> {
         }
     }
 
-    /// A loop of stiffness k that pulls what is further apart than its length.
-    pub fn of_loop(near: &Near<P>, ends: [usize; 2], k: f64, stretch: f64) -> Self {
-        let found = &near.found;
+    /// A taut strap of stiffness k around the cone.
+    pub fn of_loop(candidate: &ConeCandidate<P>, ends: [usize; 2], k: f64, stretch: f64) -> Self {
+        let found = &candidate.found;
         let scale = if found.slip > 0.0 { found.slip / found.distance } else { 0.0 };
         Self {
-            foundation: near.foundation,
-            first: near.first,
+            foundation: candidate.foundation,
+            first: candidate.first,
             ends,
-            cone: near.cone,
+            cone: candidate.cone,
             weight: 1.0,
-            depth: near.depth,
+            depth: candidate.depth,
             t: found.t,
             normal: found.normal,
             distance: found.distance,
             slide: found.across * scale,
-            axis: near.axis,
-            along: found.normal.dot(&near.axis),
+            axis: candidate.axis,
+            along: found.normal.dot(&candidate.axis),
             slip: found.slip,
             k: [k, 0.0, 0.0],
             strip: Strip::pulled(stretch),
@@ -207,6 +207,33 @@ impl<const P: usize> Touch<P> {
         (self.slide * by_t - self.normal * by_depth) * self.weight
     }
 
+    /// The Hessian of the potential with respect to p: [`ConeContact::change_of_gradient`] for motions of p
+    /// alone.
+    pub fn hessian(&self) -> Matrix<P, P> {
+        let (s, n, g) = (&self.strip, &self.normal, &self.slide);
+        let ([k, k_t, k_tt], [kappa_t, kappa_tt]) = (self.k, self.section.along);
+        let [by_depth, by_t] = self.slopes();
+        let depth_t = k * s.depth_curvature * kappa_t + k_t * s.by_depth;
+        let t_t = k * (s.curvature_curvature * kappa_t * kappa_t + s.by_curvature * kappa_tt)
+            + 2.0 * k_t * s.by_curvature * kappa_t
+            + k_tt * s.energy;
+        // ∇d = −n, ∇t = g, and for a motion of p, n changes by (1 − n nᵀ − a gᵀ)/‖p − c‖.
+        let across = self.axis - *n * self.along;
+        let tangential = Matrix::diagonal(1.0) - n.outer(n);
+        let bending = (tangential - across.outer(g)) * (by_depth / self.distance);
+        let mixed = n.outer(g) + g.outer(n);
+        let mut hessian = n.outer(n) * (k * s.depth_depth) - mixed * depth_t + g.outer(g) * t_t - bending;
+        if by_t != 0.0 {
+            let squared = across.dot(&across);
+            let turned = across * (2.0 * self.along) + *n * squared;
+            let carried = across * self.along - *n * squared;
+            let twist = n.outer(&across) + across.outer(n) + tangential * self.along + carried.outer(g)
+                - g.outer(&turned);
+            hessian -= twist * (by_t * self.slip / (self.distance * self.distance));
+        }
+        hessian * self.weight
+    }
+
     /// The changes of depth and t.
     #[inline]
     fn rates(&self, Change { relative, axis, explicit }: &Change<P>) -> [f64; 2] {
@@ -225,7 +252,7 @@ impl<const P: usize> Touch<P> {
         self.k[1] * t + start + self.section.share * (stop - start)
     }
 
-    /// The change of [`Touch::pressure`].
+    /// The change of [`ConeContact::pressure`].
     pub fn change_of_pressure(&self, change: &Change<P>) -> f64 {
         let [depth, t] = self.rates(change);
         self.k[0] * depth + self.change_of_stiffness(t, &change.explicit) * self.depth
@@ -236,14 +263,14 @@ impl<const P: usize> Touch<P> {
         -self.normal_force()
     }
 
-    /// The change of [`Touch::tension`] of a loop.
+    /// The change of [`ConeContact::tension`] of a loop.
     pub fn change_of_tension(&self, change: &Change<P>) -> f64 {
         let [depth, t] = self.rates(change);
         let stiffness = self.change_of_stiffness(t, &change.explicit);
         -self.weight * (self.k[0] * depth + stiffness * self.strip.by_depth)
     }
 
-    /// The change of [`Touch::gradient`], its weight held.
+    /// The change of [`ConeContact::gradient`], its weight held.
     pub fn change_of_gradient(&self, change: &Change<P>) -> Vector<P> {
         let (s, section, n) = (&self.strip, &self.section, &self.normal);
         let [k, k_t, k_tt] = self.k;
@@ -251,7 +278,7 @@ impl<const P: usize> Touch<P> {
         let [by_depth, by_t] = self.slopes();
         let Change { relative, axis, explicit } = change;
 
-        // What changes at fixed depth and t.
+        // Explicit changes at fixed depth and t.
         let [a, b] = RADII.map(|i| explicit[i]);
         let width = section.width_by_surface * explicit[SURFACE] + explicit[WIDTH];
         let [kappa, kappa_slope] = section.change_of_curvature(explicit[SURFACE], [a, b], width);
@@ -296,7 +323,7 @@ impl<const P: usize> Touch<P> {
 }
 
 impl Section {
-    /// Of what does not depend on it.
+    /// Placeholder for potentials that do not depend on it.
     const NONE: Self = Self {
         surface: 1.0,
         roundness: 0.0,
@@ -326,5 +353,48 @@ impl Section {
             -self.roundness / (self.surface * self.surface) * surface - c / (r * r) * radius + crown * width;
         let slope = c / (r * r) * (2.0 * self.radius_slope / r * radius - self.share_slope * (b - a));
         [value, slope]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hessian_is_the_change_of_the_gradient_for_motions_of_the_point() {
+        for (t, slip) in [(0.4, 0.7), (0.0, 0.0)] {
+            let normal = Vector([0.6, 0.0, 0.8]);
+            let axis = Vector([0.3, 1.1, -0.2]);
+            let along = normal.dot(&axis);
+            let across = axis - normal * along;
+            let distance = 0.9;
+            let section = Section { along: [3.0, -7.0], ..Section::NONE };
+            let contact = ConeContact {
+                foundation: 0,
+                first: 0,
+                ends: [1, 2],
+                cone: 0,
+                weight: 0.3,
+                depth: 0.02,
+                t,
+                normal,
+                distance,
+                slide: across * (slip / distance),
+                axis,
+                along,
+                slip,
+                k: [5.0, 2.0, -4.0],
+                strip: Strip::new(0.02, 30.0, 0.5),
+                section,
+            };
+            let hessian = contact.hessian();
+            for i in 0..3 {
+                let relative = Vector::unit(i);
+                let change = Change { relative, axis: Vector::ZERO, explicit: [0.0; 6] };
+                let column = contact.change_of_gradient(&change);
+                let error = (hessian.column(i) - column).norm();
+                assert!(error < 1e-13 * column.norm(), "{error} {i} {t}");
+            }
+        }
     }
 }
