@@ -83,7 +83,7 @@ fn a_slack_spring_that_becomes_taut_is_predicted_with_the_velocity_behind() {
         },
         second: AttachmentDescription::World { world: [0.06, 0.0, 0.06] },
         stiffness: 3000.0,
-        rest_length: 0.04,
+        rest_length: 0.029,
         slack: true,
     });
     let model = Model::<SE2, 3, 2>::new(&described).unwrap();
