@@ -118,8 +118,8 @@ def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
     """A place between elements and a field without effect cannot be varied."""
     for bounds, message in (
         ({"proximal.at": (0.2, 0.3)}, "cannot be varied"),
-        ({"evaluation.pressure": ("50 kPa", "60 kPa")}, "no effect"),
+        ({"evaluation.pressure_step": ("10 kPa", "12 kPa")}, "no effect"),
     ):
-        chosen = variables(bounds, model)
         with pytest.raises(InputError, match=message):
+            chosen = variables(bounds, model)
             chosen.designs(chosen.start[None, :], model)

@@ -98,8 +98,8 @@ def test_the_unmodified_file_is_valid() -> None:
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"springs", "straps", "wrenches", "design", "evaluation", "start", '
-            '"solver", "constants", "variants", "use".',
+            '"springs", "straps", "wrenches", "design", "population", '
+            '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),
         (
             'length = "4 cm"',

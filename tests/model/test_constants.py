@@ -127,8 +127,8 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             '"name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"springs", "straps", "wrenches", "design", "evaluation", "start", '
-            '"solver", "constants", "variants", "use".',
+            '"springs", "straps", "wrenches", "design", "population", '
+            '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),
         (
             "bodies.siut.length",

@@ -85,7 +85,7 @@ def test_a_search_over_many_wearers_begins_with_the_model_as_it_is(
         VARIED,
         "maximise bending",
         folder=tmp_path / "s",
-        method_options={"samples": 8, "starts": 1, "tolerance": 0.05},
+        method_options={"tolerance": 0.05},
         **words,
     )
     first, second = study.records

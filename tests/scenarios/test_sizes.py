@@ -40,7 +40,7 @@ def test_two_sizes_for_two_kinds_of_fingers(tmp_path) -> None:
     ]
     words = {
         "scenarios": people,
-        "method_options": {"samples": 4, "starts": 1, "tolerance": 0.01},
+        "method_options": {"tolerance": 0.01},
         "budget": 25,
     }
     found = sizes(model, VARIED, "maximise angle.ph_3", 2, folder=tmp_path / "s", **words)

@@ -29,7 +29,10 @@ def content(study: Study) -> tuple[Any, ...]:
     )
 
 
-@pytest.mark.parametrize("name", [name for name in optimizers.names() if name != "grid"])
+# Several objectives, for which there is a method of its own, are in test_front.py.
+@pytest.mark.parametrize(
+    "name", [name for name in optimizers.names() if name not in ("grid", "pareto")]
+)
 def test_killed_and_resumed_it_ends_in_the_same_record(
     analytic: ModuleType, tmp_path: Path, name: str
 ) -> None:
@@ -40,8 +43,7 @@ def test_killed_and_resumed_it_ends_in_the_same_record(
         "method": name,
         "start": "random",
         "seed": 7,
-        "budget": 40 if name == "surrogate" else 120,
-        "method_options": {"samples": 32} if name == "auto" else {},
+        "budget": {"surrogate": 40, "auto": 900}.get(name, 120),
     }
     whole = optimize(analytic.AnalyticModel(), folder=tmp_path / "whole", **given)
     model = analytic.AnalyticModel()
@@ -59,7 +61,9 @@ def test_killed_and_resumed_it_ends_in_the_same_record(
     pieces = resume(tmp_path / "pieces", model=model)
     assert content(pieces) == content(whole)
     check = 1 if np.isfinite(whole.record.outcomes().value[:done]).any() else 0
-    assert sum(model.calls) == whole.evaluations - done + check
+    left = whole.evaluations - done + check
+    # SQP of auto also asks for slopes at designs that its sample has evaluated.
+    assert sum(model.calls) == left if name != "auto" else sum(model.calls) >= left
 
 
 def test_least_squares_needs_the_norm_of_a_vector(analytic: ModuleType) -> None:

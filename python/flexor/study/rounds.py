@@ -31,31 +31,40 @@ def rounds(
     """
     corners: list[FloatArray] = []
     near = getattr(search, "from_optimum", search)
-    problem, limit = study.problem, budget.evaluations
+    problem, limit, used = study.problem, budget.evaluations, 0
     if isinstance(problem, ScenarioProblem) and problem.count > MANY and near != search:
         # The best of the model as it is, which takes as many times less, is a good beginning.
         study.take_nominal()
-        yield search, start, budget
+        half = None if limit is None else max(limit // 2, 1)
+        yield search, start, Budget(half, budget.seconds)
         best = study.record.best()
         start = np.atleast_2d(problem.parameters.start if best is None else best)
-        search, budget = near, _left(study, limit, budget)
+        used += _asked(study)
+        search, budget = near, _left(used, limit, budget)
     _begin(study, corners)
     yield search, start, budget
+    used += _asked(study)
     if not isinstance(problem, ScenarioProblem) or not problem.tolerances:
         return
     while len(corners) < ROUNDS and (best := study.record.best()) is not None:
         errors = next_corners(study.problem, worst_errors(study.problem, best))  # type: ignore[arg-type]
         if errors is None:
             return
-        if limit is not None and study.evaluations >= limit:
+        if limit is not None and used >= limit:
             return
         corners.append(errors)
         _begin(study, corners)
-        yield near, np.atleast_2d(best), _left(study, limit, budget)
+        yield near, np.atleast_2d(best), _left(used, limit, budget)
+        used += _asked(study)
 
 
-def _left(study: Study, limit: int | None, budget: Budget) -> Budget:
-    return Budget(None if limit is None else max(limit - study.evaluations, 1), budget.seconds)
+def _asked(study: Study) -> int:
+    """Return the designs that the last search asked for, recorded before or not."""
+    return 0 if study.result is None else study.result.evaluations
+
+
+def _left(used: int, limit: int | None, budget: Budget) -> Budget:
+    return Budget(None if limit is None else max(limit - used, 1), budget.seconds)
 
 
 def _begin(study: Study, corners: list[FloatArray]) -> None:
