@@ -41,7 +41,7 @@ class Reach:
     reached : bool
         Whether these are the targets, to `TOLERANCE` of the change asked for.
     reason : str
-        Why not; empty if reached.
+        Why not, such as a first load without equilibrium; empty if reached.
     """
 
     path: Path
@@ -115,7 +115,7 @@ def reach(
     Raises
     ------
     InputError
-        If targets or loads cannot be used, or the first load has no equilibrium.
+        If targets or loads cannot be used.
 
     Examples
     --------
