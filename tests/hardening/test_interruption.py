@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import flexor
+from flexor.cli.interruption import interruptions_not_ignored
 from flexor.design import parameter_set
 from flexor.errors import InputError
 from flexor.study import Study
@@ -156,6 +157,21 @@ def test_a_command_is_interrupted_and_leaves_a_folder(tmp_path: Path, name: str)
         study = Study.open(tmp_path / "s")
         assert study.finished is None
         study.close()
+
+
+class SignalsWhenCollected:
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_an_interruption_in_a_finaliser_is_not_lost() -> None:
+    before = sys.unraisablehook
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), interruptions_not_ignored():
+        SignalsWhenCollected()
+        time.sleep(60.0)
+    assert time.monotonic() - began < soon()
+    assert sys.unraisablehook is before
 
 
 def test_a_simulation_says_that_it_was_interrupted(tmp_path: Path) -> None:

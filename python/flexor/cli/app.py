@@ -29,6 +29,7 @@ from flexor.cli import (
 )
 from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
+from flexor.cli.interruption import interruptions_not_ignored
 from flexor.errors import ClusterError, InputError
 
 
@@ -129,7 +130,7 @@ def main(arguments: list[str] | None = None) -> None:
     """
     replace_unencodable_characters()
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), interruptions_not_ignored():
             print_warnings()
             code = app(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
