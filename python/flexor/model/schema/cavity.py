@@ -62,6 +62,12 @@ def lower_cavity(
     }
 
 
+def quadrature(rod: Rod, span: tuple[float, float]) -> Array:
+    """Return the weights of a rod's Gauss points for an integral over a span, X in [0, 1]."""
+    share, weights = _shares(rod, span)
+    return share * weights
+
+
 def _at(coefficients: Array, s: float) -> tuple[float, float, float]:
     parts = (coefficients[:3], coefficients[3:7], coefficients[7:])
     area, y, z = (float(np.polynomial.polynomial.polyval(s, part)) for part in parts)

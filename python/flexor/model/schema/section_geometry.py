@@ -14,7 +14,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.materials import library
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
-from flexor.model.schema.profile import interpolated, surface
+from flexor.model.schema.profile import Spline, interpolated, surface
 from flexor.model.schema.section import (
     Box,
     Composite,
@@ -149,7 +149,10 @@ def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry
 
 def varies(section: Section) -> bool:
     """Whether a section has sizes that are given at several places along the rod."""
-    return any(isinstance(size, tuple) for size in _sizes(section))
+    return any(
+        isinstance(size, tuple) or (isinstance(size, Spline) and len(size.spline) > 1)
+        for size in _sizes(section)
+    )
 
 
 def _sizes(section: Section) -> list[object]:
@@ -159,7 +162,7 @@ def _sizes(section: Section) -> list[object]:
 
 
 def _linear(size: Any, x: float) -> Linear:
-    if isinstance(size, tuple):
+    if isinstance(size, (tuple, Spline)):
         return Linear(float(interpolated(size, np.array([x]))[0][0]))
     return Linear(float(size)) if hasattr(size, "text") else Linear(0.0, float(size))
 
