@@ -158,12 +158,13 @@ def optimize(
     def report(study: Study, seconds: float) -> int:
         if study.problem.objective.count:
             return _report_front(study, seconds, plot, as_json)
+        best = study.best
         if as_json:
-            print_json(outcome.as_json(study, seconds))
+            print_json(outcome.as_json(study, best, seconds))
         else:
-            outcome.print_summary(study, seconds, resumed=resume is not None)
+            outcome.print_summary(study, best, seconds, resumed=resume is not None)
         if plot is not None or not as_json:
-            outcome.draw(study, plot, quiet=as_json)
+            outcome.draw(study, best, plot, quiet=as_json)
         if show:
             _open(study)
         return 0
