@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -59,6 +60,24 @@ def interpolated(samples: tuple[float, ...], points: Array) -> tuple[Array, Arra
 
     curve = PchipInterpolator(np.linspace(0.0, 1.0, len(samples)), np.array(samples, dtype=float))
     return np.asarray(curve(points)), np.asarray(curve.derivative()(points))
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSurface:
+    """The surface of a rod at P points along it.
+
+    Attributes
+    ----------
+    radius, slope : (P,) arrays
+        S(X) and dS/dX [m].
+    """
+
+    radius: Array
+    slope: Array
+
+    def __post_init__(self) -> None:
+        self.radius.setflags(write=False)
+        self.slope.setflags(write=False)
 
 
 def surface(radius: Taper | tuple[float, ...], points: Array) -> tuple[Array, Array]:
