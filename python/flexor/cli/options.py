@@ -68,7 +68,8 @@ Vary = Annotated[
     typer.Option(
         metavar="FIELD=LOW:HIGH",
         help="Vary a numeric field of the model file instead of `--parameters`, such as "
-        "`exosuit.length=8 cm:11 cm`; may be repeated.",
+        "`exosuit.length=8 cm:11 cm`, or a size along a rod as a spline, "
+        "`exosuit.section.wall=1.5 mm:3 mm:spline 4`; may be repeated.",
     ),
 ]
 Maximise = Annotated[

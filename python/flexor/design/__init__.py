@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexor.design.catalogue import names, parameter_set, register
 from flexor.design.custom import custom
+from flexor.design.mapped import MappedVariables, mapped
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profile import Clamped, Profile
 from flexor.design.published import Legendre, Linear, SineCosine
@@ -18,11 +19,13 @@ __all__ = [
     "GeometryJacobian",
     "Legendre",
     "Linear",
+    "MappedVariables",
     "ParameterSet",
     "Profile",
     "SineCosine",
     "Variables",
     "custom",
+    "mapped",
     "names",
     "parameter_set",
     "register",

@@ -207,7 +207,7 @@ def slot_map(
         If a field has no effect, or changes what the model is made of.
     """
     middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
-    lowered = _Lowered(model, tuple(fields))
+    lowered = Lowered(model, tuple(fields))
     k = len(fields)
     centre = lowered.at(middle)
     moved = np.zeros((k, centre.size), dtype=bool)
@@ -293,7 +293,7 @@ def refitted(
     fields and the other values decide together, take a few distances; all others a few files.
     None if the parameters of the model are other polynomials.
     """
-    mine, theirs = _Lowered(model, tuple(fields)), _Lowered(known, tuple(fields))
+    mine, theirs = Lowered(model, tuple(fields)), Lowered(known, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
     u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     points = like._middle + like._half * u
@@ -357,10 +357,10 @@ class _Sampled:
     of their ends: what has a kink where up to three variables reach a limit differs in one of them.
     """
 
-    def __init__(self, lowered: _Lowered, middle: Array, half: Array) -> None:
+    def __init__(self, lowered: Lowered, middle: Array, half: Array) -> None:
         self._lowered, self._middle, self._half = lowered, middle, half
         k = len(middle)
-        self._checks = np.concatenate([0.999 * _points(_CHECKS, k, seed=2), _vertices(k)])
+        self._checks = np.concatenate([points_of_box(_CHECKS, k), _vertices(k)])
         # Not every vertex is a design.
         found = [self._at(row, must=i < _CHECKS) for i, row in enumerate(self._checks)]
         there = [each is not None for each in found]
@@ -424,7 +424,7 @@ def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) 
     return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
-class _Lowered:
+class Lowered:
     """The engine's parameters, and offsets of straps, by lowering the file."""
 
     def __init__(self, model: Structure, fields: tuple[tuple[str, ...], ...]) -> None:
@@ -436,8 +436,27 @@ class _Lowered:
         extra = [(size + i, size + i + 1) for i in range(len(self._straps))]
         self.ranges = [*self._slots.values(), *extra]
 
+    @property
+    def own(self) -> Array:
+        """The engine's parameters of the model itself."""
+        return self._model.parameters
+
+    def parameters(self, x: Array, name: str = "") -> Array:
+        """Return the engine's parameters for values (k,) of the fields, those of `name` varied."""
+        return self._lowered(x, name)[1]
+
     def at(self, x: Array, name: str = "") -> Array:
-        """Return them for values (k,) of the fields; with a name, demand the same structure."""
+        """Return them with offsets of straps, whose lengths are the distances of their ends."""
+        file, found = self._lowered(x, name)
+        offsets = []
+        for strap, rest in zip(self._straps, self.rests, strict=True):
+            table = file.straps[strap]
+            distance = table.distance(file)
+            offsets.append(float(table.slack) - float(table.pretension) / table.constant)
+            found[rest] = distance
+        return np.concatenate([found, offsets])
+
+    def _lowered(self, x: Array, name: str) -> tuple[ModelFile, Array]:
         changes = dict(zip(self._fields, x.tolist(), strict=True))
         file: ModelFile = replaced(self._model.file, changes)
         described = lower(file)
@@ -451,14 +470,7 @@ class _Lowered:
                 f'"{name}" cannot be varied: it changes what the model is made of; give models '
                 "with other values, such as by --set."
             )
-        offsets = []
-        found = engine.parameters.copy()
-        for strap, rest in zip(self._straps, self.rests, strict=True):
-            table = file.straps[strap]
-            distance = table.distance(file)
-            offsets.append(float(table.slack) - float(table.pretension) / table.constant)
-            found[rest] = distance
-        return np.concatenate([found, offsets])
+        return file, engine.parameters.copy()
 
     def distances(self, x: Array) -> list[float]:
         """Return the distance of the ends of each strap, which is what `at` has for its length."""
@@ -534,6 +546,11 @@ def _legendre(u: Array, top: int) -> tuple[Array, Array]:
         values[..., n + 1] = ((2 * n + 1) * u * values[..., n] - n * values[..., n - 1]) / (n + 1)
         slopes[..., n + 1] = slopes[..., n - 1] + (2 * n + 1) * values[..., n]
     return values, slopes
+
+
+def points_of_box(count: int, k: int) -> Array:
+    """Return points inside the box at which a map is checked, (c, k) in [-1, 1]."""
+    return 0.999 * _points(count, k, seed=2)
 
 
 def _points(count: int, k: int, seed: int) -> Array:

@@ -55,6 +55,12 @@ def lower_cavity(
     }
 
 
+def quadrature(rod: Rod, span: tuple[float, float]) -> Array:
+    """Return the weights of a rod's Gauss points for an integral over a span, X in [0, 1]."""
+    share, weights = _shares(rod, span)
+    return share * weights
+
+
 def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
     """Return the share of each Gauss point's weight in a span, and the weights.
 

@@ -39,10 +39,19 @@ Texts = Annotated[
 
 
 class Variable(Table):
-    """A numeric field of the file that varies within bounds."""
+    """A numeric field of the file that varies within bounds.
+
+    With a ``profile`` such as ``"spline 4"`` it is a size that varies along a rod.
+    """
 
     field: Text
     bounds: tuple[End, End]
+    profile: Text | None = None
+
+    @property
+    def range(self) -> tuple[End, ...]:
+        """The bounds, followed by the profile if there is one."""
+        return self.bounds if self.profile is None else (*self.bounds, self.profile)
 
 
 class Design(Table):
@@ -74,9 +83,9 @@ class Design(Table):
         return (*more, *(f"minimise {name}" for name in self.minimise))
 
     @property
-    def varied(self) -> dict[str, tuple[End, End]]:
-        """Bounds of the variables by field."""
-        return {each.field: each.bounds for each in self.variable}
+    def varied(self) -> dict[str, tuple[End, ...]]:
+        """Bounds of the variables by field, with the profile of those that vary along a rod."""
+        return {each.field: each.range for each in self.variable}
 
     @model_validator(mode="after")
     def _check(self) -> Design:

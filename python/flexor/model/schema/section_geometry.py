@@ -14,7 +14,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.materials import library
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
-from flexor.model.schema.profile import interpolated, surface
+from flexor.model.schema.profile import Spline, interpolated, surface
 from flexor.model.schema.section import (
     Box,
     Composite,
@@ -160,11 +160,15 @@ def varies(section: Section) -> bool:
         tables += section.parts
     elif isinstance(section, Floored) and section.layer is not None:
         tables.append(section.layer)
-    return any(isinstance(size, tuple) and name in _SIZES for t in tables for name, size in t)
+    return any(name in _SIZES and _is_several(size) for t in tables for name, size in t)
+
+
+def _is_several(size: object) -> bool:
+    return isinstance(size, tuple) or (isinstance(size, Spline) and len(size.spline) > 1)
 
 
 def _linear(size: Any, x: float) -> Linear:
-    if isinstance(size, tuple):
+    if isinstance(size, (tuple, Spline)):
         return Linear(float(interpolated(size, np.array([x]))[0][0]))
     return Linear(float(size)) if hasattr(size, "text") else Linear(0.0, float(size))
 
