@@ -45,7 +45,8 @@ def stated(
 ) -> Statement:
     """Read the statement of a design problem.
 
-    Options replace what the model file states; a parameter set replaces its variables.
+    Options replace what the model file states, a parameter set its variables; constraints add to
+    those of the file, and replace one about the same observable.
 
     Parameters
     ----------
@@ -63,6 +64,7 @@ def stated(
     InputError
         If two options exclude each other, or a field or bound is wrong.
     """
+    from flexor.constraints import joined_constraints
     from flexor.design import variables
     from flexor.model.schema import Design
 
@@ -81,7 +83,7 @@ def stated(
     return Statement(
         varied=variables(bounds, model, source) if bounds else None,
         aims=tuple(aims),
-        subject_to=tuple(subject_to or there.subject_to),
+        subject_to=joined_constraints(there.subject_to, subject_to or (), model),
         without=tuple(without or there.without),
     )
 
