@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexor.cli.values import assignments, ranges
+from flexor.cli.values import assignments, lists, ranges
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,9 +21,11 @@ class Statement:
     """What the options of a command state, completed by the ``[design]`` of the model file."""
 
     varied: Variables | None  # None if a parameter set varies
+    bounds: Mapping[str, Sequence[object]]  # of what varies, by field
     aims: tuple[str, ...]  # objectives, such as ``"maximise bending"``
     subject_to: tuple[str, ...]
     without: tuple[str, ...]
+    choices: Mapping[str, Sequence[object]]  # values among which others are chosen, by field
 
     @property
     def aim(self) -> str:
@@ -42,6 +44,7 @@ def stated(
     minimise: Sequence[str] | None,
     subject_to: Sequence[str] | None,
     without: Sequence[str] | None,
+    choose: Sequence[str] | None = None,
 ) -> Statement:
     """Read the statement of a design problem.
 
@@ -56,8 +59,8 @@ def stated(
         The model.
     objective
         One of the paper's, if neither an observable nor the file says what is wanted.
-    vary, maximise, minimise, subject_to, without
-        The options of these names.
+    vary, maximise, minimise, subject_to, without, choose
+        The options of these names; `choose` of commands that search.
 
     Raises
     ------
@@ -82,9 +85,11 @@ def stated(
     source = "--vary" if vary else f"{model.name}: design.variable"
     return Statement(
         varied=variables(bounds, model, source) if bounds else None,
+        bounds=bounds,
         aims=tuple(aims),
         subject_to=joined_constraints(there.subject_to, subject_to or (), model),
         without=tuple(without or there.without),
+        choices=lists("--choose", list(choose or [])) or ({} if by_set or vary else there.choices),
     )
 
 
