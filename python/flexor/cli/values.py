@@ -46,6 +46,18 @@ def ranges(option: str, pairs: list[str]) -> dict[str, tuple[str, ...]]:
     return result
 
 
+def lists(option: str, pairs: list[str]) -> dict[str, list[str]]:
+    """Parse `field=value,value` pairs."""
+    result: dict[str, list[str]] = {}
+    example = "exosuit.material=dragon-skin-30,ecoflex-00-30"
+    for key, text in assignments(option, pairs, example).items():
+        values = [value.strip() for value in text.split(",")]
+        if len(values) < 2 or not all(values):
+            raise InputError(f'{option} has {key} = "{text}": give values, such as "{example}".')
+        result[key] = values
+    return result
+
+
 def numbers(option: str, pairs: list[str]) -> dict[str, int | float]:
     """Parse `key=number` pairs into integers and floats."""
     result: dict[str, int | float] = {}

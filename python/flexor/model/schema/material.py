@@ -120,6 +120,23 @@ class Material(Table):
         }
 
 
+def own_keys(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table of a material without the keys that are as in its material of the library."""
+    try:
+        there = _table(materials.find(str(table.get("library"))))
+    except InputError:
+        return dict(table)
+
+    def plain(value: Any) -> Any:
+        return list(value) if isinstance(value, tuple) else value
+
+    return {
+        key: value
+        for key, value in table.items()
+        if key not in there or plain(value) != plain(there[key])
+    }
+
+
 def _table(material: materials.Material) -> dict[str, Any]:
     """Return a material of the library as written in a model file."""
 
