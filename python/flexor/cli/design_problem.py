@@ -49,7 +49,8 @@ def stated(
 ) -> Statement:
     """Read the statement of a design problem.
 
-    Options replace what the model file states; a parameter set replaces its variables.
+    Options replace what the model file states, a parameter set its variables; constraints add to
+    those of the file, and replace one about the same observable.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ def stated(
     InputError
         If two options exclude each other, or a field or bound is wrong.
     """
+    from flexor.constraints import joined_constraints
     from flexor.design import variables
     from flexor.model.schema import Design
 
@@ -86,7 +88,7 @@ def stated(
         varied=variables(bounds, model, source) if bounds else None,
         bounds=bounds,
         aims=tuple(aims),
-        subject_to=tuple(subject_to or there.subject_to),
+        subject_to=joined_constraints(there.subject_to, subject_to or (), model),
         without=tuple(without or there.without),
         choices=lists("--choose", list(choose or [])) or ({} if by_set or vary else there.choices),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -105,13 +106,21 @@ class Material(Table):
         name
             Its name, for messages.
         """
-        return materials.Material(
-            name=name,
-            kind=self.kind,
-            constants=self._constants(),
-            winding=self.winding,
-            density=float(self.density),
-        )
+        found = self._named.get(name)
+        if found is None:
+            found = materials.Material(
+                name=name,
+                kind=self.kind,
+                constants=self._constants(),
+                winding=self.winding,
+                density=float(self.density),
+            )
+            self._named[name] = found
+        return found
+
+    @cached_property
+    def _named(self) -> dict[str, materials.Material]:
+        return {}
 
     def lower(self, name: str) -> dict[str, Any]:
         """Describe the material to the engine.
