@@ -72,6 +72,15 @@ Vary = Annotated[
         "`exosuit.section.wall=1.5 mm:3 mm:spline 4`; may be repeated.",
     ),
 ]
+Choose = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FIELD=VALUE,VALUE",
+        help="Choose the value of a field, such as `exosuit.material=dragon-skin-30,ecoflex-00-30`,"
+        " or whether there is something, `middle=with,without`; may be repeated, and all "
+        "combinations are tried.",
+    ),
+]
 Maximise = Annotated[
     list[str] | None,
     typer.Option(

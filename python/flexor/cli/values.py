@@ -4,23 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexor.arguments import assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.model import Model
-
-
-def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
-    """Parse `key=value` pairs; the option and a valid pair are for messages."""
-    result: dict[str, str] = {}
-    for pair in pairs:
-        key, equals, value = (part.strip() for part in pair.partition("="))
-        if not (key and equals and value):
-            raise InputError(f'{option} is "{pair}": give key=value, such as "{example}".')
-        if key in result:
-            raise InputError(f'{option} sets "{key}" twice.')
-        result[key] = value
-    return result
 
 
 def one_or_assignments(
@@ -43,6 +31,18 @@ def ranges(option: str, pairs: list[str]) -> dict[str, tuple[str, ...]]:
         if len(parts) not in (2, 3) or not all(parts):
             raise InputError(f'{option} has {key} = "{text}": give bounds, such as "{example}".')
         result[key] = parts
+    return result
+
+
+def lists(option: str, pairs: list[str]) -> dict[str, list[str]]:
+    """Parse `field=value,value` pairs."""
+    result: dict[str, list[str]] = {}
+    example = "exosuit.material=dragon-skin-30,ecoflex-00-30"
+    for key, text in assignments(option, pairs, example).items():
+        values = [value.strip() for value in text.split(",")]
+        if len(values) < 2 or not all(values):
+            raise InputError(f'{option} has {key} = "{text}": give values, such as "{example}".')
+        result[key] = values
     return result
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from flexor.design.catalogue import names, parameter_set, register
+from flexor.design.choices import Combination, combinations
 from flexor.design.custom import custom
 from flexor.design.mapped import MappedVariables, mapped
 from flexor.design.parameter_set import ParameterSet
@@ -14,6 +15,7 @@ from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 
 __all__ = [
     "Clamped",
+    "Combination",
     "DesignSpace",
     "Geometry",
     "GeometryJacobian",
@@ -24,6 +26,7 @@ __all__ = [
     "Profile",
     "SineCosine",
     "Variables",
+    "combinations",
     "custom",
     "mapped",
     "names",

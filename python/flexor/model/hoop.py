@@ -45,7 +45,7 @@ def hoop_strains(path: Path) -> Iterator[tuple[str, str, Array]]:
             continue
         rod = file.rod(pressure.rod)
         s, x = path.model.slot(f"{pressure.rod}.radius", path.parameters), rod.sample_points
-        places = np.array([rod.piece_at(point) for point in x])
+        places = rod.pieces_at(x)
         for place, section in enumerate(rod.pieces):
             if not isinstance(section, Hollow):
                 continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated
 
@@ -138,6 +139,24 @@ def spline_points(count: int) -> Array:
     if not degree:
         return np.array([0.5])
     return np.array([knots[i + 1 : i + degree + 1].mean() for i in range(count)])
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSurface:
+    """The surface of a rod at P points along it.
+
+    Attributes
+    ----------
+    radius, slope : (P,) arrays
+        S(X) and dS/dX [m].
+    """
+
+    radius: Array
+    slope: Array
+
+    def __post_init__(self) -> None:
+        self.radius.setflags(write=False)
+        self.slope.setflags(write=False)
 
 
 def surface(radius: Taper | Spline | tuple[float, ...], points: Array) -> tuple[Array, Array]:
