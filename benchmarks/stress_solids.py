@@ -38,6 +38,7 @@ from flexor.export.solids import Solid, loft, rectangle, united
 
 LONGEST = 5.0  # processor time of a design [s]
 INTEGRAL, CAVITY = 5e-3, 1e-3
+NOTHING = 1e-5  # of the body: the error of booleans of solids that touch
 
 
 @dataclass
@@ -161,7 +162,7 @@ def examine(kind: str, random: np.random.Generator, finger: Finger) -> Result:
     result.integral = abs(bare_volume(made) / (1e9 * sum(volumes(made).values())) - 1.0)
     result.cavity = abs(free_volume(made_mould) / made_mould.body.cast.volume() - 1.0)
     assembled = abs(assembled_volume(made) / made.solid.volume() - 1.0)
-    overlap = overlaps(made_mould) / made_mould.body.cast.volume()
+    shared = overlap(made_mould)
     result.seconds = time.process_time() - began
     if result.integral > INTEGRAL:
         result.failures.append(f"the volume is {result.integral:.2%} off the integral")
@@ -169,8 +170,8 @@ def examine(kind: str, random: np.random.Generator, finger: Finger) -> Result:
         result.failures.append(f"cavity less core is {result.cavity:.3%} off the body")
     if assembled > CAVITY:
         result.failures.append(f"its pieces have another volume, by {assembled:.3%}")
-    if overlap > 1e-5:
-        result.failures.append(f"parts of the mould overlap by {overlap:.1e} of the body")
+    if shared > NOTHING:
+        result.failures.append(f"parts of the mould overlap by {shared:.1e} of the body")
     return result
 
 
@@ -222,20 +223,29 @@ def free_volume(made: Mould) -> float:
     return float(region.volume() - sum((region ^ each).volume() for each in filled))
 
 
-def overlaps(made: Mould) -> float:
-    """Largest volume that two parts of a mould, or one and the body, have in common [mm³]."""
+def overlap(made: Mould) -> float:
+    """Largest volume that two parts of a mould, or one and the body, have in common.
+
+    As a share of the body's volume.
+    """
     parts = [made.lower, made.upper, *made.plates.values(), *(c.solid for c in made.cores)]
     parts.append(made.body.cast)
-    return max(common(a, b) for i, a in enumerate(parts) for b in parts[:i])
+    whole = float(made.body.cast.volume())
+    pairs = ((a, b) for i, a in enumerate(parts) for b in parts[:i])
+    return max(common(a, b, NOTHING * whole) for a, b in pairs) / whole
 
 
-def common(a: Solid, b: Solid) -> float:
-    """Volume that two solids have in common [mm³], the least by three booleans.
+def common(a: Solid, b: Solid, nothing: float) -> float:
+    """Volume that two solids have in common [mm³]: the first below `nothing`, or the least.
 
-    Of solids that touch in a face, each of these may return a spurious piece.
+    Of solids that touch in a face, each of these booleans may return a spurious piece.
     """
-    found = ((a ^ b).volume(), (b ^ a).volume(), a.volume() - (a - b).volume())
-    return min(abs(float(volume)) for volume in found)
+    least = abs(float((a ^ b).volume()))
+    if least > nothing:
+        least = min(least, abs(float((b ^ a).volume())))
+    if least > nothing:
+        least = min(least, abs(float(a.volume() - (a - b).volume())))
+    return least
 
 
 def assembled_volume(made: Body) -> float:
