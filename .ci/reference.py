@@ -50,12 +50,16 @@ def command(name: str, found: Any) -> str:
     about = re.sub(r"^\*", "-", about, flags=re.MULTILINE)
     lines = [f"## flexor {name}", "", f"```text\nflexor {name} {usage}\n```", "", about, ""]
     rows = [row(each, context) for each in found.params if not each.hidden]
-    return "\n".join([*lines, "| | | default |", "|---|---|---|", *rows, ""] if rows else lines)
+    return "\n".join(
+        [*lines, "| option | | default |", "|---|---|---|", *rows, ""] if rows else lines
+    )
 
 
 def row(parameter: Any, context: Any) -> str:
     """Return the row of one option or argument."""
     names, _ = parameter.get_help_record(context)
+    # A bar within code is escaped on some sites and shown so on others.
+    names = names.replace("|", " or ")
     cells = [f"`{names}`", " ".join((parameter.help or "").split()), default_of(parameter)]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
