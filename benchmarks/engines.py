@@ -2,8 +2,9 @@
 
 On a busy machine two runs of the same benchmark may differ by 10 % or more. Here both engines
 alternate on small batches of the same designs, and the best time of each batch counts; the
-remaining variation between builds of the same method is about 1 %. Keep a copy of the engine before
-building the new one:
+remaining variation between builds of the same method is about 1 %. Designs that snap or bifurcate
+with either engine are also listed apart from the others, as they cost several times as much. Keep a
+copy of the engine before building the new one:
 
     cp python/flexor/_engine_native.abi3.so old.so
     ./dev bench engines --against old.so
@@ -13,10 +14,12 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Iterator
 from importlib.machinery import ExtensionFileLoader, ModuleSpec
 from importlib.util import module_from_spec
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from _random_designs import random_designs
@@ -29,6 +32,7 @@ import flexor
 from flexor import _engine
 
 PART = 25
+RATIOS = "ratio", "iterations", "the other's"
 
 
 def main() -> None:
@@ -46,36 +50,58 @@ def main() -> None:
         engines = [load(arguments.against), _engine]
     except ImportError as error:
         parser.error(f"--against: {arguments.against} is not a build of the engine: {error}")
-    found = table(
-        "constants", "steps / N", "designs/s", "the other", "ratio", "iterations", "the other's"
-    )
-    for name, constants in (("calibrated", {}), ("E = 1 MPa, k = 1000 N/m", PRESSING)):
+    found = table("constants", "step", "designs", "number", "µs each", "the other's", *RATIOS)
+    for name, constants in (("calibrated", {}), ("E = 1 MPa", PRESSING)):
         model = flexor.load("finger", "calibrated", constants)
         slots, values = model.geometry_slots(random_designs(model, arguments.designs))
         models = [engine.Model(model._description) for engine in engines]
         for step in (1, 5):
             loads = np.arange(0.0, 5.1, step)[:, None]
-            title = f"{name}, {step} N"
-            best, iterations = by_parts(models, slots, values, loads, arguments.runs, title)
-            other, this = len(values) / best
-            found.add_row(
-                name,
-                str(step),
-                f"{this:,.0f}",
-                f"{other:,.0f}",
-                f"{this / other:.3f}",
-                *(f"{count / len(values):.1f}" for count in reversed(iterations)),
-            )
+            snapping = has_events(models, slots, values, loads)
+            parts = {"no snap": values[~snapping], "snaps": values[snapping]}
+            sums = np.zeros(2), np.zeros(2)
+            for which, part in parts.items():
+                title = f"{name}, {step} N, {which}"
+                costs = by_parts(models, slots, part, loads, arguments.runs, title)
+                found.add_row(name, f"{step} N", which, *numbers(len(part), *costs))
+                for total, cost in zip(sums, costs, strict=True):
+                    total += cost
+            found.add_row(name, f"{step} N", "all", *numbers(len(values), *sums))
     Console().print(found)
 
 
+def numbers(designs: int, times: np.ndarray, iterations: np.ndarray) -> Iterator[str]:
+    """Yield the columns of a group of designs from the sums over it, of the other engine first."""
+    yield str(designs)
+    if designs == 0:
+        return
+    yield from (f"{1e6 * time / designs:,.0f}" for time in reversed(times))
+    yield f"{times[0] / times[1]:.3f}"
+    yield from (f"{count / designs:.1f}" for count in reversed(iterations))
+
+
+def has_events(
+    models: list[Any], slots: np.ndarray, values: np.ndarray, loads: np.ndarray
+) -> np.ndarray:
+    """Return for each design whether its path has an event with any of the engines, (n,)."""
+    found = np.zeros(len(values), dtype=bool)
+    for model in models:
+        found[model.path(slots, values, loads, 1)["events"]["design"]] = True
+    return found
+
+
 def by_parts(
-    models: list, slots: np.ndarray, values: np.ndarray, loads: np.ndarray, runs: int, name: str
-) -> tuple[np.ndarray, list[int]]:
+    models: list[Any],
+    slots: np.ndarray,
+    values: np.ndarray,
+    loads: np.ndarray,
+    runs: int,
+    name: str,
+) -> tuple[np.ndarray, np.ndarray]:
     """Return processor time [s] and iterations of each engine, alternating between batches."""
     starts = range(0, len(values), PART)
     times = np.full((len(models), len(starts), runs), np.inf)
-    iterations = [0] * len(models)
+    iterations = np.zeros(len(models))
     with progress() as bar:
         for run in bar.track(range(runs), description=name):
             for part, start in enumerate(starts):

@@ -237,3 +237,19 @@ def test_bad_scenarios(flexor, option: tuple[str, str], message: str) -> None:
     ran = flexor("optimize", "pneumatic-finger", *vary, *option)
     assert ran.code == 2
     assert message in ran.err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--choose", "middel=with,without"), 'did you mean "middle"'),
+        (("--choose", "exosuit.material=silicone"), "give values, such as"),
+        (("--choose", "middle=with,without", "--sizes", "2"), "exclude each other"),
+        (("--choose", "middle=with,without", "--minimise", "mass"), "for one objective"),
+        (("--vary", "exosuit.radius=6 mm:9 mm:splin 4"), 'did you mean "spline"'),
+        (("--vary", "exosuit.radius=6 mm:9 mm:spline 4:5"), "give bounds, such as"),
+    ],
+)
+def test_bad_choices_and_profiles(flexor, options: tuple[str, ...], message: str) -> None:
+    vary = ("--vary", "exosuit.length=8 cm:11 cm", "--maximise", "bending")
+    assert message in flexor("optimize", "pneumatic-finger", *vary, *options).error

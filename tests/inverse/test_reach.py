@@ -124,9 +124,11 @@ def test_a_value_beyond_a_snap_is_reached() -> None:
     assert beyond.loads["push"] == pytest.approx(truss_force(-0.025), rel=1e-6)
 
 
-def test_loads_stay_within_their_range() -> None:
+# Its finger does not move at all under the first few kilopascals.
+@pytest.mark.parametrize("angle", [95, 98, 100])
+def test_loads_stay_within_their_range(angle: int) -> None:
     model = load(EXAMPLES / "pneumatic-finger.toml")
-    found = reach(model, "bending = 95 deg")
+    found = reach(model, f"bending = {angle} deg")
     assert not found.reached
     assert found.loads["chamber"] == pytest.approx(60e3)
     assert "limits (chamber at 60 kPa)" in found.reason

@@ -178,6 +178,16 @@ def test_results_say_where_device_and_wearer_are_loaded_most() -> None:
     assert highest == path.max_contact_pressure[-1]
 
 
+def test_skins_pressed_by_half_of_their_thickness_come_with_a_warning() -> None:
+    path = flexor.load(EXAMPLE).equilibrium("0:100:20 kPa")
+    deep = 0.5 * (2.0e-3 + 2.5e-3)  # skins of exosuit and finger
+    assert path.max_overlap is not None
+    (first,) = np.flatnonzero(np.diff(path.max_overlap > deep)) + 1
+    (warning,) = (each for each in path.warnings if each.startswith("bodies overlap"))
+    assert f"from {20 * first} kPa on by more than 2.25 mm" in warning
+    assert f"by {1e3 * path.max_overlap.max():.3g} mm" in warning
+
+
 def test_a_cavity_without_winding_comes_with_a_warning() -> None:
     model = flexor.load(EXAMPLE, changes={"materials.silicone.winding": "none"})
     path = model.equilibrium("0:4:1 kPa")

@@ -15,8 +15,6 @@ from reproduction.__main__ import main
 from reproduction.optima import NESTED, as_legendre, objective_value, rounded
 from reproduction.study import PUBLISHED, SETS, model, parameters, published_design
 
-pytestmark = pytest.mark.xdist_group("reproduction")
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:

@@ -7,7 +7,8 @@ import os
 import pickle
 import stat
 import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 import flexor
+from flexor import plot
 from flexor.cli.app import main
 from flexor.errors import InputError
 from flexor.objectives import custom
@@ -71,17 +73,31 @@ def run(*arguments: str) -> int:
     return int(ended.value.code or 0)
 
 
+@contextmanager
+def figures_saved_under_a_lock() -> Iterator[None]:
+    """See that a PNG and an SVG are saved, while the folder they go to is locked."""
+    save, refused = plot.save, []
+
+    def saving(figure: Any, path: Path) -> Path:
+        with pytest.raises(InputError, match="is in use by another process") as refusal:
+            Lock(path.parent, "study")
+        refused.append(refusal)
+        return save(figure, path)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plot, "save", saving)
+        yield
+    assert len(refused) == 2
+
+
 @pytest.fixture(scope="module", params=list(KINDS))
 def made(request: Any, tmp_path_factory: Any) -> tuple[str, Path]:
     """A folder of each kind, in a place of its own."""
     place = tmp_path_factory.mktemp(request.param)
-    before = Path.cwd()
-    os.chdir(place)
-    try:
-        (place / "targets.toml").write_text(TARGETS)
+    (place / "targets.toml").write_text(TARGETS)
+    with pytest.MonkeyPatch.context() as patch, figures_saved_under_a_lock():
+        patch.chdir(place)
         assert run(*KINDS[request.param][0]) in (0, 1)
-    finally:
-        os.chdir(before)
     return request.param, place
 
 
@@ -303,30 +319,14 @@ def test_no_kind_resumes_another(made: tuple[str, Path], monkeypatch: Any, capsy
 
 
 def test_outputs_are_written_while_the_folder_is_locked(
-    tmp_path: Path, monkeypatch: Any, capsys: Any
+    made: tuple[str, Path], monkeypatch: Any
 ) -> None:
-    from flexor import plot
-
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "targets.toml").write_text(TARGETS)
-    save, refused = plot.save, []
-
-    def saving(figure: Any, path: Path) -> Path:
-        with pytest.raises(InputError, match="is in use by another process") as refusal:
-            Lock(path.parent, "study")
-        refused.append(refusal)
-        return save(figure, path)
-
-    monkeypatch.setattr(plot, "save", saving)
-    for kind, (begin, again, files) in KINDS.items():
-        folder = tmp_path / kind
-        words = [[kind if word == "s" else word for word in command] for command in (begin, again)]
-        for command in words:
-            refused.clear()
-            assert run(*command) in (0, 1)
-            assert len(refused) == 2  # PNG and SVG
-        assert {path.name for path in folder.iterdir()} >= set(files)
-        Lock(folder, kind).release()
+    kind, place = made
+    monkeypatch.chdir(place)
+    with figures_saved_under_a_lock():
+        assert run(*KINDS[kind][1]) in (0, 1)
+    assert {path.name for path in (place / "s").iterdir()} >= set(KINDS[kind][2])
+    Lock(place / "s", kind).release()
 
 
 def test_drafts_of_a_killed_process_are_removed(made: tuple[str, Path], monkeypatch: Any) -> None:

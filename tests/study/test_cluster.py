@@ -23,11 +23,7 @@ from flexor.study.executors import task
 from flexor.study.landscape import resume_landscape
 
 Client = pytest.importorskip("distributed").Client
-# One cluster for all of them: its processes take seconds to start.
-pytestmark = [
-    pytest.mark.xdist_group("cluster"),
-    pytest.mark.skipif(sys.platform == "win32", reason="kills processes"),
-]
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills processes")
 GRID: dict[str, Any] = {"method": "grid", "method_options": {"points": 20}}
 
 

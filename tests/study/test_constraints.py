@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import flexor
-from flexor.constraints import chosen_constraints, constraint, default_constraints, ranks
+from flexor.constraints import (
+    chosen_constraints,
+    constraint,
+    default_constraints,
+    joined_constraints,
+    ranks,
+)
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.observables import observable, observables
@@ -170,3 +176,13 @@ def test_unknown_default_is_an_error(model: Model) -> None:
     """With the nearest name."""
     with pytest.raises(InputError, match='did you mean "overlap"'):
         chosen_constraints([], ["overlaps"], model)
+
+
+def test_constraints_of_the_command_line_add_to_those_of_the_file(model: Model) -> None:
+    """Only one about the same observable, sense and loads replaces one of the file."""
+    stated = ("overlap <= 1.5 mm", "bending >= 10 deg at end")
+    pressed = "contact-pressure <= 30 kPa"
+    assert joined_constraints(stated, [pressed], model) == (*stated, pressed)
+    assert joined_constraints(stated, ["overlap <= 1 mm"], model) == (stated[1], "overlap <= 1 mm")
+    along = "bending >= 10 deg"
+    assert joined_constraints(stated, [along], model) == (*stated, along)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexor.cli.values import assignments, ranges
+from flexor.cli.values import assignments, lists, ranges
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,9 +21,11 @@ class Statement:
     """What the options of a command state, completed by the ``[design]`` of the model file."""
 
     varied: Variables | None  # None if a parameter set varies
+    bounds: Mapping[str, Sequence[object]]  # of what varies, by field
     aims: tuple[str, ...]  # objectives, such as ``"maximise bending"``
     subject_to: tuple[str, ...]
     without: tuple[str, ...]
+    choices: Mapping[str, Sequence[object]]  # values among which others are chosen, by field
 
     @property
     def aim(self) -> str:
@@ -42,10 +44,12 @@ def stated(
     minimise: Sequence[str] | None,
     subject_to: Sequence[str] | None,
     without: Sequence[str] | None,
+    choose: Sequence[str] | None = None,
 ) -> Statement:
     """Read the statement of a design problem.
 
-    Options replace what the model file states; a parameter set replaces its variables.
+    Options replace what the model file states, a parameter set its variables; constraints add to
+    those of the file, and replace one about the same observable.
 
     Parameters
     ----------
@@ -55,14 +59,15 @@ def stated(
         The model.
     objective
         One of the paper's, if neither an observable nor the file says what is wanted.
-    vary, maximise, minimise, subject_to, without
-        The options of these names.
+    vary, maximise, minimise, subject_to, without, choose
+        The options of these names; `choose` of commands that search.
 
     Raises
     ------
     InputError
         If two options exclude each other, or a field or bound is wrong.
     """
+    from flexor.constraints import joined_constraints
     from flexor.design import variables
     from flexor.model.schema import Design
 
@@ -80,9 +85,11 @@ def stated(
     source = "--vary" if vary else f"{model.name}: design.variable"
     return Statement(
         varied=variables(bounds, model, source) if bounds else None,
+        bounds=bounds,
         aims=tuple(aims),
-        subject_to=tuple(subject_to or there.subject_to),
+        subject_to=joined_constraints(there.subject_to, subject_to or (), model),
         without=tuple(without or there.without),
+        choices=lists("--choose", list(choose or [])) or ({} if by_set or vary else there.choices),
     )
 
 

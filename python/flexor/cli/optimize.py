@@ -13,6 +13,7 @@ from flexor.cli.console import print_json
 from flexor.cli.design_problem import stated, uncertainty
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
 from flexor.cli.values import load_changed, numbers, one_or_assignments
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Study
@@ -24,6 +25,7 @@ def optimize(
     parameters: options.Parameters = "L+R01",
     objective: options.Objective = "bending",
     vary: options.Vary = None,
+    choose: options.Choose = None,
     maximise: options.Maximise = None,
     minimise: options.Minimise = None,
     subject_to: options.SubjectTo = None,
@@ -93,28 +95,63 @@ def optimize(
     * `flexor optimize pneumatic-finger --tolerance "exosuit.section.wall=0.1 mm"`
     * `flexor optimize glove.toml --scenarios all --aggregate "served 60 deg"`
     * `flexor optimize pneumatic-finger --wearers 64 --sizes 3 --aggregate "served 45 deg"`
+    * `flexor optimize pneumatic-finger --choose middle=with,without --choose
+      "exosuit.material=dragon-skin-30,ecoflex-00-50"`
     * `flexor optimize --resume studies/press`
 
     The JSON object uses SI units, with angles in rad; with `--json`, a figure is drawn only to
     the file of `--plot`.
     """
     from flexor import study as studies
-    from flexor.cli import outcome, sizes_report
+    from flexor.cli import choices_report, outcome, sizes_report
     from flexor.cli.progress import SearchProgress
     from flexor.design import parameter_set
     from flexor.design.start import starts
 
     free = ("budget", "threads", "cluster", "plot", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
+    if resume is not None and studies.is_choices(resume):
+        if budget is not None:
+            raise InputError("choices are resumed with their own budget: omit --budget.")
+        chosen_work = partial(studies.resume_choices, resume)
+        where = executor_for(threads, cluster)
+        return choices_report.carry_out(chosen_work, where, resume, plot, as_json)
     if resume is not None:
         place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
         assert model is not None
         loaded = load_changed(model, variant, changes)
-        problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
+        problem = stated(
+            context, loaded, objective, vary, maximise, minimise, subject_to, without, choose
+        )
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         aims = [each.replace(" ", "-") for each in problem.aims]
         place = folder or new_folder(loaded.name, chosen.name, *aims)
+        if problem.choices:
+            if sizes is not None:
+                raise InputError("--sizes and choices exclude each other: give one of them.")
+            if len(problem.aims) > 1:
+                raise InputError("choices are made for one objective, not for several.")
+            chosen_work = partial(
+                studies.choices,
+                loaded,
+                dict(problem.bounds) or parameters,
+                problem.aim,
+                problem.choices,
+                method=method,
+                subject_to=problem.subject_to,
+                without=problem.without,
+                **uncertainty(loaded, problem, scenarios, aggregate, tolerance, samples, wearers),
+                method_options=numbers("--option", method_options or []),
+                start=start or None,
+                force=one_or_assignments("--load", force, "chamber=0:5:1"),
+                seed=seed,
+                budget=budget,
+                folder=place,
+                engine_options=numbers("--solver", solver or []),
+            )
+            where = executor_for(threads, cluster)
+            return choices_report.carry_out(chosen_work, where, place, plot, as_json)
         if sizes is not None:
             over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
             found = partial(

@@ -68,7 +68,17 @@ Vary = Annotated[
     typer.Option(
         metavar="FIELD=LOW:HIGH",
         help="Vary a numeric field of the model file instead of `--parameters`, such as "
-        "`exosuit.length=8 cm:11 cm`; may be repeated.",
+        "`exosuit.length=8 cm:11 cm`, or a size along a rod as a spline, "
+        "`exosuit.section.wall=1.5 mm:3 mm:spline 4`; may be repeated.",
+    ),
+]
+Choose = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FIELD=VALUE,VALUE",
+        help="Choose the value of a field, such as `exosuit.material=dragon-skin-30,ecoflex-00-30`,"
+        " or whether there is something, `middle=with,without`; may be repeated, and all "
+        "combinations are tried.",
     ),
 ]
 Maximise = Annotated[

@@ -34,15 +34,27 @@ def one_or_assignments(
     return dict(assignments(option, texts, example))
 
 
-def ranges(option: str, pairs: list[str]) -> dict[str, tuple[str, str]]:
-    """Parse `field=low:high` pairs."""
-    result: dict[str, tuple[str, str]] = {}
+def ranges(option: str, pairs: list[str]) -> dict[str, tuple[str, ...]]:
+    """Parse `field=low:high` pairs; `field=low:high:spline 4` of a size that varies along a rod."""
+    result: dict[str, tuple[str, ...]] = {}
     example = "exosuit.length=8 cm:12 cm"
     for key, text in assignments(option, pairs, example).items():
-        low, colon, high = (part.strip() for part in text.partition(":"))
-        if not (low and colon and high):
+        parts = tuple(part.strip() for part in text.split(":"))
+        if len(parts) not in (2, 3) or not all(parts):
             raise InputError(f'{option} has {key} = "{text}": give bounds, such as "{example}".')
-        result[key] = (low, high)
+        result[key] = parts
+    return result
+
+
+def lists(option: str, pairs: list[str]) -> dict[str, list[str]]:
+    """Parse `field=value,value` pairs."""
+    result: dict[str, list[str]] = {}
+    example = "exosuit.material=dragon-skin-30,ecoflex-00-30"
+    for key, text in assignments(option, pairs, example).items():
+        values = [value.strip() for value in text.split(",")]
+        if len(values) < 2 or not all(values):
+            raise InputError(f'{option} has {key} = "{text}": give values, such as "{example}".')
+        result[key] = values
     return result
 
 

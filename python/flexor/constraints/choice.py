@@ -57,6 +57,33 @@ def chosen_constraints(
     return (*kept, *asked)
 
 
+def joined_constraints(
+    stated: Iterable[str], asked: Sequence[str], model: Structure
+) -> tuple[str, ...]:
+    """Return constraints that are asked for in addition to others.
+
+    Parameters
+    ----------
+    stated, asked
+        Texts such as ``"overlap <= 0.5 mm"``; one that is asked for replaces those stated about
+        the same observable, in the same sense and at the same loads.
+    model
+        The model.
+
+    Raises
+    ------
+    InputError
+        If a constraint cannot be read.
+    """
+    replaced = [_about(text, model) for text in asked]
+    return (*(text for text in stated if _about(text, model) not in replaced), *asked)
+
+
+def _about(text: str, model: Structure) -> tuple[object, ...]:
+    read = constraint(text, model)
+    return read.name, read.sense, read.at_end
+
+
 def worst_values(constraints: Sequence[Constraint], paths: Paths) -> Array:
     """Return the worst value of each of c constraints along n paths, SI, (n, c)."""
     if not constraints:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from flexor.constraints.constraint import Constraint, constraint
-from flexor.model.schema import Rod
+from flexor.model.limits import skin_depth
 from flexor.model.structure import Structure
 from flexor.observables import observables
 
 # Of spheres, which have no thickness: overlaps that follow from materials stay below.
 SPHERES = 1e-3
-# Of what the layers of a skin are thick in all.
-SKIN = 0.5
 
 
 def default_constraints(model: Structure) -> tuple[Constraint, ...]:
@@ -45,13 +43,6 @@ def _defaults(model: Structure) -> Iterator[Constraint]:
 
 
 def _overlap(model: Structure) -> float:
-    """Return half of the least thickness of a rod's skin and a link's, or that of spheres."""
-    rods: list[float] = []
-    links: list[float] = []
-    for body in model.file.bodies.values():
-        if body.skin is not None:
-            thickness = sum(float(layer.thickness) for layer in body.skin)
-            (rods if isinstance(body, Rod) else links).append(thickness)
-    if not rods or model.file.contacts:
-        return SPHERES
-    return SKIN * (min(rods) + min(links, default=0.0))
+    """Return the depth that the skins of a model bear, or that of spheres."""
+    depth = skin_depth(model.file)
+    return SPHERES if depth is None or model.file.contacts else depth

@@ -30,5 +30,6 @@ def drawn_file(chosen: ParameterSet, p: Array, model: Structure) -> ModelFile:
     """
     if not isinstance(chosen, Variables):
         return model.file
-    keys = [keys_of(label, model.file) for label in chosen.labels]
-    return replaced(model.file, dict(zip(keys, np.asarray(p).tolist(), strict=True)))
+    keys = [keys_of(label, model.file) for label in chosen.fields]
+    values = chosen.field_values(np.asarray(p))[0]
+    return replaced(model.file, dict(zip(keys, values.tolist(), strict=True)))

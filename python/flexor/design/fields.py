@@ -8,6 +8,7 @@ from typing import Any
 from flexor.errors import InputError, unknown_name
 from flexor.model.changes import resolve
 from flexor.model.schema import ModelFile
+from flexor.model.schema.profile import Spline
 from flexor.model.units import Quantity
 from flexor.model.validation import describe
 
@@ -53,8 +54,16 @@ def value_of(keys: Sequence[str], file: ModelFile) -> float:
     return found
 
 
-def replaced(file: ModelFile, values: Mapping[tuple[str, ...], float]) -> ModelFile:
-    """Return a file with other values of some fields, SI, which are not checked.
+def spline_of(keys: Sequence[str], file: ModelFile) -> tuple[str, ...] | None:
+    """Return the keys of the size along a rod of which a field is a control value; None if none."""
+    size = tuple(keys[:-2])
+    if len(keys) < 3 or keys[-2] != "spline":
+        return None
+    return size if isinstance(value_of(size, file), Spline) else None
+
+
+def replaced(file: ModelFile, values: Mapping[tuple[str, ...], Any]) -> ModelFile:
+    """Return a file with other values of some fields, SI, or tables, which are not checked.
 
     Parameters
     ----------
@@ -68,7 +77,7 @@ def replaced(file: ModelFile, values: Mapping[tuple[str, ...], float]) -> ModelF
     return file
 
 
-def _replaced(node: Any, keys: Sequence[str], value: float) -> Any:
+def _replaced(node: Any, keys: Sequence[str], value: Any) -> Any:
     if not keys:
         return Quantity(value, node.text) if isinstance(node, Quantity) else value
     key, rest = keys[0], keys[1:]

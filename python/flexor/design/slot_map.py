@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from math import comb
 
@@ -47,6 +48,11 @@ class _Fit:
     coefficients: Array  # (c, m)
     form: str  # of `_FORMS`
 
+    def depending(self, variable: int) -> _Fit:
+        """Return it with those terms only that depend on a variable."""
+        terms = self.powers[:, variable] > 0
+        return replace(self, powers=self.powers[terms], coefficients=self.coefficients[terms])
+
 
 # From a polynomial to the parameter: the inverse, the function and its derivative by its value.
 _FORMS: dict[str, tuple[Callable[[Array], Array], Callable[[Array], Array], Callable]] = {  # type: ignore[type-arg]
@@ -76,56 +82,103 @@ class SlotMap:
 
     def values(self, x: Array) -> Array:
         """Return the parameters (n, m) of designs (n, k), SI."""
-        found = self._evaluate(x)
-        for rest, offset in self._offsets:
-            found[:, rest] += found[:, offset]
-        return found[:, : len(self.indices)]
+        return self._whole(self._evaluate(self._legendre(x)[0]))
 
     def jacobian(self, x: Array) -> Array:
         """Return the derivatives (n, m, k) of the parameters of designs (n, k)."""
-        values, slopes = self._legendre((x - self._middle) / self._half)
-        n, k = x.shape
-        width = self._width
-        found = np.zeros((n, width, k))
-        here = self._evaluate(x)
-        for fit in self._fits:
-            outer = _FORMS[fit.form][2](here[:, fit.columns])
-            for variable in np.flatnonzero(fit.powers.any(axis=0)):
-                total = np.zeros((n, len(fit.columns)))
-                for powers, row in zip(fit.powers, fit.coefficients, strict=True):
-                    if powers[variable]:
-                        term = slopes[:, variable, powers[variable]].copy()
-                        for other in np.flatnonzero(powers):
-                            if other != variable:
-                                term *= values[:, other, powers[other]]
-                        total += term[:, None] * row
-                found[:, fit.columns, variable] = outer * total / self._half[variable]
+        values, slopes = self._legendre(x)
+        here = self._evaluate(values)
+        outer = np.ones_like(here)
+        for form, columns in self._forms.items():
+            outer[:, columns] = _FORMS[form][2](here[:, columns])
+        found = np.zeros((*here.shape, x.shape[1]))
+        for variable, terms in enumerate(self._terms[1:]):
+            factors = values.copy()
+            factors[:, variable] = slopes[:, variable]
+            found[..., variable] = outer * terms.sums(factors) / self._half[variable]
+        return self._whole(found)
+
+    def _whole(self, found: Array) -> Array:
+        """Add offsets (n, m + offsets, ...) to rest lengths; return the parameters (n, m, ...)."""
         for rest, offset in self._offsets:
             found[:, rest] += found[:, offset]
         return found[:, : len(self.indices)]
 
-    @property
-    def _width(self) -> int:
-        return len(self.indices) + len(self._offsets)
-
-    def _evaluate(self, x: Array) -> Array:
-        values, _ = self._legendre((x - self._middle) / self._half)
-        found = np.zeros((len(x), self._width))
-        for fit in self._fits:
-            total = np.zeros((len(x), len(fit.columns)))
-            # Term by term: a design must not depend on its neighbours in the batch.
-            for powers, row in zip(fit.powers, fit.coefficients, strict=True):
-                term = np.ones(len(x))
-                for variable in np.flatnonzero(powers):
-                    term *= values[:, variable, powers[variable]]
-                total += term[:, None] * row
-            found[:, fit.columns] = _FORMS[fit.form][1](total)
+    def _evaluate(self, values: Array) -> Array:
+        """Return parameters and offsets for Legendre polynomials (n, k, degrees)."""
+        found = self._terms[0].sums(values)
+        for form, columns in self._forms.items():
+            found[:, columns] = _FORMS[form][1](found[:, columns])
         return found
 
-    def _legendre(self, u: Array) -> tuple[Array, Array]:
-        """Return Legendre polynomials and their slopes at u (n, k), each (n, k, degrees)."""
+    def _legendre(self, x: Array) -> tuple[Array, Array]:
+        """Return Legendre polynomials and their slopes at designs (n, k), each (n, k, degrees)."""
         top = max((int(fit.powers.max(initial=0)) for fit in self._fits), default=0)
-        return _legendre(u, top)
+        return _legendre((x - self._middle) / self._half, top)
+
+    @cached_property
+    def _forms(self) -> dict[str, NDArray[np.intp]]:
+        """Columns of each form that is not the polynomial itself."""
+        found = {
+            form: [fit.columns for fit in self._fits if fit.form == form]
+            for form in _FORMS
+            if form != "polynomial"
+        }
+        return {form: np.concatenate(columns) for form, columns in found.items() if columns}
+
+    @cached_property
+    def _terms(self) -> list[_Terms]:
+        """Terms of the polynomials, and those that depend on each of the variables."""
+        width, k = len(self.indices) + len(self._offsets), len(self._half)
+        varied = [[fit.depending(variable) for fit in self._fits] for variable in range(k)]
+        return [
+            _Terms.of(self._fits, range(k), width),
+            *(
+                _Terms.of(fits, sorted(range(k), key=i.__ne__), width)
+                for i, fits in enumerate(varied)
+            ),
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """The terms of several fits, evaluated together."""
+
+    powers: NDArray[np.intp]  # (t, k)
+    order: tuple[int, ...]  # in which the variables are multiplied
+    width: int  # number of columns
+    # The first terms of all columns, their second terms and so on: which columns have one, which
+    # it is, and its coefficient.
+    steps: tuple[tuple[NDArray[np.intp], NDArray[np.intp], Array], ...]
+
+    @classmethod
+    def of(cls, fits: Sequence[_Fit], order: Sequence[int], width: int) -> _Terms:
+        """Arrange the terms of fits of so many columns in all."""
+        powers = np.concatenate([np.zeros((0, len(order)), np.intp), *(f.powers for f in fits)])
+        first = np.cumsum([0, *(len(fit.powers) for fit in fits)]).tolist()
+        steps = []
+        for step in range(max((len(fit.powers) for fit in fits), default=0)):
+            there = [i for i, fit in enumerate(fits) if len(fit.powers) > step]
+            which = [np.full(len(fits[i].columns), first[i] + step) for i in there]
+            steps.append(
+                (
+                    np.concatenate([fits[i].columns for i in there]),
+                    np.concatenate(which),
+                    np.concatenate([fits[i].coefficients[step] for i in there]),
+                )
+            )
+        return cls(powers, tuple(order), width, tuple(steps))
+
+    def sums(self, factors: Array) -> Array:
+        """Return the sum in each column, (n, width), for factors (n, k, degrees) of the terms."""
+        terms = np.ones((len(factors), len(self.powers)))
+        for variable in self.order:
+            terms *= factors[:, variable, self.powers[:, variable]]
+        found = np.zeros((len(factors), self.width))
+        # Term by term: a design must not depend on its neighbours in the batch.
+        for columns, which, coefficients in self.steps:
+            found[:, columns] += terms[:, which] * coefficients
+        return found
 
 
 def slot_map(
@@ -154,7 +207,7 @@ def slot_map(
         If a field has no effect, or changes what the model is made of.
     """
     middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
-    lowered = _Lowered(model, tuple(fields))
+    lowered = Lowered(model, tuple(fields))
     k = len(fields)
     centre = lowered.at(middle)
     moved = np.zeros((k, centre.size), dtype=bool)
@@ -240,7 +293,7 @@ def refitted(
     fields and the other values decide together, take a few distances; all others a few files.
     None if the parameters of the model are other polynomials.
     """
-    mine, theirs = _Lowered(model, tuple(fields)), _Lowered(known, tuple(fields))
+    mine, theirs = Lowered(model, tuple(fields)), Lowered(known, tuple(fields))
     most = max(len(fit.powers) for fit in like._fits)
     u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     points = like._middle + like._half * u
@@ -304,10 +357,10 @@ class _Sampled:
     of their ends: what has a kink where up to three variables reach a limit differs in one of them.
     """
 
-    def __init__(self, lowered: _Lowered, middle: Array, half: Array) -> None:
+    def __init__(self, lowered: Lowered, middle: Array, half: Array) -> None:
         self._lowered, self._middle, self._half = lowered, middle, half
         k = len(middle)
-        self._checks = np.concatenate([0.999 * _points(_CHECKS, k, seed=2), _vertices(k)])
+        self._checks = np.concatenate([points_of_box(_CHECKS, k), _vertices(k)])
         # Not every vertex is a design.
         found = [self._at(row, must=i < _CHECKS) for i, row in enumerate(self._checks)]
         there = [each is not None for each in found]
@@ -371,7 +424,7 @@ def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) 
     return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
-class _Lowered:
+class Lowered:
     """The engine's parameters, and offsets of straps, by lowering the file."""
 
     def __init__(self, model: Structure, fields: tuple[tuple[str, ...], ...]) -> None:
@@ -383,8 +436,27 @@ class _Lowered:
         extra = [(size + i, size + i + 1) for i in range(len(self._straps))]
         self.ranges = [*self._slots.values(), *extra]
 
+    @property
+    def own(self) -> Array:
+        """The engine's parameters of the model itself."""
+        return self._model.parameters
+
+    def parameters(self, x: Array, name: str = "") -> Array:
+        """Return the engine's parameters for values (k,) of the fields, those of `name` varied."""
+        return self._lowered(x, name)[1]
+
     def at(self, x: Array, name: str = "") -> Array:
-        """Return them for values (k,) of the fields; with a name, demand the same structure."""
+        """Return them with offsets of straps, whose lengths are the distances of their ends."""
+        file, found = self._lowered(x, name)
+        offsets = []
+        for strap, rest in zip(self._straps, self.rests, strict=True):
+            table = file.straps[strap]
+            distance = table.distance(file)
+            offsets.append(float(table.slack) - float(table.pretension) / table.constant)
+            found[rest] = distance
+        return np.concatenate([found, offsets])
+
+    def _lowered(self, x: Array, name: str) -> tuple[ModelFile, Array]:
         changes = dict(zip(self._fields, x.tolist(), strict=True))
         file: ModelFile = replaced(self._model.file, changes)
         described = lower(file)
@@ -398,14 +470,7 @@ class _Lowered:
                 f'"{name}" cannot be varied: it changes what the model is made of; give models '
                 "with other values, such as by --set."
             )
-        offsets = []
-        found = engine.parameters.copy()
-        for strap, rest in zip(self._straps, self.rests, strict=True):
-            table = file.straps[strap]
-            distance = table.distance(file)
-            offsets.append(float(table.slack) - float(table.pretension) / table.constant)
-            found[rest] = distance
-        return np.concatenate([found, offsets])
+        return file, engine.parameters.copy()
 
     def distances(self, x: Array) -> list[float]:
         """Return the distance of the ends of each strap, which is what `at` has for its length."""
@@ -481,6 +546,11 @@ def _legendre(u: Array, top: int) -> tuple[Array, Array]:
         values[..., n + 1] = ((2 * n + 1) * u * values[..., n] - n * values[..., n - 1]) / (n + 1)
         slopes[..., n + 1] = slopes[..., n - 1] + (2 * n + 1) * values[..., n]
     return values, slopes
+
+
+def points_of_box(count: int, k: int) -> Array:
+    """Return points inside the box at which a map is checked, (c, k) in [-1, 1]."""
+    return 0.999 * _points(count, k, seed=2)
 
 
 def _points(count: int, k: int, seed: int) -> Array:

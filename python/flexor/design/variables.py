@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -12,16 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.design.fields import keys_of, value_of
+from flexor.design.fields import keys_of, spline_of, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
+from flexor.design.profiles import SPLINE, control_values, recorded_splines, with_splines
 from flexor.design.slot_map import SlotMap, refitted, slot_map
+from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, SlotValues
 from flexor.model.quantity import Unit, infer_quantity
 from flexor.model.units import Quantity
 
 if TYPE_CHECKING:
+    from flexor.model import Model
     from flexor.model.structure import Structure
 
 NAME = "fields"
@@ -40,10 +43,17 @@ class Variables(ParameterSet):
         Units in which the fields are shown.
     load_fields : tuple of k LoadVariable or None
         What those fields are that are loads.
+    splines : dict
+        Number of control values of each size that varies along a rod, by its field.
     """
 
     kinds: tuple[Unit, ...] = ()
     load_fields: tuple[LoadVariable | None, ...] = ()
+    splines: Mapping[str, int] = field(default_factory=dict)
+
+    def prepared(self, model: Model) -> Model:
+        """Return the model that the designs are of, in which sizes that vary are splines."""
+        return with_splines(model, self.splines)
 
     def _check_units(self) -> None:
         """All units of model files are allowed."""
@@ -57,6 +67,15 @@ class Variables(ParameterSet):
     def si_units(self) -> tuple[str, ...]:
         """SI unit of each parameter, ``"1"`` for plain numbers."""
         return tuple(kind.si or "1" for kind in self.kinds)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Fields of the model file that the designs change."""
+        return self.labels
+
+    def field_values(self, p: Array) -> Array:
+        """Return the values of these of n designs (n, k), (n, m), SI."""
+        return self._designs(p)
 
     def on(self, rod: DesignSpace) -> Variables:
         """Return the same set, as fields belong to no exosuit."""
@@ -130,25 +149,44 @@ class Variables(ParameterSet):
         rows = zip(self.labels, self.kinds, np.asarray(p).tolist(), strict=True)
         made: dict[str, object] = {}
         for (label, kind, value), load in zip(rows, self._loads, strict=True):
-            made |= {label: kind.exact(value)} if load is None else load.changes(value)
+            size, _, index = label.rpartition(f".{SPLINE}.")
+            if load is not None:
+                made |= load.changes(value)
+            elif size in self.splines and index.isdigit():
+                # The whole size: the file may not have it as a spline yet.
+                whole = made.setdefault(size, {SPLINE: []})
+                whole[SPLINE].append(kind.exact(value))  # type: ignore[index]
+            else:
+                made[label] = kind.exact(value)
         return made
 
-    def _map(self, model: Structure) -> SlotMap:
+    def _map(self, model: Structure) -> SlotMap | SplineMap:
         found = self._maps.get(model)
         if found is None:
             chosen = ~self._of_loads
             labels = [label for label, own in zip(self.labels, chosen, strict=True) if own]
             keys = [keys_of(label, model.file) for label in labels]
-            # Models that differ in values have the same polynomials.
-            other = next(iter(list(self._maps.items())), None) if keys else None
-            found = None if other is None else refitted(other[1], other[0], model, keys)
+            found = self._refitted(model, keys)
             if found is None:
-                found = slot_map(model, keys, labels, self.lower[chosen], self.upper[chosen])
+                splines = any(spline_of(each, model.file) for each in keys)
+                make = spline_map if splines else slot_map
+                found = make(model, keys, labels, self.lower[chosen], self.upper[chosen])
             self._maps[model] = found
         return found
 
+    def _refitted(
+        self, model: Structure, keys: list[tuple[str, ...]]
+    ) -> SlotMap | SplineMap | None:
+        """Return the map of another model with other numbers: models differ in values only."""
+        other = next(iter(list(self._maps.items())), None) if keys else None
+        if other is None:
+            return None
+        if isinstance(other[1], SplineMap):
+            return refitted_spline_map(other[1], model, keys)
+        return refitted(other[1], other[0], model, keys)
+
     @cached_property
-    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap]:
+    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap | SplineMap]:
         return WeakKeyDictionary()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -165,7 +203,9 @@ def variables(
     bounds
         Lower and upper bound of each field by its dotted path, such as
         ``{"exosuit.length": ("8 cm", "12 cm"), "proximal.to.at": (0.4, 0.7)}``: texts with a unit,
-        or plain numbers for what has none.
+        or plain numbers for what has none. With a third entry,
+        ``{"exosuit.section.wall": ("1.5 mm", "3 mm", "spline 4")}``, a size of a rod varies along
+        it as a spline of four control values.
     model
         The model, whose own values are the starting design.
     source
@@ -175,7 +215,7 @@ def variables(
     ------
     InputError
         If there is no such field or it cannot be varied, two bounds are for one field, a bound has
-        no unit or one of another kind, or bounds are not in order.
+        no unit or one of another kind, bounds are not in order, or a size cannot vary along a rod.
 
     Examples
     --------
@@ -187,6 +227,8 @@ def variables(
     """
     if not bounds:
         raise InputError(f"{source}: name at least one field and its bounds.")
+    bounds, splines = control_values(bounds, model, source)
+    model = _prepared(model, splines)
     file, seen = model.file, dict[tuple[str, ...], str]()
     lower, upper, start, kinds, loads = [], [], [], [], []
     for label, pair in bounds.items():
@@ -212,7 +254,12 @@ def variables(
         start=np.array(start),
         kinds=tuple(kinds),
         load_fields=tuple(loads),
+        splines=splines,
     )
+
+
+def _prepared(model: Structure, splines: Mapping[str, int]) -> Structure:
+    return with_splines(model, splines) if splines else model  # type: ignore[arg-type]
 
 
 def _quantity(load: LoadVariable) -> float:
@@ -221,16 +268,9 @@ def _quantity(load: LoadVariable) -> float:
 
 def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
     """Return the variables that a study's settings describe, with bounds in SI units."""
-    made = variables(
-        {
-            label: tuple(_text(value, label, model) for value in (low, high))
-            for label, low, high in zip(
-                table["labels"], table["lower"], table["upper"], strict=True
-            )
-        },
-        model,
-        "the recorded variables",
-    )
+    labels = table["labels"]
+    ends = zip(table["lower"], table["upper"], strict=True)
+    made = variables_in_si(dict(zip(labels, ends, strict=True)), model, "the recorded variables")
     kinds = []
     for kind, unit in zip(made.kinds, table["units"], strict=True):
         text = "" if unit == "1" else unit
@@ -241,10 +281,27 @@ def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
         kinds=tuple(kinds),
         lower=np.array(table["lower"]),
         upper=np.array(table["upper"]),
+        splines=recorded_splines(labels, model.file),
     )
 
 
-def _text(value: float, label: str, model: Structure) -> object:
+def variables_in_si(
+    bounds: Mapping[str, Sequence[Any]], model: Structure, source: str
+) -> Variables:
+    """Make design variables with bounds that are SI numbers; see `variables`."""
+    given = {
+        label: (
+            *(_text(value, label, model, len(ends) > 2) for value in ends[:2]),
+            *ends[2:],
+        )
+        for label, ends in bounds.items()
+    }
+    return variables(given, model, source)
+
+
+def _text(value: float, label: str, model: Structure, along: bool) -> object:
+    if along:
+        return f"{value!r} m"
     load = load_variable(label, model)
     keys = () if load is not None else keys_of(label, model.file)
     own = value_of(keys, model.file) if load is None else _quantity(load)

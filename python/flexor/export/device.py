@@ -13,7 +13,7 @@ from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.pressure import Pressure
-from flexor.model.schema.profile import Taper, surface
+from flexor.model.schema.profile import Spline, Taper, surface
 from flexor.model.schema.section import Composite, Hollow, Stiffness, cavities_of
 
 if TYPE_CHECKING:
@@ -98,10 +98,16 @@ def device_of(model: Model, rod: str | None = None, source: str = "") -> Device:
             name,
             float(own.length),
             lambda x: surface(own.radius, x)[0],
-            isinstance(own.radius, Taper) or len(own.radius) == 2,
+            _is_linear(own.radius),
             source or model.name,
         )
     )
+
+
+def _is_linear(radius: Taper | Spline | tuple[float, ...]) -> bool:
+    if isinstance(radius, Taper):
+        return True
+    return len(radius.spline if isinstance(radius, Spline) else radius) <= 2
 
 
 def device_of_design(design: Design, rod: str | None = None, source: str = "") -> Device:

@@ -191,7 +191,9 @@ class _Search:
                     return ""
                 if error < best_error:
                     best, best_error = load, error
-                if self._at_limit(load).any() and not self.follow(load).event_count.any():
+                # At the limit of the range, and on the branch: nothing lies between that is nearer.
+                at_limit = (self.free & (load == limit)).any()
+                if at_limit and not self.follow(load).event_count.any():
                     break
         if whole:
             self.found.append(best)

@@ -9,6 +9,7 @@ from typing import Any
 from flexor.errors import InputError, unknown_name
 from flexor.model import variants
 from flexor.model.schema import ModelFile
+from flexor.model.schema.material import own_keys
 from flexor.model.toml import MAX_DEPTH
 from flexor.model.validation import describe
 
@@ -32,6 +33,10 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
         raise InputError(f"{source}: {describe(path)} has more than {MAX_DEPTH} parts.")
     keys = resolve(document, keys, source)
     value = _parse_value(value) if isinstance(value, str) else value
+    if keys[0] == "materials" and keys[2:] == ["library"]:
+        # What was taken from the other material of the library is not kept.
+        table = document["materials"][keys[1]]
+        document = _with(document, keys[:2], own_keys(table))
     result: dict[str, Any] = _with(document, keys, value)
     for table in variants.TABLES:
         sets = document.get(table)
@@ -42,6 +47,53 @@ def changed(document: Document, path: str, value: object, source: str) -> dict[s
             for name, values in sets.items()
         }
     return result
+
+
+def removed(document: Document, path: str, source: str) -> dict[str, Any]:
+    """Return a document without a field or an entry, such as ``"middle"``, also in its variants."""
+    keys = path_of(document, path, source)
+    result: dict[str, Any] = _without(document, keys)
+    for table in variants.TABLES:
+        sets = document.get(table)
+        if isinstance(sets, Mapping):
+            result[table] = {
+                name: _without(values, keys) if _defines(values, keys) else values
+                for name, values in sets.items()
+            }
+    return result
+
+
+def path_of(document: Document, path: str, source: str) -> list[str]:
+    """Return the keys of a field or of an entry; InputError if the document does not have it."""
+    keys = path.strip().split(".")
+    if len(keys) == 1:
+        keys = [t for t in _NAMED if keys[0] in document.get(t, {})][:1] + keys
+    if not (len(keys) == 2 and keys[0] in _NAMED):
+        keys = resolve(document, keys, source)
+    node: Any = document
+    found: list[str] = []
+    for key in keys:
+        if isinstance(node, (list, tuple)) and not key.isdigit() and len(node) == 1:
+            node = node[0]
+            found.append("0")
+        try:
+            node = node[int(key)] if isinstance(node, (list, tuple)) else node[key]
+        except (KeyError, IndexError, ValueError, TypeError):
+            names = node if isinstance(node, Mapping) else {}
+            what = unknown_name("key", key, names) if names else f'nothing called "{key}"'
+            raise InputError(f'{source}: "{path}" is not in the file: {what}.') from None
+        found.append(key)
+    return found
+
+
+def _without(table: Any, keys: Sequence[str]) -> Any:
+    if isinstance(table, (list, tuple)):
+        i = int(keys[0])
+        inside = [_without(table[i], keys[1:])] if len(keys) > 1 else []
+        return [*table[:i], *inside, *table[i + 1 :]]
+    if len(keys) == 1:
+        return {key: value for key, value in table.items() if key != keys[0]}
+    return {**table, keys[0]: _without(table[keys[0]], keys[1:])}
 
 
 def resolve(document: Document, keys: list[str], source: str) -> list[str]:

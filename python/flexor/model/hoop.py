@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.model.schema.pressure import Pressure
-from flexor.model.schema.profile import interpolated
+from flexor.model.schema.profile import Spline, interpolated
 from flexor.model.schema.section import Box, HalfRound, Hollow, Tube
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def hoop_strains(path: Path) -> Iterator[tuple[str, str, Array]]:
             continue
         rod = file.rod(pressure.rod)
         s, x = path.model.slot(f"{pressure.rod}.radius", path.parameters), rod.sample_points
-        places = np.array([rod.piece_at(point) for point in x])
+        places = rod.pieces_at(x)
         for place, section in enumerate(rod.pieces):
             if not isinstance(section, Hollow):
                 continue
@@ -68,6 +68,6 @@ def _outer(section: Hollow, s: Array, x: Array) -> Array:
 
 
 def _size(size: object, s: Array, x: Array) -> Array:
-    if isinstance(size, tuple):
+    if isinstance(size, (tuple, Spline)):
         return interpolated(size, x)[0]
     return np.full_like(s, float(size)) if hasattr(size, "text") else float(size) * s  # type: ignore[arg-type]

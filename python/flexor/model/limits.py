@@ -1,12 +1,14 @@
-"""Whether materials, straps, cavities and joints exceed their limits."""
+"""Whether materials, skins, straps, cavities and joints exceed their limits."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.model.hoop import LIMIT, hoop_strains
+from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
 if TYPE_CHECKING:
@@ -14,6 +16,8 @@ if TYPE_CHECKING:
 
 # Widths beyond its limit up to which the law of a joint is valid.
 WIDTHS = 10.0
+# Of what the layers of two skins are thick in all, up to which they bear one another.
+SKIN = 0.5
 
 
 def materials_exceeded(path: Path) -> list[str]:
@@ -31,7 +35,6 @@ def materials_exceeded(path: Path) -> list[str]:
     """
     if path.stretch is None:
         return []
-    size, unit = path.model.load_unit()
     found = []
     for index, (name, table) in enumerate(path.model.file.materials.items()):
         stretch = path.stretch[:, index]
@@ -50,7 +53,7 @@ def materials_exceeded(path: Path) -> list[str]:
             if limit is None or not (values >= limit).any():
                 continue
             worst = float(np.nanmax(values)) if limit else float(np.nanmin(stretch))
-            load = f"{path.force[np.argmax(values >= limit)] / size:.4g} {unit}"
+            load = _first_load(path, values >= limit)
             found.append(
                 f'material "{name}" {sentence.format(worst)}, from {load} on beyond its limit '
                 f"of {allowed.format(limit)}"
@@ -58,14 +61,45 @@ def materials_exceeded(path: Path) -> list[str]:
     return found
 
 
+def _first_load(path: Path, exceeded: NDArray[np.bool_]) -> str:
+    size, unit = path.model.load_unit()
+    return f"{path.force[np.argmax(exceeded)] / size:.4g} {unit}"
+
+
+def skin_depth(file: ModelFile) -> float | None:
+    """Return how far bodies may overlap: half of the least thickness of two skins that touch [m].
+
+    None where no rod has a skin.
+    """
+    rods: list[float] = []
+    links: list[float] = []
+    for body in file.bodies.values():
+        if body.skin is not None:
+            thickness = sum(float(layer.thickness) for layer in body.skin)
+            (rods if isinstance(body, Rod) else links).append(thickness)
+    return SKIN * (min(rods) + min(links, default=0.0)) if rods else None
+
+
+def skins_exceeded(path: Path) -> list[str]:
+    """Say whether bodies overlap by more than their skins bear; see `materials_exceeded`."""
+    depth = skin_depth(path.model.file)
+    overlap = path.max_overlap
+    if depth is None or overlap is None or not (overlap > depth).any():
+        return []
+    load = _first_load(path, overlap > depth)
+    return [
+        f"bodies overlap by {1e3 * np.nanmax(overlap):.3g} mm, from {load} on by more than "
+        f"{1e3 * depth:.3g} mm, half of what their skins are thick: it cannot be worn so"
+    ]
+
+
 def straps_exceeded(path: Path) -> list[str]:
     """List the straps beyond their limits, a sentence each; see `materials_exceeded`."""
-    size, unit = path.model.load_unit()
     found = []
     for name, forces in path.strap_forces().items():
         limit = path.model.file.straps[name].limit
         if limit is not None and (forces > limit).any():
-            load = f"{path.force[np.argmax(forces > limit)] / size:.4g} {unit}"
+            load = _first_load(path, forces > limit)
             found.append(
                 f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
                 f"limit of {limit:.4g} N"
@@ -75,7 +109,6 @@ def straps_exceeded(path: Path) -> list[str]:
 
 def joints_exceeded(path: Path) -> list[str]:
     """List the joints too far beyond their limits, a sentence each; see `materials_exceeded`."""
-    size, unit = path.model.load_unit()
     found = []
     for name, body in path.model.file.bodies.items():
         joint = body.joint
@@ -88,7 +121,7 @@ def joints_exceeded(path: Path) -> list[str]:
         beyond = np.maximum(lower - path.q[:, own], path.q[:, own] - upper)
         meant = WIDTHS * joint.limit_width
         if (beyond > meant).any():
-            load = f"{path.force[np.argmax(beyond > meant)] / size:.4g} {unit}"
+            load = _first_load(path, beyond > meant)
             shown = np.array([np.nanmax(beyond), meant])
             far, allowed = np.degrees(shown) if angular else 1e3 * shown
             measure = "deg" if angular else "mm"

@@ -27,9 +27,9 @@ def forces(force: Forces, dimension: Dimension = FORCE, name: str = "force") -> 
     ----------
     force
         Numbers in N, texts with a unit (``"500 mN"``) and ranges ``"start:stop:step"`` such as
-        ``"0:5:1"``, up or down, which include the stop; or one text of these with commas between
-        them. A single value is a list of one. Forces may rise, fall and be negative; where a range
-        begins as the entry before it ends, that force comes once.
+        ``"0:5:1"``, up or down, which end at the stop (with a smaller step if needed); or one text
+        of these with commas between them. A single value is a list of one. Forces may rise, fall
+        and be negative; where a range begins as the entry before it ends, that force comes once.
     dimension
         Dimension of the loads. Texts with pressures (``"0:60:5 kPa"``), volumes and lengths need a
         unit.
@@ -179,7 +179,8 @@ def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list
         raise InputError(f'{path} is "{text}": a path has at most {_MAX_STEPS:,} steps.')
     step = step.copy_sign(stop - start)
     # Decimal, so that 0:5:0.1 holds exactly the numbers that 0:5:1 holds.
-    return [start + step * index for index in range(int(steps) + 1)]
+    found = [start + step * index for index in range(int(steps) + 1)]
+    return found if found[-1] == stop else [*found, stop]
 
 
 def _decimal(text: str) -> Decimal | None:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from flexor.arrays import Array
 from flexor.model.schema import (
     Body,
     FixedJoint,
@@ -19,7 +18,6 @@ from flexor.model.schema import (
     Rod,
 )
 from flexor.model.schema.foundation import lower_self_contact, lower_skins
-from flexor.model.schema.profile import surface
 from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
@@ -83,10 +81,9 @@ def _body(name: str, body: Body, planar: bool) -> Json:
     place = body.placement
     translation = np.array([place.x, place.y, place.z], dtype=float)
     if isinstance(body, Rod):
-        radius, slope = surface(body.radius, body.sample_points)
         if place.reference == "underside":
-            translation = translation + radius[0] * place.dorsal
-        shape = {"rod": _rod(body, radius, slope)}
+            translation = translation + body.surface.radius[0] * place.dorsal
+        shape = {"rod": _rod(body)}
     else:
         shape = {"link": _link(body)}
     return {
@@ -101,7 +98,7 @@ def _body(name: str, body: Body, planar: bool) -> Json:
     }
 
 
-def _rod(rod: Rod, radius: Array, slope: Array) -> Json:
+def _rod(rod: Rod) -> Json:
     if is_made_of_fibres(rod):
         section: Json = {"kind": "fibres"}
         # Not used by the engine, which takes those of the fibres.
@@ -126,8 +123,8 @@ def _rod(rod: Rod, radius: Array, slope: Array) -> Json:
         "shear_modulus": shear,
         "density": float(rod.density),
         "reference_strain": [float(getattr(rod.reference_strain, mode)) for mode in MODES],
-        "radius": radius.tolist(),
-        "slope": slope.tolist(),
+        "radius": rod.surface.radius.tolist(),
+        "slope": rod.surface.slope.tolist(),
     }
 
 

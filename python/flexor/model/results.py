@@ -22,6 +22,7 @@ from flexor.model.limits import (
     ballooning_cavities,
     joints_exceeded,
     materials_exceeded,
+    skins_exceeded,
     straps_exceeded,
 )
 from flexor.model.structure import Structure
@@ -485,8 +486,11 @@ class Path(Displayed, Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, straps, joints and hoop strains beyond their limits, one sentence each."""
-        checks = (materials_exceeded, straps_exceeded, joints_exceeded, ballooning_cavities)
+        """Materials, skins, straps, joints and hoop strains beyond limits, one sentence each."""
+        checks = (
+            *(materials_exceeded, skins_exceeded, straps_exceeded, joints_exceeded),
+            ballooning_cavities,
+        )
         return [sentence for check in checks for sentence in check(self)]
 
     def hoop_strain(self) -> dict[str, Array]:

@@ -40,13 +40,14 @@ class Known:
 
         Of those that did not fail.
         """
-        chosen: list[FloatArray] = []
-        for key in sorted(self._values, key=lambda key: self._values[key]):
-            if not np.isfinite(self._values[key]):
+        keys, values = list(self._values), np.array(list(self._values.values()))
+        found = np.empty((min(count, len(keys)), self._run.size))
+        n = 0
+        for i in np.argsort(values, kind="stable").tolist():
+            if n == len(found) or not np.isfinite(values[i]):
                 break
-            point = np.frombuffer(key)
-            if all(np.max(np.abs(point - other)) > distance for other in chosen):
-                chosen.append(point)
-                if len(chosen) == count:
-                    break
-        return np.array(chosen).reshape(len(chosen), self._run.size)
+            point = np.frombuffer(keys[i])
+            if (np.abs(found[:n] - point).max(axis=1) > distance).all():
+                found[n] = point
+                n += 1
+        return found[:n]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from flexor.design import ParameterSet, Variables
@@ -29,6 +29,7 @@ def tolerances(
     given
         By label of a design parameter or, where these are fields, by any numeric field: the largest
         error with its unit such as ``"0.1 mm"``, or ``"0.1 mm normal"`` for a standard deviation.
+        Of a size that varies along a rod it is that of each control value.
     chosen
         The design parameters.
     model
@@ -43,7 +44,7 @@ def tolerances(
         kind, or is not above 0.
     """
     found: dict[tuple[str, ...], Tolerance] = {}
-    for name, value in (given or {}).items():
+    for name, value in _with_splines(given or {}, chosen):
         size, kind = split(value, f"{source}: {name}")
         keys, label = _place(name, chosen, model)
         if keys in found:
@@ -55,9 +56,27 @@ def tolerances(
     return tuple(found.values())
 
 
+def _with_splines(
+    given: Mapping[str, object], chosen: ParameterSet
+) -> Iterator[tuple[str, object]]:
+    """Yield tolerances, those of a size that varies along a rod for each control value.
+
+    Of a radius that was linear, those of base and tip for the first and the last.
+    """
+    splines = chosen.splines if isinstance(chosen, Variables) else {}
+    for name, value in given.items():
+        size, _, end = name.rpartition(".")
+        if name in splines:
+            yield from ((f"{name}.spline.{i}", value) for i in range(splines[name]))
+        elif size in splines and end in ("base", "tip"):
+            yield f"{size}.spline.{0 if end == 'base' else splines[size] - 1}", value
+        else:
+            yield name, value
+
+
 def _place(name: str, chosen: ParameterSet, model: Structure) -> tuple[tuple[str, ...], str]:
     """Return what identifies a field, and its label."""
-    if not isinstance(chosen, Variables):
+    if not isinstance(chosen, Variables) or chosen.fields != chosen.labels:
         if name not in chosen.labels:
             raise unknown(f"parameter of {chosen.name}", name, chosen.labels)
         return (name,), name

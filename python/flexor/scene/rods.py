@@ -107,7 +107,8 @@ class Swept:
 
     def around(self, station: int) -> Array:
         """Return points around the section at a station, y and z, (n, 2) [m]."""
-        place, here = self.rod.piece_at(self.x[station]), np.array([station])
+        here = np.array([station])
+        (place,) = self.rod.pieces_at(self.x[here]).tolist()
         ((_, geometry),) = along(self.rod, self.materials, place, self.x[here])
         outlines = [outline(part.shape, self.surface[here]) for part in _material_parts(geometry)]
         return np.concatenate([each.points[0] for each in outlines])

@@ -10,8 +10,8 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError
-from flexor.sections.linear import Linear
-from flexor.sections.shapes import Shape, moments
+from flexor.sections.linear import Linear, at
+from flexor.sections.shapes import Cells, Shape, moments
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,15 @@ class Part:
     stretch: float = 1.0
     winding: Linear | None = None
     stiffening: bool = False
+
+    def windings(self, cells: Cells) -> Array:
+        """Return the radius of the winding and that of each cell, (n, 4); 1 where there is none."""
+        none = np.array([1.0, 0.0])
+        of_cells = none if self.winding is None or cells.radius is None else cells.radius
+        made = np.empty((len(cells.z), 4))
+        made[:, :2] = none if self.winding is None else self.winding.coefficients
+        made[:, 2:] = of_cells
+        return made
 
 
 @dataclass(frozen=True)
@@ -109,14 +118,12 @@ class Geometry:
         solid = len(shapes)
         shapes += [shape for cavity in self.cavities.values() for shape in cavity.shapes]
         for i, shape in enumerate(shapes):
-            for cell in shape.cells(folded=False, exact=True):
-                y, z = cell.y.at(s), cell.z.at(s)
-                for j, other in enumerate(shapes):
-                    if i != j and other.contains(y, z, s):
-                        first, second = sorted((names[i], names[j]))
-                        raise InputError(
-                            f"{first} and {second} overlap, where S is {1e3 * s:.4g} mm"
-                        )
+            cells = shape.cells(folded=False, exact=True)
+            y, z = at(cells.y, s), at(cells.z, s)
+            for j, other in enumerate(shapes):
+                if i != j and other.contains(y, z, s).any():
+                    first, second = sorted((names[i], names[j]))
+                    raise InputError(f"{first} and {second} overlap, where S is {1e3 * s:.4g} mm")
         if not solid:
             raise InputError("has no part of material")
         low, high = (
@@ -139,11 +146,10 @@ class Geometry:
         sums: dict[str, Array] = {}
         hollow = [(name, shape) for name, c in self.cavities.items() for shape in c.shapes]
         for name, shape in [*((part.material, part.shape) for part in self.parts), *hollow]:
-            for cell in shape.cells(folded=False):
-                y, z = cell.y.at(s) / s, cell.z.at(s) / s
-                area = float(cell.area @ np.array([1.0, s, s * s])) / s**2
-                odd = area * np.array([y, y * z, y * z * z, y**3])
-                sums[name] = sums.get(name, np.zeros(4)) + odd
+            cells = shape.cells(folded=False)
+            y, z, area = at(cells.y, s) / s, at(cells.z, s) / s, at(cells.area, s) / s**2
+            odd = np.stack([y, y * z, y * z * z, y**3]) @ area
+            sums[name] = sums.get(name, np.zeros(4)) + odd
         return all(np.abs(each).max() < 1e-9 for each in sums.values())
 
     def fibres(self, materials: Mapping[str, int], folded: bool) -> list[dict[str, Any]]:
@@ -158,24 +164,20 @@ class Geometry:
         """
         described: dict[object, dict[str, Any]] = {}
         for part in self.parts:
-            for cell in part.shape.cells(folded):
-                winding = [1.0, 0.0, 1.0, 0.0]
-                if part.winding is not None:
-                    own = Linear(1.0) if cell.radius is None else cell.radius
-                    winding = [*part.winding.coefficients.tolist(), *own.coefficients.tolist()]
+            cells = part.shape.cells(folded)
+            y = np.zeros_like(cells.z) if folded else cells.y
+            places = np.concatenate([y, cells.z, part.windings(cells)], axis=1)
+            for place, area in zip(places.tolist(), cells.area, strict=True):
                 fibre = {
                     "material": materials[part.material],
-                    "y": cell.y.coefficients.tolist(),
-                    "z": cell.z.coefficients.tolist(),
-                    "area": cell.area,
+                    "y": place[:2],
+                    "z": place[2:4],
+                    "area": np.zeros(3),
                     "stretch": part.stretch,
-                    "winding": winding,
+                    "winding": place[4:],
                 }
-                if folded:
-                    fibre["y"] = [0.0, 0.0]
-                key = str([value for name, value in fibre.items() if name != "area"])
-                same = described.setdefault(key, {**fibre, "area": 0.0})
-                same["area"] = same["area"] + cell.area
+                key = (part.material, part.stretch, *place)
+                described.setdefault(key, fibre)["area"] += area
         return [{**fibre, "area": fibre["area"].tolist()} for fibre in described.values()]
 
     def polar(self, moduli: Mapping[str, float], s: float) -> float:
@@ -189,11 +191,10 @@ class Geometry:
             S [m].
         """
         total = 0.0
-        powers = np.array([1.0, s, s * s])
         for part in self.parts:
-            for cell in part.shape.cells(folded=False):
-                square = cell.y.at(s) ** 2 + cell.z.at(s) ** 2
-                total += moduli[part.material] * float(cell.area @ powers) * square
+            cells = part.shape.cells(folded=False)
+            square = at(cells.y, s) ** 2 + at(cells.z, s) ** 2
+            total += moduli[part.material] * float(at(cells.area, s) @ square)
         return total
 
     def mass(self, densities: Mapping[str, float]) -> Array:

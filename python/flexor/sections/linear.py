@@ -48,7 +48,44 @@ class Linear:
 
     def times(self, other: Linear) -> Array:
         """Return the coefficients of 1, S and S² of a product; shape (3,)."""
-        return np.convolve(self.coefficients, other.coefficients)
+        return product(self.coefficients, other.coefficients)
+
+
+def at(coefficients: Array, s: Value) -> Array:
+    """Return polynomials of S at S = `s`.
+
+    Parameters
+    ----------
+    coefficients : (..., m) array
+        Of 1, S, S² and so on.
+    s : float or array
+        S [m], of the shape of the polynomials if there are several.
+    """
+    found = coefficients[..., -1]
+    for each in np.moveaxis(coefficients[..., -2::-1], -1, 0):
+        found = each + found * s
+    return np.asarray(found)
+
+
+def product(polynomials: Array, lengths: Array) -> Array:
+    """Return the coefficients of products of polynomials of S with lengths.
+
+    Parameters
+    ----------
+    polynomials : (..., m) array
+        Coefficients of 1, S, S² and so on.
+    lengths : (..., 2) array
+        Coefficients of 1 and S.
+
+    Returns
+    -------
+    (..., m + 1) array
+    """
+    constant, multiple = polynomials * lengths[..., :1], polynomials * lengths[..., 1:]
+    made = np.zeros((*constant.shape[:-1], constant.shape[-1] + 1))
+    made[..., :-1] += constant
+    made[..., 1:] += multiple
+    return made
 
 
 ZERO = Linear(0.0)

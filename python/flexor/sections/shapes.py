@@ -7,13 +7,14 @@ quadratic in S: a shape is cut up once for every S.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from math import pi, sin, sqrt
+from functools import lru_cache
+from math import pi, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.sections.linear import ZERO, Linear, Value
+from flexor.sections.linear import ZERO, Linear, Value, product
 
 # Quadrature points: across a wall, along the radius of a disc, over the height of a full arc and of
 # half of one, and along a side. Polynomials of y and z are exact up to the fifth degree on a full
@@ -23,24 +24,24 @@ _ACROSS, _RADII, _ARC, _HALF_ARC, _SIDE = 2, 4, 3, 2, 4
 _EXACT = 6
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A part of a shape.
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Parts of a shape, n of them.
 
     Attributes
     ----------
-    y, z : Linear
-        Place [m].
-    area : (3,) array
+    y, z : (n, 2) arrays
+        Their places: coefficients of 1 and S [m, 1].
+    area : (n, 3) array
         Coefficients of 1, S and S² [m², m, 1].
-    radius : Linear or None
-        Distance from the centre of the arc that it is part of.
+    radius : (n, 2) array or None
+        Distance from the centre of the arc that they are part of, as the places.
     """
 
-    y: Linear
-    z: Linear
+    y: Array
+    z: Array
     area: Array
-    radius: Linear | None = None
+    radius: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Sector:
     half: bool = False
     ratio: float = 1.0
 
-    def cells(self, folded: bool, exact: bool = False) -> list[Cell]:
+    def cells(self, folded: bool, exact: bool = False) -> Cells:
         """Cut the shape up.
 
         Parameters
@@ -76,40 +77,25 @@ class Sector:
         exact
             Whether areas and moments have to be exact.
         """
-        solid = self.inner == ZERO
-        radial = _gauss(_EXACT if exact else _RADII if solid else _ACROSS)
-        thickness = self.outer - self.inner
-        found = []
-        usual = _HALF_ARC if self.half else _ARC
-        for cosine, sine, share in self._directions(folded, _EXACT if exact else usual):
-            for place, weight in radial:
-                r = self.inner + thickness * place
-                area = r.times(thickness) * (share * weight * self.ratio)
-                y = self.y if folded else self.y + r * (cosine * self.ratio)
-                found.append(Cell(y, self.z + r * sine, area, r))
-        return found
+        radii = _EXACT if exact else _RADII if self.inner == ZERO else _ACROSS
+        angles = _EXACT if exact else _HALF_ARC if self.half else _ARC
+        cosine, sine, place, share = _polar_rule(self.half, folded, angles, radii)
+        thickness = (self.outer - self.inner).coefficients
+        radius = self.inner.coefficients + place * thickness
+        y = np.broadcast_to(self.y.coefficients, radius.shape)
+        return Cells(
+            y if folded else y + radius * (cosine * self.ratio),
+            self.z.coefficients + radius * sine,
+            product(radius, thickness) * (share * self.ratio),
+            radius,
+        )
 
-    def _directions(self, folded: bool, points: int) -> list[tuple[float, float, float]]:
-        """Cosines and sines of angles from the y axis, with what they stand for [rad].
-
-        Gauss rules for functions of the sine: with n points, polynomials up to the degree 2n - 1.
-        """
-        if self.half:
-            rule = _arc(points)
-        else:
-            rule = [(sin((k + 0.5) * pi / points - pi / 2), pi / points) for k in range(points)]
-        sides = [(sqrt(1.0 - sine * sine), sine, weight) for sine, weight in rule]
-        if folded:
-            return [(cosine, sine, 2.0 * weight) for cosine, sine, weight in sides]
-        return [(sign * cosine, sine, w) for sign in (1.0, -1.0) for cosine, sine, w in sides]
-
-    def contains(self, y: float, z: float, s: float) -> bool:
-        """Whether a point is inside, by more than rounding."""
+    def contains(self, y: Array, z: Array, s: float) -> NDArray[np.bool_]:
+        """Whether points are inside, by more than rounding."""
         dy, dz = (y - self.y.at(s)) / self.ratio, z - self.z.at(s)
-        margin = 1e-9 * self.outer.at(s)
-        if self.half and dz < margin:
-            return False
-        return self.inner.at(s) + margin < float(np.hypot(dy, dz)) < self.outer.at(s) - margin
+        margin, distance = 1e-9 * self.outer.at(s), np.hypot(dy, dz)
+        inside = (self.inner.at(s) + margin < distance) & (distance < self.outer.at(s) - margin)
+        return np.asarray(inside & (dz >= margin) if self.half else inside)
 
     def extent(self, s: Value) -> tuple[Value, Value, Value, Value]:
         """Return the lowest and highest y, and z [m]; of an array S, arrays."""
@@ -137,21 +123,20 @@ class Rectangle:
     height: Linear
     points: tuple[int, int] = (_SIDE, _SIDE)
 
-    def cells(self, folded: bool, exact: bool = False) -> list[Cell]:
+    def cells(self, folded: bool, exact: bool = False) -> Cells:
         """Cut the shape up; see `Sector.cells`."""
-        across_points, up_points = (_EXACT, _EXACT) if exact else self.points
-        found = []
-        for across, share in [(0.5, 1.0)] if folded else _gauss(across_points):
-            for up, weight in _gauss(up_points):
-                y = self.y + self.width * (across - 0.5)
-                z = self.z + self.height * (up - 0.5)
-                found.append(Cell(y, z, self.width.times(self.height) * (share * weight)))
-        return found
+        across, up, share = _side_rule(folded, *((_EXACT, _EXACT) if exact else self.points))
+        return Cells(
+            self.y.coefficients + self.width.coefficients * across,
+            self.z.coefficients + self.height.coefficients * up,
+            self.width.times(self.height) * share,
+        )
 
-    def contains(self, y: float, z: float, s: float) -> bool:
-        """Whether a point is inside, by more than rounding."""
+    def contains(self, y: Array, z: Array, s: float) -> NDArray[np.bool_]:
+        """Whether points are inside, by more than rounding."""
         half = [0.5 * (1.0 - 1e-9) * side.at(s) for side in (self.width, self.height)]
-        return abs(y - self.y.at(s)) < half[0] and abs(z - self.z.at(s)) < half[1]
+        inside = (np.abs(y - self.y.at(s)) < half[0]) & (np.abs(z - self.z.at(s)) < half[1])
+        return np.asarray(inside)
 
     def extent(self, s: Value) -> tuple[Value, Value, Value, Value]:
         """Return the lowest and highest y, and z [m]; of an array S, arrays."""
@@ -162,15 +147,50 @@ class Rectangle:
 Shape = Sector | Rectangle
 
 
-@cache
-def _gauss(points: int) -> list[tuple[float, float]]:
+@lru_cache(maxsize=64)
+def _polar_rule(half: bool, folded: bool, angles: int, radii: int) -> Array:
+    """Cosines and sines of angles from the y axis, places across a ring, and shares [rad].
+
+    The four as (4, n, 1), along the radius first. Gauss rules for functions of the sine: with as
+    many angles, polynomials up to the degree 2 angles - 1.
+    """
+    if half:
+        sine, share = _arc(angles)
+    else:
+        sine = np.array([sin((k + 0.5) * pi / angles - pi / 2) for k in range(angles)])
+        share = np.full(angles, pi / angles)
+    cosine = np.sqrt(1.0 - sine * sine)
+    if folded:
+        share = 2.0 * share
+    else:
+        cosine, sine, share = np.append(cosine, -cosine), np.tile(sine, 2), np.tile(share, 2)
+    place, weight = _gauss(radii)
+    rule = [*np.repeat([cosine, sine], radii, axis=1), np.tile(place, len(sine))]
+    return _fixed(*rule, np.repeat(share, radii) * np.tile(weight, len(sine)))
+
+
+@lru_cache(maxsize=64)
+def _side_rule(folded: bool, across: int, up: int) -> Array:
+    """Places along both sides of a unit square from its middle, and shares, (3, n, 1)."""
+    along, share = (np.array([0.5]), np.ones(1)) if folded else _gauss(across)
+    height, weight = _gauss(up)
+    rule = np.repeat(along - 0.5, up), np.tile(height - 0.5, len(along))
+    return _fixed(*rule, np.repeat(share, up) * np.tile(weight, len(along)))
+
+
+def _fixed(*columns: Array) -> Array:
+    rule = np.stack(columns)[:, :, None]
+    rule.setflags(write=False)
+    return rule
+
+
+def _gauss(points: int) -> tuple[Array, Array]:
     """Gauss-Legendre rule on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(points)
-    return [(0.5 * (a + 1.0), 0.5 * b) for a, b in zip(x.tolist(), w.tolist(), strict=True)]
+    return 0.5 * (x + 1.0), 0.5 * w
 
 
-@cache
-def _arc(points: int) -> list[tuple[float, float]]:
+def _arc(points: int) -> tuple[Array, Array]:
     """Gauss rule for ∫ f(sin φ) dφ from 0 to π/2 (Golub and Welsch 1969)."""
     x, w = np.polynomial.legendre.leggauss(40)
     angle, weight = (x + 1.0) * pi / 4.0, w * pi / 4.0
@@ -184,8 +204,7 @@ def _arc(points: int) -> list[tuple[float, float]]:
         before, here = here, after / beside[k]
     matrix = np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1)
     nodes, vectors = np.linalg.eigh(matrix)
-    weights = pi / 2.0 * vectors[0] ** 2
-    return list(zip(nodes.tolist(), weights.tolist(), strict=True))
+    return nodes, pi / 2.0 * vectors[0] ** 2
 
 
 @lru_cache(maxsize=1024)
@@ -202,11 +221,10 @@ def moments(shapes: tuple[Shape, ...]) -> Array:
     (11,) array
         Coefficients of 1, S, S² of the area, then those of 1, S, S², S³ of ∫ y dA and ∫ z dA [SI].
     """
-    total = np.zeros(11)
-    for shape in shapes:
-        for cell in shape.cells(folded=False, exact=True):
-            total[:3] += cell.area
-            total[3:7] += np.convolve(cell.area, cell.y.coefficients)
-            total[7:] += np.convolve(cell.area, cell.z.coefficients)
+    cells = [shape.cells(folded=False, exact=True) for shape in shapes]
+    rows = [
+        np.concatenate([c.area, product(c.area, c.y), product(c.area, c.z)], axis=1) for c in cells
+    ]
+    total: Array = np.concatenate([np.zeros((0, 11)), *rows]).sum(axis=0)
     total.setflags(write=False)
     return total

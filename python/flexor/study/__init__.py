@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexor.study.choices import Choices, choices, is_choices, resume_choices
 from flexor.study.design import Design
 from flexor.study.executors import (
     AnyExecutor,
@@ -28,6 +29,7 @@ from flexor.study.verdict import Kept, Verdict
 __all__ = [
     "AnyExecutor",
     "Changed",
+    "Choices",
     "Cluster",
     "Comparison",
     "Design",
@@ -52,10 +54,13 @@ __all__ = [
     "Threads",
     "Uncertainty",
     "Verdict",
+    "choices",
     "chosen_executor",
+    "is_choices",
     "objective_function",
     "optimize",
     "rerun",
     "resume",
+    "resume_choices",
     "sizes",
 ]

@@ -87,6 +87,7 @@ class Problem:
             parameters = variables(parameters, model, "parameters")
         if isinstance(parameters, Variables):
             chosen: ParameterSet = parameters
+            model = parameters.prepared(model)
         else:
             chosen = parameter_set(parameters, model.design).on(model.design)
         if bounds:

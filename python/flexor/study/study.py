@@ -58,6 +58,7 @@ class Study(Displayed):
     folder: Path | None = None  # of the study; None in memory
     result: SearchResult | None = None  # of the search, if it was completed in this process
     _whole: Problem | None = None  # while the problem is that of the model as it is
+    _best: Design | None = None  # as it was last asked for, with its path and verdict
 
     @classmethod
     def open(
@@ -140,7 +141,11 @@ class Study(Displayed):
             reasons = self.record.failures()
             why = f": {next(iter(reasons))}" if reasons else ""
             raise InputError(f"no design of the study succeeded{why}.")
-        return Design.of(self.problem, vector, self.record.outcomes(vector))
+        known = self._best
+        if known is None or known.problem is not self.problem or any(known.vector != vector):
+            self._best = Design.of(self.problem, vector, self.record.outcomes(vector))
+        assert self._best is not None
+        return self._best
 
     @property
     def front(self) -> Front:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..page import write_page
-from . import results
+from . import moved_fibres, results
 from .actuators import ACTUATORS, BULK, CAP, CONTACT, FIBRES, MESHES, SHEAR
 from .results import Results
 
@@ -58,6 +58,20 @@ def rods() -> dict[str, list[dict[str, float]]]:
     return rows
 
 
+def half_round() -> list[dict[str, float]]:
+    """Return angles of the half-round chamber [degrees] with fibres that stay and that move."""
+    states, actuator = results.read("half-round")["coarse"], ACTUATORS["half-round"]
+    return [
+        {
+            "pressure": pressure,
+            "fe": found,
+            "stay": moved_fibres.angle(actuator, pressure, moved=False),
+            "move": moved_fibres.angle(actuator, pressure, moved=True),
+        }
+        for pressure, found in zip(states["pressure"], states["angle"], strict=True)
+    ]
+
+
 def write(page: Path) -> None:
     """Write the page."""
     found = {name: results.read(name) for name in ACTUATORS}
@@ -70,6 +84,7 @@ def write(page: Path) -> None:
         less=less,
         exponent=exponent,
         rods=rods(),
+        half_round=half_round(),
         deviation=deviation,
         constants={
             "shear": SHEAR,

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
-from flexor._engine import sample_points
+from flexor import _engine
 from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.joint import FixedJoint, Joint
-from flexor.model.schema.profile import LinkRadius, RodRadius
+from flexor.model.schema.profile import LinkRadius, RodRadius, SampledSurface, surface
 from flexor.model.schema.section import Section, Sections, Solid
 from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
@@ -133,10 +133,10 @@ class Rod(Table):
         """The sections from base to tip."""
         return self.section if isinstance(self.section, tuple) else (self.section,)
 
-    def piece_at(self, point: float) -> int:
-        """Return which of the sections is at X in [0, 1], the earlier one where two meet."""
+    def pieces_at(self, points: Array) -> NDArray[np.intp]:
+        """Return which of the sections is at X in [0, 1] (n,), the earlier one where two meet."""
         ends = [1.0 if piece.span is None else piece.span[1] for piece in self.pieces]
-        return next(index for index, end in enumerate(ends) if point <= end)
+        return np.searchsorted(ends, points)
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:
@@ -169,7 +169,12 @@ class Rod(Table):
     @property
     def sample_points(self) -> Array:
         """Sample points X in [0, 1], element ends and Gauss points; shape (P,)."""
-        return sample_points(self.elements, self.gauss_points)
+        return _sample_points(self.elements, self.gauss_points)
+
+    @cached_property
+    def surface(self) -> SampledSurface:
+        """The surface at the sample points."""
+        return SampledSurface(*surface(self.radius, self.sample_points))
 
     @property
     def sample_count(self) -> int:
@@ -179,9 +184,7 @@ class Rod(Table):
     @property
     def gauss_rule(self) -> tuple[NDArray[np.intp], Array]:
         """Which sample points are Gauss points, and their shares of the length, each (G,)."""
-        points = np.arange(self.sample_count)
-        shares = np.tile(0.5 * _weights(self.gauss_points) / self.elements, self.elements)
-        return np.flatnonzero(points % (self.gauss_points + 1)), shares
+        return _gauss_rule(self.elements, self.gauss_points)
 
     def point_at(self, fraction: float) -> int | None:
         """Return the sample point at a fraction of the length, if it is an element boundary."""
@@ -211,8 +214,20 @@ class Link(Table):
 
 
 @lru_cache(maxsize=64)
-def _weights(points: int) -> Array:
-    return np.asarray(np.polynomial.legendre.leggauss(points)[1])
+def _sample_points(elements: int, gauss_points: int) -> Array:
+    points = _engine.sample_points(elements, gauss_points)
+    points.setflags(write=False)
+    return points
+
+
+@lru_cache(maxsize=64)
+def _gauss_rule(elements: int, gauss_points: int) -> tuple[NDArray[np.intp], Array]:
+    weights = np.polynomial.legendre.leggauss(gauss_points)[1]
+    points = np.arange(elements * (gauss_points + 1) + 1)
+    rule = np.flatnonzero(points % (gauss_points + 1)), np.tile(0.5 * weights / elements, elements)
+    for array in rule:
+        array.setflags(write=False)
+    return rule
 
 
 def _count(number: int, noun: str) -> str:

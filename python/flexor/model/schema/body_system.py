@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import Field, model_validator
 
+from flexor.arrays import Array
 from flexor.materials import library
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.material import Material
 from flexor.model.schema.points import SphereGroup
+from flexor.model.schema.reference import reference_frames
 from flexor.model.schema.table import Name, Switch, Table, Text
 from flexor.model.schema.vector import Gravity
 
@@ -67,6 +70,11 @@ class BodySystem(Table):
             for name, entry in getattr(self, table).items():
                 if isinstance(entry, kind):
                     yield table, name, entry
+
+    @cached_property
+    def reference_frames(self) -> dict[str, Callable[[float], Array]]:
+        """The frame along each body in the reference state; see `reference_frames`."""
+        return reference_frames(self.bodies)
 
     def rod(self, name: str) -> Rod:
         """Return a rod by name."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.model.schema.body import Rod
-from flexor.model.schema.profile import surface
 from flexor.model.schema.section_geometry import Materials, gauss_points, geometries
+from flexor.sections import Cavity
+from flexor.sections.linear import at
 from flexor.sections.shapes import moments
 
 
@@ -37,35 +38,27 @@ def lower_cavity(
         The materials of the file.
     """
     built, of_gauss = geometries(rod, materials)
-    cavities = [None if each is None else each.cavities.get(cavity) for _, each in built]
-    points = gauss_points(rod)
-    radius, _ = surface(rod.radius, rod.sample_points)
+    none = Cavity((), ())
+    cavities = [none if each is None else each.cavities.get(cavity, none) for _, each in built]
+    acting = np.stack([moments(each.enclosed) for each in cavities])
+    solid = (acting - np.stack([moments(each.shapes) for each in cavities]))[of_gauss]
+    s = rod.surface.radius[gauss_points(rod)]
+    area, y, z = (at(part, s) for part in np.split(solid, [3, 7], axis=1))
+    curved = rod.reference_strain
+    swept = area * curved.extend_x + z * curved.bend_y - y * curved.bend_z
     share, weights = _shares(rod, span)
-    enclosed = 0.0
-    for place, point in enumerate(points):
-        hollow = cavities[of_gauss[place]]
-        if hollow is None:
-            continue
-        s = float(radius[point])
-        solid = moments(hollow.enclosed) - moments(hollow.shapes)
-        curved = [
-            float(getattr(rod.reference_strain, key)) for key in ("extend_x", "bend_y", "bend_z")
-        ]
-        area, y, z = _at(solid, s)
-        swept = area * curved[0] + z * curved[1] - y * curved[2]
-        enclosed += weights[place] * share[place] * float(rod.length) * swept
     return {
-        "sections": [moments(() if each is None else each.enclosed).tolist() for each in cavities],
+        "sections": acting.tolist(),
         "of_gauss": of_gauss,
         "share": share.tolist(),
-        "enclosed": enclosed,
+        "enclosed": float(np.cumsum(weights * share * float(rod.length) * swept)[-1]),
     }
 
 
-def _at(coefficients: Array, s: float) -> tuple[float, float, float]:
-    parts = (coefficients[:3], coefficients[3:7], coefficients[7:])
-    area, y, z = (float(np.polynomial.polynomial.polyval(s, part)) for part in parts)
-    return area, y, z
+def quadrature(rod: Rod, span: tuple[float, float]) -> Array:
+    """Return the weights of a rod's Gauss points for an integral over a span, X in [0, 1]."""
+    share, weights = _shares(rod, span)
+    return share * weights
 
 
 def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
@@ -75,16 +68,13 @@ def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
     polynomials through the Gauss points.
     """
     nodes, weights = _rule(rod.gauss_points)
-    share = np.zeros((rod.elements, rod.gauss_points))
-    inner, inner_weights = _rule(rod.gauss_points)
-    for element in range(rod.elements):
-        low, high = np.clip(np.array(span) * rod.elements - element, 0.0, 1.0)
-        if high - low == 1.0:
-            share[element] = 1.0
-            continue
+    begin, end = (np.clip(x * rod.elements - np.arange(rod.elements), 0.0, 1.0) for x in span)
+    share = np.repeat((end - begin)[:, None], rod.gauss_points, axis=1)
+    for element in np.flatnonzero((share[:, 0] > 0.0) & (share[:, 0] < 1.0)):
+        low, covered = begin[element], end[element] - begin[element]
         for k in range(rod.gauss_points):
             others = np.delete(nodes, k)
-            at = low + (high - low) * inner
-            values = np.prod((at[:, None] - others) / (nodes[k] - others), axis=1)
-            share[element, k] = (high - low) * (inner_weights @ values) / weights[k]
+            inside = low + covered * nodes
+            values = np.prod((inside[:, None] - others) / (nodes[k] - others), axis=1)
+            share[element, k] = covered * (weights @ values) / weights[k]
     return share.ravel(), np.tile(weights / rod.elements, rod.elements)

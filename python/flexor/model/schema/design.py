@@ -39,10 +39,31 @@ Texts = Annotated[
 
 
 class Variable(Table):
-    """A numeric field of the file that varies within bounds."""
+    """A field of the file that varies: a numeric one within bounds, or any among choices.
+
+    With a ``profile`` such as ``"spline 4"`` it is a size that varies along a rod. The choices may
+    be ``"with"`` and ``"without"``.
+    """
 
     field: Text
-    bounds: tuple[End, End]
+    bounds: tuple[End, End] | None = None
+    choices: tuple[End, ...] = ()
+    profile: Text | None = None
+
+    @property
+    def range(self) -> tuple[End, ...]:
+        """The bounds, followed by the profile if there is one."""
+        return (*(self.bounds or ()), *(() if self.profile is None else (self.profile,)))
+
+    @model_validator(mode="after")
+    def _check(self) -> Variable:
+        if self.bounds is None and not self.choices:
+            tail = "is missing: a variable has bounds or choices"
+            raise field_error(tail, path="bounds")
+        if self.choices and (self.bounds is not None or self.profile is not None):
+            tail = "is given as well as choices: a variable has one of them"
+            raise field_error(tail, path="bounds" if self.bounds is not None else "profile")
+        return self
 
 
 class Design(Table):
@@ -74,9 +95,14 @@ class Design(Table):
         return (*more, *(f"minimise {name}" for name in self.minimise))
 
     @property
-    def varied(self) -> dict[str, tuple[End, End]]:
-        """Bounds of the variables by field."""
-        return {each.field: each.bounds for each in self.variable}
+    def varied(self) -> dict[str, tuple[End, ...]]:
+        """Bounds of the variables by field, with the profile of those that vary along a rod."""
+        return {each.field: each.range for each in self.variable if each.bounds is not None}
+
+    @property
+    def choices(self) -> dict[str, tuple[End, ...]]:
+        """Values among which others are chosen, by field."""
+        return {each.field: each.choices for each in self.variable if each.choices}
 
     @model_validator(mode="after")
     def _check(self) -> Design:

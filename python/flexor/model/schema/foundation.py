@@ -15,8 +15,6 @@ from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.contact import length_shares, round_cones
 from flexor.model.schema.points import SphereGroup
-from flexor.model.schema.profile import surface
-from flexor.model.schema.reference import reference_frames
 from flexor.model.schema.section_geometry import half_width, roundness
 from flexor.model.schema.skin import compliance
 
@@ -109,8 +107,7 @@ def lower_self_contact(system: BodySystem) -> Iterator[tuple[dict[str, Any], dic
     for name, rod in system.bodies.items():
         if not isinstance(rod, Rod) or rod.skin is None:
             continue
-        radius, _ = surface(rod.radius, rod.sample_points)
-        thick, length = float(radius.max()), float(rod.length)
+        thick, length = float(rod.surface.radius.max()), float(rod.length)
         long = length > 4.0 * np.pi * thick
         if not (long if rod.self_contact is None else rod.self_contact):
             continue
@@ -145,8 +142,7 @@ def _tip_shares(rod: Rod, weights: Array) -> Array:
 
 def _underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
     """Describe half-width and curvature of the underside."""
-    s, _ = surface(rod.radius, rod.sample_points)
-    x = rod.sample_points
+    s, x = rod.surface.radius, rod.sample_points
     width, wider = (half_width(rod, system.materials, each, x) for each in (s, 1.001 * s))
     multiple = (wider - width) / (0.001 * s)
     return {
@@ -158,7 +154,7 @@ def _underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
 
 def _alignment(name: str, links: Mapping[str, Link], system: BodySystem) -> float:
     """Return the mean of cos² φ between the axes of a rod and of links in the reference state."""
-    frames = reference_frames(system.bodies)
+    frames = system.reference_frames
     chord = frames[name](1.0)[:3, 3] - frames[name](0.0)[:3, 3]
     chord /= max(float(np.linalg.norm(chord)), 1e-300)
     lengths = np.array([float(link.length) for link in links.values()])

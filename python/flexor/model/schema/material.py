@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -86,13 +87,21 @@ class Material(Table):
         name
             Its name, for messages.
         """
-        return materials.Material(
-            name=name,
-            kind=self.kind,
-            constants=self._constants(),
-            winding=self.winding,
-            density=float(self.density),
-        )
+        found = self._named.get(name)
+        if found is None:
+            found = materials.Material(
+                name=name,
+                kind=self.kind,
+                constants=self._constants(),
+                winding=self.winding,
+                density=float(self.density),
+            )
+            self._named[name] = found
+        return found
+
+    @cached_property
+    def _named(self) -> dict[str, materials.Material]:
+        return {}
 
     def lower(self, name: str) -> dict[str, Any]:
         """Describe the material to the engine.
@@ -109,6 +118,23 @@ class Material(Table):
             "constants": material.numbers,
             "wound": self.winding == "hoop",
         }
+
+
+def own_keys(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table of a material without the keys that are as in its material of the library."""
+    try:
+        there = _table(materials.find(str(table.get("library"))))
+    except InputError:
+        return dict(table)
+
+    def plain(value: Any) -> Any:
+        return list(value) if isinstance(value, tuple) else value
+
+    return {
+        key: value
+        for key, value in table.items()
+        if key not in there or plain(value) != plain(there[key])
+    }
 
 
 def _table(material: materials.Material) -> dict[str, Any]:

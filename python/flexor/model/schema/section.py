@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from flexor.model import units
+from flexor.model.schema.profile import Samples, Spline, is_spline
 from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table, one_of
 from flexor.model.units import (
     AxialStiffness,
@@ -18,12 +19,13 @@ from flexor.model.units import (
 )
 from flexor.model.validation import field_error
 
-Samples = Annotated[tuple[PositiveLength, ...], Field(min_length=2)]
 SOLID = ("circular", "elliptic", "rectangular")
 KINDS = (*SOLID, "tube", "half-round", "box", "composite", "stiffness")
 
 
 def _form(value: object) -> str:
+    if is_spline(value):
+        return "spline"
     if isinstance(value, (list, tuple)):
         return "samples"
     # A length keeps its text and so is not a plain number.
@@ -34,7 +36,8 @@ def _form(value: object) -> str:
 Size = Annotated[
     Annotated[PositiveLength, Tag("length")]
     | Annotated[PositiveNumber, Tag("multiple")]
-    | Annotated[Samples, Tag("samples")],
+    | Annotated[Samples, Tag("samples")]
+    | Annotated[Spline, Tag("spline")],
     Discriminator(_form),
 ]
 Offset = Annotated[

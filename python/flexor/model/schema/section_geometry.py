@@ -14,10 +14,11 @@ from flexor.errors import InputError, unknown_name
 from flexor.materials import library
 from flexor.model.schema.body import Rod
 from flexor.model.schema.material import Material
-from flexor.model.schema.profile import interpolated, surface
+from flexor.model.schema.profile import Spline, interpolated, surface
 from flexor.model.schema.section import (
     Box,
     Composite,
+    Floored,
     HalfRound,
     Hollow,
     Layer,
@@ -28,10 +29,13 @@ from flexor.model.schema.section import (
     Tube,
     materials_of,
 )
+from flexor.model.schema.table import Table
 from flexor.model.validation import field_error
 from flexor.sections import Geometry, Linear
 
 Materials = Mapping[str, Material]
+# What may be given at several places along a rod.
+_SIZES = ("wall", "floor", "width", "height", "radius", "thickness")
 
 
 def is_made_of_fibres(rod: Rod) -> bool:
@@ -77,10 +81,10 @@ def check_section(rod: Rod, path: str, materials: Materials, planar: bool) -> No
                 raise field_error(tail, f"{place}.{key}")
             if name is not None and name not in materials:
                 raise field_error(_unknown(name, materials), f"{place}.{key}")
-    radius, _ = surface(rod.radius, rod.sample_points)
+    radius = rod.surface.radius
     built, of_gauss = geometries(rod, materials)
     at_gauss = radius[gauss_points(rod)]
-    pieces = np.array([rod.piece_at(x) for x in rod.sample_points])
+    pieces = rod.pieces_at(rod.sample_points)
     for index, (piece, geometry) in enumerate(built):
         if geometry is None:
             continue
@@ -116,16 +120,18 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
 
     Each with its place among the pieces of the rod; without geometry if its stiffness is given.
     """
-    built: dict[tuple[int, float], Built] = {}
+    built: list[Built] = []
+    index: dict[tuple[int, float], int] = {}
     of_gauss = []
     vary = [varies(piece) for piece in rod.pieces]
-    for x in rod.sample_points[gauss_points(rod)]:
-        place = rod.piece_at(x)
-        key = (place, float(x) if vary[place] else 0.0)
-        if key not in built:
-            built[key] = (place, section_at(rod, materials, place, float(x)))
-        of_gauss.append(list(built).index(key))
-    return list(built.values()), of_gauss
+    points = rod.sample_points[gauss_points(rod)]
+    for place, x in zip(rod.pieces_at(points).tolist(), points.tolist(), strict=True):
+        key = (place, x if vary[place] else 0.0)
+        if key not in index:
+            index[key] = len(built)
+            built.append((place, section_at(rod, materials, place, x)))
+        of_gauss.append(index[key])
+    return built, of_gauss
 
 
 def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
@@ -149,17 +155,20 @@ def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry
 
 def varies(section: Section) -> bool:
     """Whether a section has sizes that are given at several places along the rod."""
-    return any(isinstance(size, tuple) for size in _sizes(section))
+    tables: list[Table] = [section]
+    if isinstance(section, Composite):
+        tables += section.parts
+    elif isinstance(section, Floored) and section.layer is not None:
+        tables.append(section.layer)
+    return any(name in _SIZES and _is_several(size) for t in tables for name, size in t)
 
 
-def _sizes(section: Section) -> list[object]:
-    tables = [section, getattr(section, "layer", None), *getattr(section, "parts", ())]
-    names = ("wall", "floor", "width", "height", "radius", "thickness")
-    return [getattr(table, name, None) for table in tables for name in names]
+def _is_several(size: object) -> bool:
+    return isinstance(size, tuple) or (isinstance(size, Spline) and len(size.spline) > 1)
 
 
 def _linear(size: Any, x: float) -> Linear:
-    if isinstance(size, tuple):
+    if isinstance(size, (tuple, Spline)):
         return Linear(float(interpolated(size, np.array([x]))[0][0]))
     return Linear(float(size)) if hasattr(size, "text") else Linear(0.0, float(size))
 
@@ -231,7 +240,7 @@ def half_width(rod: Rod, materials: Materials, radius: Array, points: Array) -> 
         assert isinstance(rod.section, Solid)
         return (rod.section.ratio or 1.0) * radius
     found = radius.copy()
-    places = np.array([rod.piece_at(x) for x in points])
+    places = rod.pieces_at(points)
     for place in range(len(rod.pieces)):
         of_piece = np.flatnonzero(places == place)
         for rows, geometry in along(rod, materials, place, points[of_piece]):
@@ -279,7 +288,8 @@ def roundness(rod: Rod, materials: Materials) -> float:
     materials
         The materials of the file.
     """
-    piece = rod.pieces[rod.piece_at(0.5)]
+    (place,) = rod.pieces_at(np.array([0.5])).tolist()
+    piece = rod.pieces[place]
     if isinstance(piece, Solid) and not is_made_of_fibres(rod):
         return 0.0 if piece.kind == "rectangular" else 1.0 / (piece.ratio or 1.0) ** 2
     if isinstance(piece, Stiffness):
@@ -307,8 +317,7 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
         Whether the model is planar.
     """
     built, of_gauss = geometries(rod, materials)
-    radius, _ = surface(rod.radius, rod.sample_points)
-    radii = radius[gauss_points(rod)]
+    radii = rod.surface.radius[gauss_points(rod)]
     index = {material: i for i, material in enumerate(materials)}
     moduli = {key: material.material(key).shear_modulus for key, material in materials.items()}
     densities = {key: float(material.density) for key, material in materials.items()}

@@ -14,7 +14,6 @@ from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.points import Station
 from flexor.model.schema.profile import surface
-from flexor.model.schema.reference import reference_frames
 from flexor.model.schema.table import Name, Number, Table
 from flexor.model.units import (
     NonNegativeForce,
@@ -139,7 +138,7 @@ class Strap(Force):
 
     def distance(self, system: BodySystem) -> float:
         """Distance of the ends in the reference state [m]."""
-        frames = reference_frames(system.bodies)
+        frames = system.reference_frames
         if isinstance(self.to, Loop):
             return self._gap(system, frames)
         first = _surface_point(system, frames, self.rod, self.at, -1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, cast, runtime_checkable
 
 from pydantic import (
     BaseModel,
@@ -17,6 +17,9 @@ from pydantic_core import CoreSchema, core_schema
 
 from flexor.errors import alternatives, unknown_name
 from flexor.model.validation import describe, field_error
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 PositiveNumber = Annotated[float, Strict(), Field(gt=0.0, allow_inf_nan=False)]
@@ -63,6 +66,13 @@ class Table(BaseModel):
     """An immutable table that allows only its declared keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def __copy__(self) -> Self:
+        """Copy the fields; what was derived from them is not that of a copy with other values."""
+        copied = super().__copy__()
+        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+            del copied.__dict__[name]
+        return copied
 
     @model_validator(mode="before")
     @classmethod

@@ -1,0 +1,79 @@
+"""Output of `flexor optimize --choose`: what was tried, and the best combination."""
+
+from __future__ import annotations
+
+import shlex
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexor.cli import outcome
+from flexor.cli.console import note, print_error, print_json, say
+from flexor.cli.folders import INTERRUPTED, LOST
+from flexor.cli.progress import SearchProgress
+from flexor.cli.table import number, show
+from flexor.errors import ClusterError
+
+if TYPE_CHECKING:
+    from flexor.study import Choices
+
+
+def carry_out(
+    work: Callable[..., Choices],
+    executor: AbstractContextManager[Any],
+    place: Path,
+    plot: Path | None,
+    as_json: bool,
+) -> int:
+    """Try all combinations, print them and the best; return the exit code."""
+    began = time.monotonic()
+    try:
+        with executor as where, SearchProgress() as progress:
+            found = work(executor=where, progress=progress)
+    except (KeyboardInterrupt, ClusterError) as error:
+        if isinstance(error, ClusterError):
+            print_error(str(error))
+        resuming = f"flexor optimize --resume {shlex.quote(str(place))}"
+        note(f"Everything evaluated so far is saved. To resume:\n  {resuming}")
+        return LOST if isinstance(error, ClusterError) else INTERRUPTED
+    seconds = time.monotonic() - began
+    if as_json:
+        tried = [
+            {
+                "choices": dict(each.combination.values),
+                "violation": each.rank[0],
+                "value": each.rank[1],
+                "evaluations": each.study.evaluations,
+                "folder": each.study.folder,
+            }
+            for each in found.tried
+        ]
+        best = outcome.as_json(found.best, seconds)
+        chosen = {"choices": dict(found.combination.values), "tried": tried}
+        print_json({**chosen, **best, "folder": place, "evaluations": found.evaluations})
+    else:
+        _print(found, seconds)
+    outcome.draw(found.best, plot, quiet=as_json)
+    if not as_json:
+        say(f"model:  {place / 'best.toml'}")
+    found.close()
+    return 0
+
+
+def _print(found: Choices, seconds: float) -> None:
+    best = found.best
+    problem = best.problem
+    rows = []
+    for each in found.tried:
+        violation, value = each.rank
+        shown = "fails"
+        if value < float("inf"):
+            design = each.study.best
+            shown = number(design.shown) + ("" if violation == 0.0 else " (not feasible)")
+        rows.append((each.name, f"{each.study.evaluations:,}", str(each.rounds), shown))
+    unit = f" / {problem.unit}" if problem.unit else ""
+    show(("combination", "designs", "rounds", f"{problem.quantity}{unit}"), rows)
+    say(f"best of {len(rows)} combinations: {found.combination.name}.")
+    outcome.print_summary(best, seconds)

@@ -1,0 +1,128 @@
+"""Discrete choices: all combinations are tried, and the best is known from trying each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexor
+from flexor.design import combinations
+from flexor.errors import InputError
+from flexor.model import Model
+from flexor.model.reading import check
+from flexor.study import Choices, choices, optimize, resume_choices
+
+VARIED = {"exosuit.section.wall": ("1.5 mm", "3 mm"), "middle.slack": ("0 mm", "1 mm")}
+CHOICES = {"exosuit.material": ["silicone", "ecoflex-00-50"], "middle": ["with", "without"]}
+AIM = "maximise range-of-motion"
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    document = flexor.load("pneumatic-finger").file.to_document()
+    document["bodies"]["exosuit"]["elements"] = 8
+    for name, place in (("proximal", 0.25), ("middle", 0.625), ("distal", 0.875)):
+        document["straps"][name]["at"] = place
+    return flexor.load(check(document))
+
+
+def content(found: Choices) -> list[Any]:
+    return [
+        (each.name, each.rounds, each.rank, each.study.record.designs().tobytes())
+        for each in found.tried
+    ]
+
+
+def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> None:
+    """Killed and resumed it ends in the same records; the model file has the combination."""
+    whole = choices(model, VARIED, AIM, CHOICES, budget=60, folder=tmp_path / "whole")
+    assert [each.rounds for each in whole.tried] == [3, 2, 1, 1]
+    assert whole.evaluations <= 60
+    shown = {}
+    for each in combinations(CHOICES, model):
+        there = each.values["middle"] == "with"
+        varied = {k: v for k, v in VARIED.items() if there or not k.startswith("middle")}
+        shown[each.name] = optimize(each.model, varied, AIM, budget=20).best.shown
+    assert whole.combination.name == max(shown, key=lambda name: shown[name])
+    saved = flexor.load(tmp_path / "whole" / "best.toml")
+    assert saved.title.endswith(f"({whole.combination.name})")
+    assert saved.hash == whole.best.best.model.hash
+    calls = 0
+
+    def kill(_: object) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        choices(model, VARIED, AIM, CHOICES, budget=60, folder=tmp_path / "s", progress=kill)
+    assert content(resume_choices(tmp_path / "s")) == content(whole)
+    # Also where everything is known.
+    assert content(resume_choices(tmp_path / "whole")) == content(whole)
+
+
+def test_what_there_is_not_does_not_vary(model: Model) -> None:
+    found = {each.name: each for each in combinations(CHOICES, model)}
+    assert list(found) == [
+        "exosuit.material silicone, with middle",
+        "exosuit.material silicone, without middle",
+        "exosuit.material ecoflex-00-50, with middle",
+        "exosuit.material ecoflex-00-50, without middle",
+    ]
+    bare = found["exosuit.material ecoflex-00-50, without middle"].model
+    assert set(bare.file.straps) == {"proximal", "distal"}
+    design = bare.file.design
+    assert design is not None
+    assert "middle.to.at" not in design.varied
+    assert "middle.to.at" not in design.tolerance
+    assert bare.file.rod("exosuit").material == "ecoflex-00-50"
+    layers = combinations({"exosuit.section.layer": ["with", "without"]}, model)
+    assert [each.model.file.rod("exosuit").section.layer is None for each in layers] == [
+        False,
+        True,
+    ]
+
+
+def test_a_material_of_the_library_changes_as_in_the_file(model: Model) -> None:
+    """Constants that came from the library do not stay."""
+    soft = flexor.load("pneumatic-finger", changes={"silicone.library": "ecoflex-00-50"})
+    again = flexor.load(
+        flexor.load("pneumatic-finger").file, changes={"silicone.library": "ecoflex-00-50"}
+    )
+    assert again.hash == soft.hash
+    assert again.file.materials["silicone"].winding == "hoop"
+    assert not np.array_equal(again.parameters, flexor.load("pneumatic-finger").parameters)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"exosuit.material": ["silicone"]}, "give a list of two or more values"),
+        ({"exosuit.material": "silicone"}, "give a list of two or more values"),
+        ({"exosuit.material": ["silicone", "silicone"]}, '"silicone" twice'),
+        ({"middel": ["with", "without"]}, 'did you mean "middle"'),
+        ({"middle": ["with", "no"]}, '"with" and "without" go together'),
+        ({"exosuit.material": ["silicone", "silicon"]}, 'silicon: .*did you mean "silicone"'),
+        ({"exosuit.section.layr": ["with", "without"]}, 'did you mean "layer"'),
+        ({"exosuit.section.floor": ["with", "without"]}, "floor is missing"),
+        ({"exosuit.elements": list(range(1, 80))}, "79 combinations: at most 64"),
+    ],
+)
+def test_bad_choices(given: dict[str, Any], message: str, model: Model) -> None:
+    with pytest.raises(InputError, match=message):
+        combinations(given, model)
+
+
+def test_a_variable_has_bounds_or_choices(model: Model) -> None:
+    document = model.file.to_document()
+    both = {"field": "exosuit.length", "bounds": ["8 cm", "9 cm"], "choices": ["8 cm", "9 cm"]}
+    for entry, message in (
+        (both, r"design.variable\[0\].bounds is given as well as choices"),
+        ({"field": "exosuit.length"}, r"design.variable\[0\].bounds is missing"),
+    ):
+        with pytest.raises(InputError, match=message):
+            check({**document, "design": {**document["design"], "variable": [entry]}})
