@@ -20,6 +20,7 @@ import numpy as np
 from _differences import TOLERANCE, WEIGHTS, check
 from _section import Section, table
 from _timing import progress
+from _variables import VARIABLES
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
@@ -41,24 +42,6 @@ METHODS: dict[str, Search] = {
     "polished pattern": optimizers.method("pattern-search+polish"),
 }
 WITHIN = (0.01, 0.001)
-# Lengths, profiles, sections, layers, places, straps, moduli, skins, joints, loads.
-VARIABLES: dict[str, tuple[object, object]] = {
-    "exosuit.length": ("9 cm", "11 cm"),
-    "exosuit.radius.base": ("7 mm", "10 mm"),
-    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
-    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
-    "exosuit.section.floor": ("1.8 mm", "3 mm"),
-    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
-    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
-    "proximal.to.at": (0.45, 0.65),
-    "middle.slack": ("0 mm", "1 mm"),
-    "distal.width": ("10 mm", "20 mm"),
-    "fabric.young_modulus": ("20 MPa", "40 MPa"),
-    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
-    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
-    "ph_3.length": ("2.2 cm", "2.5 cm"),
-    "evaluation.pressure": ("40 kPa", "60 kPa"),
-}
 
 
 def main() -> None:

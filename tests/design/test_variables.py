@@ -9,27 +9,10 @@ import numpy as np
 import pytest
 
 import flexor
+from benchmarks._variables import FIELDS
 from flexor.design import variables
 from flexor.errors import InputError
 from flexor.model import Model
-
-# Of every kind: lengths, profiles, sections, layers, places, straps, moduli, skins, joints.
-BOUNDS: dict[str, tuple[object, object]] = {
-    "exosuit.length": ("9 cm", "11 cm"),
-    "exosuit.radius.base": ("7 mm", "10 mm"),
-    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
-    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
-    "exosuit.section.floor": ("1.8 mm", "3 mm"),
-    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
-    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
-    "proximal.to.at": (0.45, 0.65),
-    "middle.slack": ("0 mm", "1 mm"),
-    "distal.width": ("10 mm", "20 mm"),
-    "fabric.young_modulus": ("20 MPa", "40 MPa"),
-    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
-    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
-    "ph_3.length": ("2.2 cm", "2.5 cm"),
-}
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +22,10 @@ def model() -> Model:
 
 
 def _some(name: str, model: Model) -> flexor.design.Variables:
-    return variables({name: BOUNDS[name]}, model)
+    return variables({name: FIELDS[name]}, model)
 
 
-@pytest.mark.parametrize("name", BOUNDS)
+@pytest.mark.parametrize("name", FIELDS)
 def test_values_are_those_of_the_changed_file(name: str, model: Model) -> None:
     """A design of one field has the parameters of the file with that field changed."""
     chosen = _some(name, model)
@@ -58,7 +41,7 @@ def test_values_are_those_of_the_changed_file(name: str, model: Model) -> None:
 
 def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) -> None:
     """The same for all of the fields at once."""
-    chosen = variables(BOUNDS, model)
+    chosen = variables(FIELDS, model)
     x = chosen.lower + np.linspace(0.1, 0.9, chosen.size) * (chosen.upper - chosen.lower)
     found, _ = chosen.designs(x[None, :], model)
     actual = model.parameters.copy()
@@ -69,7 +52,7 @@ def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) ->
 
 def test_a_design_does_not_depend_on_its_neighbours(model: Model) -> None:
     """Values and derivatives are the same bits, alone and in a batch; also after pickling."""
-    chosen = variables({name: BOUNDS[name] for name in list(BOUNDS)[:4]}, model)
+    chosen = variables({name: FIELDS[name] for name in list(FIELDS)[:4]}, model)
     x = chosen.lower + 0.3 * (chosen.upper - chosen.lower) * np.array([[1.0], [2.0], [3.0]])
     again = pickle.loads(pickle.dumps(chosen))
     batch = chosen.designs(x, model)[0].values
@@ -82,7 +65,7 @@ def test_a_design_does_not_depend_on_its_neighbours(model: Model) -> None:
 
 def test_start_is_the_models_own(model: Model) -> None:
     """Values without change are those of the file, and units those of the bounds."""
-    chosen = variables({name: BOUNDS[name] for name in ("exosuit.length", "proximal.to.at")}, model)
+    chosen = variables({name: FIELDS[name] for name in ("exosuit.length", "proximal.to.at")}, model)
     assert chosen.start.tolist() == [0.1, 0.55]
     assert chosen.units == ("cm", "1")
     assert replace(chosen).changes(chosen.start) == {

@@ -147,12 +147,12 @@ def test_pressure_for_a_posture_of_the_example() -> None:
 @pytest.mark.parametrize(
     ("to", "loads", "message"),
     [
-        ("", WIDE, 'write targets such as "ph_1 = 40 deg"'),
-        ("near", WIDE, 'write targets such as "ph_1 = 40 deg"'),
+        ("", WIDE, 'give key=value, such as "ph_1=40 deg"'),
+        ("near", WIDE, 'give key=value, such as "ph_1=40 deg"'),
         ("near = 40", WIDE, "a number without a unit"),
         ("near = 4 cm", WIDE, "reach: near"),
         ("nearr = 40 deg", WIDE, '"near"'),
-        ("near = 40 deg, near = 30 deg", WIDE, 'two values for "near"'),
+        ("near = 40 deg, near = 30 deg", WIDE, 'sets "near" twice'),
         ("near = 40 deg, angle.near = 30 deg", WIDE, 'two values for "angle.near"'),
         ("near = 1 deg, far = 2 deg", {"first": "0:1:0.5"}, "2 targets, but only 1 load changes"),
         ({}, WIDE, "no target"),

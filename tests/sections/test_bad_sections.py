@@ -131,6 +131,7 @@ def test_one_sentence(section: Any, sentence: str) -> None:
         ("bodies.rod.density", "1 g/cm^3", "bodies.rod.density is given, but the mass is that"),
         ("bodies.rod.material", "rubber", 'bodies.rod.material refers to the unknown material "ru'),
         ("materials.silicone.c1", "1 MPa", "materials.silicone.c1 is not a constant of a neo-hook"),
+        ("materials.silicone.mu", "1 MPa", "materials.silicone.mu is not a constant of a neo-hook"),
         ("materials.silicone.kind", "yeoh", "materials.silicone.shear_modulus is not a constant"),
         (
             "materials.silicone.shear_modulus",

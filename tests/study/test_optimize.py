@@ -185,7 +185,7 @@ def test_study_in_memory_and_in_a_folder_are_the_same(analytic: ModuleType, tmp_
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("finger.toml", "L", "bending"), "model is 'finger.toml': expected a Model"),
+        (("fingre", "L", "bending"), 'unknown preset "fingre" (did you mean "finger"?)'),
         ((None, "L", "bending"), "model is None: expected a Model"),
         (("model", None, "bending"), "parameter set is None: expected a name"),
         (

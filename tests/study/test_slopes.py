@@ -8,29 +8,13 @@ import numpy as np
 import pytest
 
 import flexor
+from benchmarks._variables import FIELDS
 from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.observables import observables
 from flexor.study import Problem
 
 EXAMPLE = FilePath(__file__).parents[2] / "examples" / "pneumatic-finger.toml"
-# Lengths, profiles, sections, layers, places, straps, moduli, skins, joints.
-FINGER: dict[str, tuple[object, object]] = {
-    "exosuit.length": ("9 cm", "11 cm"),
-    "exosuit.radius.base": ("7 mm", "10 mm"),
-    "exosuit.radius.tip": ("5.5 mm", "8 mm"),
-    "exosuit.section.wall": ("1.5 mm", "2.5 mm"),
-    "exosuit.section.floor": ("1.8 mm", "3 mm"),
-    "exosuit.section.layer.thickness": ("0.3 mm", "0.6 mm"),
-    "exosuit.placement.z": ("2.1 cm", "2.2 cm"),
-    "proximal.to.at": (0.45, 0.65),
-    "middle.slack": ("0 mm", "1 mm"),
-    "distal.width": ("10 mm", "20 mm"),
-    "fabric.young_modulus": ("20 MPa", "40 MPa"),
-    "ph_1.skin.thickness": ("1.5 mm", "2.5 mm"),
-    "ph_2.joint.stiffness": ("0.02 N*m/rad", "0.05 N*m/rad"),
-    "ph_3.length": ("2.2 cm", "2.5 cm"),
-}
 # Sixth order.
 STENCIL = {1: 45 / 60, 2: -9 / 60, 3: 1 / 60, -1: -45 / 60, -2: 9 / 60, -3: -1 / 60}
 STEP = 1e-4
@@ -77,7 +61,7 @@ def test_gradients_of_all_observables_are_those_of_differences() -> None:
     """On the pneumatic finger, which cannot touch itself, whatever its length."""
     model = flexor.load(EXAMPLE, changes={"exosuit.self_contact": False})
     problem = Problem.of(
-        model, FINGER, "maximise range-of-motion", subject_to=_bounded(model), options=TIGHT
+        model, FIELDS, "maximise range-of-motion", subject_to=_bounded(model), options=TIGHT
     )
     error, regular = _compare(problem, 8, 0)
     # At least half of the designs for what is not tied by nature, as the stretch at rest is.
@@ -135,7 +119,7 @@ def test_gradients_of_a_device_that_presses_on_an_obstacle() -> None:
 def test_gradients_of_a_pressure_that_is_found() -> None:
     """The volume of the cavity is given, in addition to that at rest."""
     model = flexor.load(EXAMPLE, changes={"actuators.chamber.control": "volume"})
-    fields = {name: FINGER[name] for name in ("exosuit.length", "exosuit.section.wall")}
+    fields = {name: FIELDS[name] for name in ("exosuit.length", "exosuit.section.wall")}
     subject = ["pressure.chamber <= 60 kPa", "volume.chamber <= 20 mL", "bending >= 0 deg"]
     problem = Problem.of(
         model,
@@ -153,7 +137,7 @@ def test_gradients_of_a_pressure_that_is_found() -> None:
 def test_what_a_derivative_is_worth_is_said() -> None:
     """Equal stretches at rest are tied; the energy has no derivative, and differences are taken."""
     model = flexor.load(EXAMPLE)
-    fields = {"exosuit.length": FINGER["exosuit.length"]}
+    fields = {"exosuit.length": FIELDS["exosuit.length"]}
     problem = Problem.of(
         model,
         fields,

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexor.cli.values import assignments, lists, ranges
+from flexor.arguments import assignments
+from flexor.cli.values import lists, ranges
 from flexor.errors import InputError
 
 if TYPE_CHECKING:

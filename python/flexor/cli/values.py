@@ -4,23 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexor.arguments import assignments
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.model import Model
-
-
-def assignments(option: str, pairs: list[str], example: str) -> dict[str, str]:
-    """Parse `key=value` pairs; the option and a valid pair are for messages."""
-    result: dict[str, str] = {}
-    for pair in pairs:
-        key, equals, value = (part.strip() for part in pair.partition("="))
-        if not (key and equals and value):
-            raise InputError(f'{option} is "{pair}": give key=value, such as "{example}".')
-        if key in result:
-            raise InputError(f'{option} sets "{key}" twice.')
-        result[key] = value
-    return result
 
 
 def one_or_assignments(

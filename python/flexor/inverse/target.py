@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from flexor.arguments import assignments
 from flexor.errors import InputError, unknown_name
 from flexor.model.quantity import parse_quantity
 from flexor.model.structure import Structure
@@ -47,7 +48,9 @@ def targets(given: str | Mapping[str, str | float], model: Structure) -> tuple[T
     InputError
         If there is no target, a name is not known or occurs twice, or a value has another unit.
     """
-    table = _table(given) if isinstance(given, str) else dict(given)
+    if isinstance(given, str):
+        given = assignments("reach", given.split(","), "ph_1=40 deg")
+    table = dict(given)
     if not table:
         raise InputError('reach has no target: give one, such as "ph_1 = 40 deg".')
     found = [_target(name, value, model) for name, value in table.items()]
@@ -56,18 +59,6 @@ def targets(given: str | Mapping[str, str | float], model: Structure) -> tuple[T
         if names.count(name) > 1:
             raise InputError(f'reach has two values for "{name}".')
     return tuple(found)
-
-
-def _table(text: str) -> dict[str, str]:
-    table: dict[str, str] = {}
-    for part in text.split(","):
-        name, equals, value = (piece.strip() for piece in part.partition("="))
-        if not (name and equals and value):
-            raise InputError(f'reach is "{text}": write targets such as "ph_1 = 40 deg".')
-        if name in table:
-            raise InputError(f'reach has two values for "{name}".')
-        table[name] = value
-    return table
 
 
 def _target(name: str, value: str | float, model: Structure) -> Target:

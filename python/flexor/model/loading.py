@@ -65,8 +65,13 @@ def load(
     return loaded
 
 
-def require_model(model: Model) -> Model:
-    """Return the argument if it is a model or behaves like one."""
+def require_model(model: Model | str | os.PathLike[str]) -> Model:
+    """Return a model or what behaves like one; load what is a file or the name of a preset.
+
+    InputError if it is something else.
+    """
+    if isinstance(model, (str, os.PathLike)):
+        return load(model)
     if not hasattr(model, "evaluate"):
-        raise InputError(f"model is {model!r}: expected a Model, as returned by flexor.load.")
+        raise InputError(f"model is {model!r}: expected a Model, a file, or a preset's name.")
     return model

@@ -7,28 +7,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexor.optimizers.cma_es import CmaEs
-from flexor.optimizers.interface import Budget, FloatArray, Progress, Search
+from flexor.optimizers.interface import FloatArray
 from flexor.optimizers.known import Known
 from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.population import DifferentialEvolution
 from flexor.optimizers.sqp import linearization, minimize_slsqp
+from flexor.optimizers.stages import FAR, NEAR, run_stage, some_on_bounds, vary_best
 
 # Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of
 # variation, pattern search, differential evolution and, from each of the best, CMA-ES. The rest is
 # for SQP from the best and the refinement.
 SAMPLE, DESCENTS, VARIATION, PATTERN, EVOLUTION, CMA = 0.08, 0.3, 0.25, 0.12, 0.1, 0.03
 BEST = 3
-# Probability that a parameter of a random design is set to its lower, or to its upper bound.
-ON_BOUND = 0.15
-# Number of the best designs that are varied, and the probabilities that a variation keeps a
-# parameter on a bound and one inside.
-VARIED, KEEP_ON_BOUND, KEEP = 20, 0.8, 0.4
 BATCH = 128
-# Least distance of two starts in some parameter, as a share of its range: of the searches from the
-# sample, and of those from the best at the end.
-FAR, NEAR = 0.1, 0.02
 # Local optima count as one if their values differ by less than this share of the sample's range.
 SAME = 1e-3
 # Least number of searches after which the optima are all known.
@@ -98,17 +91,19 @@ class Auto(Method):
             return self._refine(run, known, most)
         if self._descents(run, known, int(DESCENTS * most)):
             return self._refine(run, known, most)
-        _vary(run, known, int(VARIATION * most))
+        vary_best(run, known, int(VARIATION * most), BATCH)
         starting = max(4, int(PATTERN * most) // (30 * run.size))
         pattern = PatternSearch(initial_mesh=0.1, tolerance=2e-3)
-        _stage(run, known, pattern, known.best(starting, FAR), PATTERN * most, "pattern search")
+        run_stage(run, known, pattern, known.best(starting, FAR), PATTERN * most, "pattern search")
         population = max(min(40, int(EVOLUTION * most) // 4), 5)
-        _stage(
+        run_stage(
             run, known, DifferentialEvolution(population=population, patience=20),
             known.best(population, NEAR), EVOLUTION * most, "differential evolution",
         )  # fmt: skip
         for start in known.best(BEST, NEAR):
-            _stage(run, known, CmaEs(step=0.01, restarts=0), start[None, :], CMA * most, "CMA-ES")
+            run_stage(
+                run, known, CmaEs(step=0.01, restarts=0), start[None, :], CMA * most, "CMA-ES"
+            )
         for start in known.best(BEST, NEAR):
             self._descend(run, known, start)
         return self._refine(run, known, most)
@@ -147,7 +142,7 @@ class Auto(Method):
         """Run a pattern search from the best design."""
         share = max(most - run.function.evaluations, most // 10, 1)
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
-        _stage(run, known, search, known.best(1, 0.0), share, "refinement")
+        run_stage(run, known, search, known.best(1, 0.0), share, "refinement")
         run.function.check()
         return f"refined to a mesh of {self.tolerance:g}"
 
@@ -158,44 +153,9 @@ def _sample(run: Run, known: Known, count: int) -> None:
 
     size = 1 << (count - 1).bit_length()
     sample = qmc.Sobol(run.size, scramble=True, seed=run.seed).random(size)[:count]
-    sample[1::2] = _some_on_bounds(sample[1::2], run.random)
+    sample[1::2] = some_on_bounds(sample[1::2], run.random)
     known(sample)
     run.step("sample")
-
-
-def _vary(run: Run, known: Known, count: int) -> None:
-    """Replace random parameters of the best designs, mainly those inside the bounds."""
-    random = run.random
-    for _ in range(0, count, BATCH):
-        best = known.best(VARIED, NEAR)
-        parents = best[random.integers(len(best), size=min(BATCH, count))]
-        drawn = _some_on_bounds(random.uniform(size=parents.shape), random)
-        on_bound = (parents <= 0.0) | (parents >= 1.0)
-        kept = random.uniform(size=parents.shape) < np.where(on_bound, KEEP_ON_BOUND, KEEP)
-        known(np.where(kept, parents, drawn))
-        run.step("variation")
-
-
-def _stage(
-    run: Run, known: Known, search: Search, start: FloatArray, share: float, stage: str
-) -> None:
-    def report_progress(at: Progress) -> None:
-        run.step(f"{stage}: {at.detail}", at.remaining)
-
-    search.minimize(
-        known,
-        np.zeros(run.size),
-        np.ones(run.size),
-        start=start,
-        seed=run.seed,
-        budget=Budget(evaluations=max(int(share), 1)),
-        progress=report_progress,
-    )
-
-
-def _some_on_bounds(points: FloatArray, random: np.random.Generator) -> FloatArray:
-    side = random.uniform(size=points.shape)
-    return np.where(side < ON_BOUND, 0.0, np.where(side > 1.0 - ON_BOUND, 1.0, points))
 
 
 def _different(values: list[float], apart: float) -> int:

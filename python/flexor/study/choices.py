@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from flexor.arguments import integer
 from flexor.design import variables
 from flexor.design.choices import Combination, combinations, without_fields
 from flexor.errors import InputError
+from flexor.model.loading import require_model
 from flexor.optimizers import Search
 from flexor.optimizers import method as named_method
 from flexor.store import SETTINGS, check_regular, write_text
@@ -85,7 +87,7 @@ class Choices:
 
 
 def choices(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: Any,
     objective: Any,
     given: Mapping[str, Sequence[object]],
@@ -129,6 +131,7 @@ def choices(
     InputError
         As `flexor.optimize` and `flexor.design.combinations`.
     """
+    model = require_model(model)
     every = combinations(given, model)
     total = integer("budget", BUDGET if budget is None else budget, 1)
     rounds = (len(every) - 1).bit_length() + 1

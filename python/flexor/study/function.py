@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,7 +80,7 @@ class ObjectiveFunction:
 
 
 def objective_function(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | ParameterSet = "L+R01",
     objective: str | Objective = "bending",
     *,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ from flexor.optimizers import (
 from flexor.optimizers import method as named_method
 from flexor.scenarios.scenario import Given
 from flexor.store import Kind, Workspace
+from flexor.study.dependence import check_dependence
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
 from flexor.study.problem import FloatArray, Problem
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
 
 
 def optimize(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "L+R01",
     objective: str | Objective | Sequence[str | Objective] = "bending",
     method: str | Search | None = None,
@@ -72,8 +74,8 @@ def optimize(
 
     Parameters
     ----------
-    model : Model
-        The model, with a ``[design]``.
+    model : Model or path
+        The model, or its file, or the name of a preset.
     parameters : str, ParameterSet or dict
         Design parameters: a set, for example ``"L+R01"``, or any numeric fields of the model file
         with their bounds, ``{"exosuit.length": ("8 cm", "12 cm")}``; see `flexor.design.variables`.
@@ -179,6 +181,8 @@ def optimize(
     else:
         search = method
     check_objectives(search, problem.objective)
+    if not resume:
+        check_dependence(problem)
     return run_search(
         STUDY,
         problem,

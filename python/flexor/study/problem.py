@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,7 +73,7 @@ class Problem:
     @classmethod
     def of(
         cls,
-        model: Model,
+        model: Model | str | PathLike[str],
         parameters: str | ParameterSet | Mapping[str, Sequence[object]],
         objective: str | Objective | Sequence[str | Objective],
         force: Any = None,
@@ -82,7 +83,7 @@ class Problem:
         without: Sequence[str] = (),
     ) -> Problem:
         """Make a problem of what users give; see `flexor.optimize`."""
-        require_model(model)
+        model = require_model(model)
         if isinstance(parameters, Mapping):
             parameters = variables(parameters, model, "parameters")
         if isinstance(parameters, Variables):

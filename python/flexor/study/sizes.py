@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from flexor.optimizers import method as named_method
 from flexor.scenarios import Scenario
 from flexor.scenarios.aggregate import SHORTFALL
 from flexor.scenarios.scenario import Given
+from flexor.study.dependence import check_dependence
 from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import run_search
 from flexor.study.problem import FloatArray, Problem
@@ -60,7 +62,7 @@ class Sizes:
 
 
 def sizes(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | ParameterSet | Mapping[str, Sequence[object]],
     objective: str | Sequence[str],
     count: int,
@@ -122,6 +124,7 @@ def sizes(
         raise InputError(
             f"sizes is {count}: there are {len(whole.scenarios)} wearers or scenarios."
         )
+    check_dependence(nominal)
     search = named_method(method, **(method_options or {})) if isinstance(method, str) else method
     local, limit = getattr(search, "from_optimum", search), Budget(evaluations=budget)
 

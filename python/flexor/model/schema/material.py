@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from flexor import materials
 from flexor.errors import InputError
@@ -16,6 +16,15 @@ from flexor.model import units
 from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table
 from flexor.model.units import Density, Modulus, PositiveModulus
 from flexor.model.validation import describe, field_error
+
+
+def _a_list(example: str) -> BeforeValidator:
+    def check(value: object) -> object:
+        if value is not None and not isinstance(value, (list, tuple)):
+            raise field_error(f"is {describe(value)}: write a list, such as {example}")
+        return value
+
+    return BeforeValidator(check)
 
 
 class Material(Table):
@@ -37,8 +46,8 @@ class Material(Table):
     c1: Modulus | None = None
     c2: Modulus | None = None
     c3: Modulus | None = None
-    mu: Annotated[tuple[Modulus, ...], Field(min_length=1)] | None = None
-    alpha: Annotated[tuple[Number, ...], Field(min_length=1)] | None = None
+    mu: Annotated[tuple[Modulus, ...], Field(min_length=1), _a_list('["0.2 MPa"]')] | None = None
+    alpha: Annotated[tuple[Number, ...], Field(min_length=1), _a_list("[2.5]")] | None = None
     winding: Annotated[Literal["none", "hoop"], Choice("none", "hoop")] = "none"
     density: Density = units.DENSITY.si(0.0)
     strain_limit: PositiveNumber | None = None
@@ -60,12 +69,22 @@ class Material(Table):
             raise field_error(tail, path="kind")
         return {**_table(found), **data}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _check_names(cls, data: object) -> object:
+        """Check that constants are of the kind, before what they are, which may say less."""
+        kind = data.get("kind") if isinstance(data, Mapping) else None
+        if not isinstance(data, Mapping) or kind not in materials.KINDS:
+            return data
+        own = materials.KINDS[kind]
+        for key in dict.fromkeys(key for each in materials.KINDS.values() for key in each):
+            if data.get(key) is not None and key not in own:
+                tail = f"is not a constant of a {kind} material: it has {', '.join(own)}"
+                raise field_error(tail, key)
+        return data
+
     @model_validator(mode="after")
     def _check(self) -> Material:
-        for key in self._constants():
-            if key not in materials.KINDS[self.kind]:
-                own = ", ".join(materials.KINDS[self.kind])
-                raise field_error(f"is not a constant of a {self.kind} material: it has {own}", key)
         for key, default in materials.KINDS[self.kind].items():
             if default is None and getattr(self, key) is None:
                 raise field_error(f"is missing: a {self.kind} material needs it", path=key)

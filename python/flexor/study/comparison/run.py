@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +42,7 @@ _ASKED_FOR = ("grid", "surrogate", "pareto")
 
 
 def compare(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | Sequence[str | ParameterSet] | Mapping[str, Sequence[object]] = BUILT_IN_SETS,
     objective: str | Objective = "bending",
     *,
@@ -245,7 +246,7 @@ def open_comparison(
 
 
 def _problems(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | Sequence[str | ParameterSet] | Mapping[str, Sequence[object]],
     objective: str | Objective,
     force: Any,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def landscape(
-    model: Model,
+    model: Model | str | PathLike[str],
     parameters: str | ParameterSet | Mapping[str, Sequence[object]] = "R01",
     objective: str | Objective = "bending",
     *,

@@ -1,0 +1,68 @@
+"""Objectives that depend on no design variable, which are said before a search."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from flexor.errors import InputError, ModelWarning
+from flexor.objectives import Extremum
+from flexor.study.problem import FloatArray, Problem
+
+# Designs that are compared, besides the start.
+_SAMPLES = 15
+# A share of the value, or of a display unit, below which a change is one of rounding.
+_ROUNDING = 1e-9
+
+
+def check_dependence(problem: Problem) -> None:
+    """Refuse to search for the extremum of an observable that no variable has an effect on.
+
+    That is so if its values at designs all over the bounds are the same, and all its derivatives
+    there vanish. Where these values are zero, such as that of an overlap without contact, or there
+    are scenarios, there is a warning, as they may differ elsewhere.
+
+    Raises
+    ------
+    InputError
+        Naming the objective and the variables.
+    """
+    nominal = problem.nominal
+    wanted = nominal.objective
+    if not isinstance(wanted, Extremum):
+        return
+    found = nominal.evaluate(_designs(nominal), gradient=wanted.differentiable)
+    good = np.isfinite(found.value)
+    values = found.value[good]
+    if good.sum() < 3:
+        return
+    span = nominal.parameters.upper - nominal.parameters.lower
+    changes = [np.ptp(values)]
+    if wanted.differentiable:
+        changes.append(np.abs(nominal.gradients(found)[good] * span).max())
+    # Of a design whose derivatives are not known there are NaN, which are no zeros.
+    if not max(changes) <= _ROUNDING * max(np.abs(values).max(), wanted.factor):
+        return
+    names = ", ".join(nominal.parameters.labels)
+    value = f"{wanted.displayed(values[:1])[0]:.4g} {wanted.unit}".rstrip()
+    if values.any() and nominal is problem:
+        raise InputError(
+            f'objective "{wanted.name}" depends on none of the variables ({names}): it is {value} '
+            f"for all of {len(values)} designs that were tried, and so are its derivatives zero."
+        )
+    warnings.warn(
+        f'objective "{wanted.name}" is {value} for all of {len(values)} designs that were tried, '
+        f"with derivatives of zero: it may depend on none of the variables ({names}).",
+        ModelWarning,
+        stacklevel=3,
+    )
+
+
+def _designs(problem: Problem) -> FloatArray:
+    from scipy.stats import qmc  # deferred: slow to import
+
+    chosen = problem.parameters
+    unit = qmc.Sobol(chosen.size, scramble=True, seed=0).random(16)[:_SAMPLES]
+    spread = chosen.lower + unit * (chosen.upper - chosen.lower)
+    return np.concatenate([chosen.start[None, :], spread])
