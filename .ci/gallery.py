@@ -39,7 +39,7 @@ def section(name: str) -> str:
 
 def main() -> None:
     """Write the page."""
-    names = sorted(presets(), key=lambda name: (name not in FIRST, name))
+    names = [*FIRST, *sorted(set(presets()) - set(FIRST))]
     (DOCS / "gallery.md").write_text("\n".join([HEAD, *map(section, names)]), encoding="utf-8")
 
 

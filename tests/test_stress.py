@@ -67,9 +67,19 @@ def test_random_devices_called_stable_are_minima(run: Run) -> None:
         assert kind in output
 
 
-def test_random_solids_are_watertight_and_have_their_volume(run: Run) -> None:
+def test_random_solids_are_watertight_and_have_their_volume(run: Run, tmp_path: Path) -> None:
     # What it takes is for the stress test itself: a busy machine is no failure.
     limit = ("--seconds", "60")
     output = run("stress_solids", "--fingers", "2", "--rods", "1", "--seed", "3", *limit)
     assert "2 fingers, 1 rods of each section, seed 3" in output
     assert "pneumatic-finger       2        0" in output
+    # A process that was killed while it wrote leaves half a line; the rest is not made again.
+    state = tmp_path / "stress-solids.jsonl"
+    lines = state.read_bytes().splitlines(keepends=True)
+    assert len(lines) == 1 + 2 + 10
+    state.write_bytes(b"".join([*lines[:-1], lines[-1][:20]]))
+    again = run("stress_solids", "--fingers", "2", "--rods", "1", "--seed", "3", *limit)
+    assert [row.split()[:2] for row in again.splitlines()] == [
+        row.split()[:2] for row in output.splitlines()
+    ]
+    assert state.read_bytes().splitlines(keepends=True)[:-1] == lines[:-1]

@@ -1,7 +1,7 @@
 """Flexor: design soft exosuits with the wearer in the loop.
 
-Example
--------
+Examples
+--------
 >>> import flexor
 >>> model = flexor.load("examples/finger.toml")
 >>> path = model.equilibrium(force=[0, 1, 2, 3, 4, 5])  # N

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.plot.animation import animate as animation
+from flexor.plot.animation import animation
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.front_figure import front
 from flexor.plot.history import read_history

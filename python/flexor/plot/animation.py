@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _INTERVAL = 150  # ms
 
 
-def animate(path: Path) -> FuncAnimation:
+def animation(path: Path) -> FuncAnimation:
     """Animate a design along its loads, to scale.
 
     Parameters
