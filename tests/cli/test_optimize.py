@@ -184,6 +184,7 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
     assert ran.code == 0
     assert "range-of-motion" in ran.out
     assert "designs that no other is better than in all, to maximise range-of-motion" in ran.out
+    assert "states are not applied to a front of several objectives" in ran.err
     for name in ("front.csv", "front.png", "front.svg"):
         assert (tmp_path / "s" / name).stat().st_size > 100
     shown = flexor("front", "s", "--point", "1", "--save", "light.toml")

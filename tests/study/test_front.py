@@ -97,6 +97,13 @@ def test_the_folder_has_all_of_it(study: Study) -> None:
     assert flexor.study.rerun(study.folder).difference is None
 
 
+def test_tables_have_the_points_that_figures_number(study: Study) -> None:
+    front = study.front
+    assert len(front) > 6
+    assert set(front.spread(5)) <= set(front.spread(6)) < set(range(len(front)))
+    assert front.spread(len(front)) == list(range(len(front)))
+
+
 def test_a_killed_run_is_resumed(study: Study, model: Model, tmp_path: Path) -> None:
     """To the same front."""
 

@@ -88,6 +88,11 @@ class Design:
         """Its constraints as drawn, each where it is worst; evaluated again."""
         return tuple(kept(self))
 
+    @property
+    def has_verdict(self) -> bool:
+        """Whether there is more to say of it than its value: of one observable it is the best."""
+        return self.problem.objective.of_observable and not self.problem.objective.count
+
     @cached_property
     def verdict(self) -> Verdict:
         """Whether it can be worn and made, and how far to trust it; evaluated again."""
