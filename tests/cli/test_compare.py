@@ -30,6 +30,13 @@ def test_table_files_and_figure(flexor, tmp_path) -> None:
     assert [row["seed"] for row in rows] == ["0", "1", "0", "1"]
 
 
+def test_infeasible_designs_are_called_so(flexor) -> None:
+    words = ("--budget", "3", "--subject-to", "overlap <= 0.01 mm")
+    ran = flexor("compare", "finger", "-p", "L", "-m", "ps", "--seeds", "1", *words)
+    assert "NOT FEASIBLE: no search of L found a design that keeps the constraints" in ran.out
+    assert "infeasible by" in ran.out.partition("NOT FEASIBLE")[0]
+
+
 def test_json_and_resume_tell_the_same(flexor) -> None:
     first = json.loads(flexor(*SMALL, "--out", "c", "--json").out)
     again = json.loads(flexor("compare", "--resume", "c", "--json").out)

@@ -190,6 +190,8 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
     shown = flexor("front", "s", "--point", "1", "--save", "light.toml")
     assert shown.code == 0
     assert "overlap <= 1.5 mm" in shown.out
+    first = (tmp_path / "light.toml").read_text(encoding="utf-8").splitlines()[0]
+    assert first.startswith("# Point 1 of the front of s: exosuit.section.wall = ")
     told = json.loads(flexor("front", "s", "--json").out)
     best = told["front"][0]
     point = json.loads(flexor("front", "s", "--point", "1", "--json").out)

@@ -80,7 +80,7 @@ def compare(
     """Compare search methods with the same starts, seeds and budget on each parameter set.
 
     With --vary, or variables in the model file, they are compared on these. Designs that keep the
-    constraints come before all others; "out by" is the sum of what the others exceed them by.
+    constraints come before all others; "infeasible by" is what the others exceed them by in all.
 
     A search succeeds when it reaches 99 % of the improvement of the best known design of its set
     over the model's own exosuit. The table lists the best and the median final value of each
@@ -139,6 +139,8 @@ def compare(
 
 
 def _print_summary(result: MethodComparison, seconds: float, files: list[FilePath]) -> None:
+    from flexor.constraints import INFEASIBLE
+
     headings = ("best", "median", "success", "to 1 %", "expected", "time")
     for name in result.sets:
         summaries = [result.summary(name, method) for method in result.methods]
@@ -160,6 +162,11 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
             f"{_value(result, best)} for the best known design"
         )
         show((name, *headings), rows)
+        if best >= INFEASIBLE:
+            say(
+                f"NOT FEASIBLE: no search of {name} found a design that keeps the constraints; "
+                '"infeasible by" is what these are exceeded by in all, as shares of the bounds.'
+            )
     searches = len(result.runs)
     say(
         f"{searches} searches of at most {result.budget} designs, {len(result.seeds)} per method "
@@ -188,7 +195,7 @@ def _value(result: MethodComparison, value: float) -> str:
     from flexor.constraints import INFEASIBLE
 
     if math.isfinite(value) and value >= INFEASIBLE:
-        return f"out by {number(value / INFEASIBLE - 1.0, 2)}"
+        return f"infeasible by {number(value / INFEASIBLE - 1.0, 2)}"
     return number(float(result.objective.displayed(np.array(value))), 5)
 
 

@@ -12,7 +12,7 @@ import typer
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.table import number, show
-from flexor.errors import InputError
+from flexor.errors import InputError, one_line
 
 if TYPE_CHECKING:
     from flexor.study import Design
@@ -75,7 +75,8 @@ def front(
             if save is not None:
                 from flexor.store import write_text
 
-                write_text(save, design.model.file.to_toml())
+                origin = one_line(f"# Point {point} of the front of {study}: {design.text}")
+                write_text(save, f"{origin}\n\n{design.model.file.to_toml()}")
                 note(f"model file: {save}")
         elif as_json:
             print_json(front_report.front_as_json(opened, found))
