@@ -7,6 +7,7 @@ import pytest
 
 import flexor
 from flexor.model import Model
+from flexor.scenarios import Tolerance
 from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
 from flexor.study.fragility import FRAGILE, fragile
 from flexor.study.margins import worst_errors
@@ -53,6 +54,17 @@ def test_the_demo_s_verdict_names_the_worst_case(demo: Study) -> None:
     assert "exosuit.section.wall + 0.5 mm" in verdict.within[-1].error
     assert verdict.within[-1].what == "range-of-motion"
     assert verdict.steps[0] == "0.5 mm"
+    assert verdict.tolerances[3] == "exosuit.section.wall ± 0.5 mm"
+    assert (overlap.signs[3], verdict.within[-1].signs[3]) == ("-", "+")
+    (use,) = (each for each in verdict.constraints if each.name == "strain-use")
+    assert use.place.startswith("fabric of exosuit, X = ")
+
+
+def test_a_standard_deviation_is_told_in_its_own_unit() -> None:
+    assert Tolerance("exosuit.length", "normal", 5e-4, "0.5 mm normal").largest == (
+        "1 mm (2 deviations)"
+    )
+    assert Tolerance("proximal.to.at", "uniform", 0.011, "0.011").largest == "0.011"
 
 
 def test_an_optimum_without_a_margin_is_not_robust() -> None:

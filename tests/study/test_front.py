@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,12 @@ def test_the_folder_has_all_of_it(study: Study) -> None:
     assert len(rows) == len(study.front)
     assert float(rows[0]["exosuit.section.wall / m"]) == study.front.designs[0, 0]
     assert flexor.study.rerun(study.folder).difference is None
+
+
+def test_tables_have_the_points_that_figures_number(study: Study) -> None:
+    many = replace(study.front, designs=np.zeros((57, 2)))
+    assert set(many.spread(5)) <= set(many.spread(40)) < set(range(57))
+    assert many.spread(57) == list(range(57))
 
 
 def test_a_killed_run_is_resumed(study: Study, model: Model, tmp_path: Path) -> None:

@@ -16,6 +16,8 @@ import pytest
 import flexor
 from flexor.cli.app import main
 from flexor.scene import scene
+from flexor.study import Study
+from flexor.study.sentences import cautions, headline
 from flexor.viewer import share_page
 
 
@@ -175,13 +177,19 @@ def test_a_study_shows_optimum_and_start(tmp_path, monkeypatch) -> None:
     model = flexor.load("pneumatic-finger")
     bounds = {"exosuit.section.wall": ("1.5 mm", "3 mm")}
     flexor.optimize(model, bounds, "maximise range-of-motion", "grid", folder="wall",
-                    method_options={"points": 3}).close()  # fmt: skip
+                    tolerance={"exosuit.section.wall": "0.5 mm"},
+                    method_options={"points": 3}, budget=4).close()  # fmt: skip
     assert run("share", "wall", "--out", "wall.html") == 0
     data = json.loads(Elements(Path("wall.html").read_text(encoding="utf-8")).data)
     assert [design["title"] for design in data["designs"]] == ["optimum", "start"]
     assert data["designs"][1]["parameters"] == [["exosuit.section.wall", 2.0, "mm"]]
-    assert data["designs"][0]["parameters"][0][1] == 1.5
+    assert data["designs"][0]["parameters"][0][1] == 2.25  # with a margin for errors
     assert ["seed", "0"] in data["provenance"]
+    best, told = Study.open("wall").best, data["designs"][0]["verdict"]
+    assert told["headline"] == headline(best.verdict) != ""
+    assert [each["text"] for each in told["cautions"]] == cautions(best)
+    assert any(text.startswith(("robust: ", "NOT ROBUST: ")) for text in cautions(best))
+    assert data["designs"][1]["verdict"]["cautions"] == []
     walls = [
         next(o for o in design["scene"]["objects"] if o["kind"] == "chamber")["local"]
         for design in data["designs"]

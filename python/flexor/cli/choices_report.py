@@ -50,12 +50,12 @@ def carry_out(
             }
             for each in found.tried
         ]
-        best = outcome.as_json(found.best, seconds)
+        best = outcome.as_json(found.best, found.best.best, seconds)
         chosen = {"choices": dict(found.combination.values), "tried": tried}
         print_json({**chosen, **best, "folder": place, "evaluations": found.evaluations})
     else:
         _print(found, seconds)
-    outcome.draw(found.best, plot, quiet=as_json)
+    outcome.draw(found.best, found.best.best, plot, quiet=as_json)
     if not as_json:
         say(f"model:  {place / 'best.toml'}")
     found.close()
@@ -76,4 +76,4 @@ def _print(found: Choices, seconds: float) -> None:
     unit = f" / {problem.unit}" if problem.unit else ""
     show(("combination", "designs", "rounds", f"{problem.quantity}{unit}"), rows)
     say(f"best of {len(rows)} combinations: {found.combination.name}.")
-    outcome.print_summary(best, seconds)
+    outcome.print_summary(best, best.best, seconds)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexor.arguments import assignments
+from flexor.cli.console import note
 from flexor.cli.values import lists, ranges
 from flexor.errors import InputError
 
@@ -121,6 +122,13 @@ def uncertainty(
         "samples": there.samples if samples is None else samples,
         "wearers": wearers or 0,
     }
+
+
+def say_unapplied(model: Model, what: str) -> None:
+    """Say that errors which the file states are not applied to a kind of result."""
+    there = model.file.design
+    if there is not None and there.tolerance:
+        note(f'The tolerances that "{model.name}" states are not applied to {what}.')
 
 
 def _is_given(context: typer.Context, name: str) -> bool:

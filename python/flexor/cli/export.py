@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli import options
-from flexor.cli.console import err, print_json, say
+from flexor.cli.console import print_json, say
+from flexor.cli.progress import working
 from flexor.cli.table import number, show
 from flexor.cli.values import load_changed
 from flexor.errors import InputError
@@ -160,7 +161,7 @@ def export(
         else:
             _list(written)
         return 0
-    with err.status("making the body"):
+    with working("making the body"):
         if found is None:
             device = making.device_of(model, rod, f'the model "{model.name}"')
         else:
@@ -180,14 +181,14 @@ def export(
     if mould is not None:
         from flexor.export.kit import write_kit
 
-        with err.status("making the mould"):
+        with working("making the mould"):
             cast = making.mould(device, of_mould, chosen)
             written += write_kit(cast, mould, model.equilibrium() if found is None else found.path)
     if plot is not None:
         from flexor.export.drawing import making_figure
         from flexor.plot import save
 
-        with err.status("drawing"):
+        with working("drawing"):
             written.append(save(making_figure(made, cast), plot))
     if as_json:
         print_json(_as_json(made, written))
@@ -257,7 +258,7 @@ def _print_finger(
     from flexor import export as making
     from flexor.export.finger_kit import HEADINGS, spring_row, write_finger
 
-    with err.status("making the limb"):
+    with working("making the limb"):
         changed = model if design is None else making.model_of_design(design)
         made = making.finger(changed.file, chosen)
         written = write_finger(made, changed, target)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flexor.cli.console import err, out, say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration
@@ -16,7 +14,7 @@ if TYPE_CHECKING:
     from flexor.study import Front, Study
 
 # Rows of the table; the file has all.
-MOST_ROWS = 15
+MOST_ROWS = 40
 
 
 def print_front(study: Study, front: Front, seconds: float | None = None) -> None:
@@ -27,7 +25,10 @@ def print_front(study: Study, front: Front, seconds: float | None = None) -> Non
         _print_table(front)
         names = " and ".join(each.name for each in front.objectives)
         count = f"{len(front)} designs" if len(front) > 1 else "one design"
-        say(f"front: {count} that no other is better than in all, to {names}.")
+        if len(front.objectives) > 1:
+            say(f"front: {count} that no other is better than in all, to {names}.")
+        else:
+            say(f"The study has one objective, to {names}: this is its best design.")
     cost = "" if seconds is None else f" in {duration(seconds)}"
     say(f"{study.evaluations:,} designs{cost}: {study.finished}.")
     if len(front) and study.folder is not None:
@@ -47,7 +48,7 @@ def _print_empty(study: Study) -> None:
 
 
 def _print_table(front: Front) -> None:
-    rows = np.unique(np.linspace(0, len(front) - 1, MOST_ROWS).round().astype(int))
+    rows = front.spread(MOST_ROWS)
     chosen = front.problem.parameters
     objectives = [[number(value, 5) for value in row] for row in front.shown[rows].tolist()]
     designs = (front.designs[rows] / chosen.scale).tolist()
@@ -66,6 +67,8 @@ def _print_table(front: Front) -> None:
     else:
         cells = [a + b for a, b in zip(points, objectives, strict=True)]
     show(headings, cells, left=0)
+    if len(rows) < len(front):
+        say(f"{len(rows)} of {len(front)} points are shown; front.csv has all.")
 
 
 def draw_front(

@@ -10,7 +10,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import err, print_json, say
-from flexor.cli.design_problem import stated
+from flexor.cli.design_problem import say_unapplied, stated
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder, save_figure
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.values import load_changed, numbers, one_or_assignments
@@ -98,6 +98,7 @@ def landscape(
     else:
         assert model is not None
         loaded = load_changed(model, variant, changes)
+        say_unapplied(loaded, "a landscape")
         problem = stated(context, loaded, objective, vary, maximise, minimise, subject_to, without)
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         for each, search in overlays:

@@ -10,7 +10,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import print_json
-from flexor.cli.design_problem import stated, uncertainty
+from flexor.cli.design_problem import say_unapplied, stated, uncertainty
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
 from flexor.cli.values import load_changed, numbers, one_or_assignments
 from flexor.errors import InputError
@@ -153,6 +153,7 @@ def optimize(
             where = executor_for(threads, cluster)
             return choices_report.carry_out(chosen_work, where, place, plot, as_json)
         if sizes is not None:
+            say_unapplied(loaded, "sizes")
             over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
             found = partial(
                 studies.sizes,
@@ -174,6 +175,8 @@ def optimize(
                 engine_options=numbers("--solver", solver or []),
             )
             return sizes_report.carry_out(found, executor_for(threads, cluster), place, as_json)
+        if len(problem.aims) > 1:
+            say_unapplied(loaded, "a front of several objectives")
         work = partial(
             studies.optimize,
             loaded,
@@ -195,12 +198,13 @@ def optimize(
     def report(study: Study, seconds: float) -> int:
         if study.problem.objective.count:
             return _report_front(study, seconds, plot, as_json)
+        best = study.best
         if as_json:
-            print_json(outcome.as_json(study, seconds))
+            print_json(outcome.as_json(study, best, seconds))
         else:
-            outcome.print_summary(study, seconds, resumed=resume is not None)
+            outcome.print_summary(study, best, seconds, resumed=resume is not None)
         if plot is not None or not as_json:
-            outcome.draw(study, plot, quiet=as_json)
+            outcome.draw(study, best, plot, quiet=as_json)
         if show:
             _open(study)
         return 0

@@ -7,13 +7,14 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli import verdict
-from flexor.cli.console import err, say
+from flexor.cli.console import say
 from flexor.cli.folders import save_figure
-from flexor.cli.progress import duration
+from flexor.cli.progress import duration, working
 from flexor.cli.table import number, show, with_unit
+from flexor.study.sentences import title
 
 if TYPE_CHECKING:
-    from flexor.study import Sensitivity, Study
+    from flexor.study import Design, Sensitivity, Study
 
 
 _CAVEATS = {
@@ -24,9 +25,12 @@ _CAVEATS = {
 }
 
 
-def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
+def print_summary(study: Study, best: Design, seconds: float, resumed: bool = False) -> None:
     """Print start and optimum side by side, the improvement, and the cost."""
     rows = []
+    if checked := _has_verdict(best):
+        with working(f"checking the best design, {best.result}") as progress:
+            best.evaluate_verdict(progress)
     for line in study.comparison():
         unit = f" / {line.unit}" if line.unit and line.unit != "1" else ""
         rows.append(
@@ -37,16 +41,34 @@ def print_summary(study: Study, seconds: float, resumed: bool = False) -> None:
                 _change(line.start, line.best),
             )
         )
-    if study.problem.constraints or study.problem.objective.of_observable:
-        verdict.print_verdict(study.best)
-    show(("", start_title(study), "optimum", "change"), rows)
-    say(_improvement(study))
+    if checked:
+        verdict.print_verdict(best)
+    show(("", start_title(study), best_title(best), "change"), rows)
+    for text in _improvement(study, best):
+        say(text)
     if study.problem.objective.of_observable:
-        verdict.print_tolerances(study.best)
-    elif math.isfinite(study.best.value) and study.problem.model.joints:
-        _print_sensitivity(study.best.sensitivity)
+        verdict.print_tolerances(best)
+    elif math.isfinite(best.value) and study.problem.model.joints:
+        _print_sensitivity(best.sensitivity)
     cost = f"{'in total, resumed for' if resumed else 'in'} {duration(seconds)}"
     say(f"{study.evaluations:,} designs {cost}: {study.finished}.")
+    if checked and best.verdict.feasible and not best.verdict.robust:
+        say(_search_on(study))
+
+
+def _has_verdict(design: Design) -> bool:
+    """Whether there is a verdict on a design."""
+    return bool(design.problem.constraints) or design.problem.objective.of_observable
+
+
+def _search_on(study: Study) -> str:
+    """Return what may give a robust design."""
+    text = "A robust design needs looser constraints, smaller tolerances, wider bounds"
+    given = study.settings.values["budget"]["evaluations"]
+    if study.folder is None or given is None:
+        return f"{text}, or a longer search."
+    where = f"flexor optimize --resume {study.folder} --budget {4 * given}"
+    return f"{text}, or a longer search: {where}"
 
 
 def start_title(study: Study) -> str:
@@ -55,12 +77,17 @@ def start_title(study: Study) -> str:
     return "default" if list(study.start.vector) == list(own) else "start"
 
 
-def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
+def best_title(best: Design) -> str:
+    """Return what the best design is called."""
+    return title(best.verdict) if _has_verdict(best) else "optimum"
+
+
+def draw(study: Study, best: Design, also: FilePath | None, quiet: bool = False) -> None:
     """Save a figure of both designs to the study folder and another file; print the paths."""
     from flexor import plot
 
-    with err.status("drawing the designs"):
-        figure = plot.designs(study.start.path, study.best.path, (start_title(study), "optimum"))
+    with working("drawing the designs"):
+        figure = plot.designs(study.start.path, best.path, _titles(study, best))
         files = [plot.save(figure, also)] if also is not None else []
         if study.folder is not None:
             files += save_figure(figure, study.folder, "designs")
@@ -72,7 +99,16 @@ def draw(study: Study, also: FilePath | None, quiet: bool = False) -> None:
         say(f"figure: {file}")
 
 
-def as_json(study: Study, seconds: float) -> dict[str, Any]:
+def _titles(study: Study, best: Design) -> tuple[str, str]:
+    """Return the titles of both designs, with what they break in a line of its own."""
+    first, last = (
+        f"breaks {', '.join(broken)}\n{name}" if (broken := _broken(design)) else name
+        for design, name in ((study.start, start_title(study)), (best, best_title(best)))
+    )
+    return first, last
+
+
+def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
     """Return the result as a JSON object, SI.
 
     `bending` and `joint_angles`, at the last load, are in rad, `tip_force` in N; for `sensitivity`
@@ -89,12 +125,12 @@ def as_json(study: Study, seconds: float) -> dict[str, Any]:
                 "joint_angles": design.joint_angles[-1].tolist(),
                 "tip_force": float(design.tip_force[-1]),
             }
-            for name, design in (("start", study.start), ("best", study.best))
+            for name, design in (("start", study.start), ("best", best))
         },
-        "sensitivity": _sensitivity(study.best.sensitivity),
-        "feasible": study.best.feasible,
-        "constraints": verdict.constraints_as_json(study.best),
-        "within_tolerances": verdict.within_as_json(study.best),
+        "sensitivity": _sensitivity(best.sensitivity),
+        "feasible": best.feasible,
+        "constraints": verdict.constraints_as_json(best),
+        "within_tolerances": verdict.within_as_json(best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,
@@ -149,22 +185,38 @@ def _signed(degrees: float) -> str:
     return "0.0°" if float(text) == 0.0 else f"{text.replace('-', '−')}°"
 
 
-def _improvement(study: Study) -> str:
-    start, best, first = study.start, study.best, start_title(study)
-    force = study.problem.model.show_loads(study.problem.loads[-1])
-    problem = study.problem
+def _improvement(study: Study, best: Design) -> list[str]:
+    """Return what start and best design reach, and which constraints the start breaks."""
+    start, problem, first = study.start, study.problem, start_title(study)
+    force = problem.model.show_loads(problem.loads[-1])
+    name = best_title(best)
     if not math.isfinite(start.value):
-        return f"At {force} the {first} {start.reason}; the optimum bends {_degrees(best.bending)}."
+        return [
+            f"At {force} the {first} {start.reason}; the {name} bends {_degrees(best.bending)}."
+        ]
+    broken = [f"{each} ({value})" for each, value in _broken(start).items()]
+    comparable = not _broken(best) and not broken
     if problem.quantity != "bending":
-        return (
-            f"At {force} the optimum's {problem.quantity} is "
+        ratio = _ratio(start.shown, best.shown) if comparable else ""
+        said = (
+            f"At {force} the {problem.quantity} of the {name} is "
             f"{with_unit(best.shown, problem.unit)}, that of the {first} "
-            f"{with_unit(start.shown, problem.unit)}{_ratio(start.shown, best.shown)}."
+            f"{with_unit(start.shown, problem.unit)}{ratio}."
         )
-    return (
-        f"At {force} the optimum bends {_degrees(best.bending)}, "
-        f"the {first} {_degrees(start.bending)}{_ratio(start.bending, best.bending)}."
-    )
+    else:
+        ratio = _ratio(start.bending, best.bending) if comparable else ""
+        said = (
+            f"At {force} the {name} bends {_degrees(best.bending)}, "
+            f"the {first} {_degrees(start.bending)}{ratio}."
+        )
+    return [said, *([f"The {first} breaks {' and '.join(broken)}."] if broken else [])]
+
+
+def _broken(design: Design) -> dict[str, str]:
+    """Return the constraints that a design does not keep as drawn, with their worst values."""
+    if not math.isfinite(design.value):
+        return {}
+    return {each.name: each.value for each in design.kept if each.state == "BROKEN"}
 
 
 def _ratio(start: float, best: float) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
-from flexor.cli.console import err, note
+from flexor.cli.console import err, note, plain
 from flexor.cli.table import number
 from flexor.errors import one_line
 
@@ -68,6 +69,20 @@ class LiveLine:
         self._bar.update(self._task, description=text, completed=done, total=total, left=left)
 
 
+@contextmanager
+def working(text: str) -> Iterator[Callable[[str], None]]:
+    """Say what is being done, which takes a while: a line that goes away, or one that stays.
+
+    Yields a function that says more of how far it is, in terminals only.
+    """
+    if not err.is_interactive:
+        note(f"{text} …")
+        yield lambda _: None
+        return
+    with err.status(plain(text)) as status:
+        yield lambda more: status.update(plain(f"{text}: {more}"))
+
+
 class SearchProgress(LiveLine):
     """Shows the best value, evaluations, designs per second and the remaining time."""
 
@@ -75,8 +90,10 @@ class SearchProgress(LiveLine):
 
     def __call__(self, at: StudyProgress) -> None:
         """Update the line with the state of the search."""
-        best = "all designs failed so far" if at.best is None else f"best {at.best.result}"
-        parts = [best, f"{at.evaluations:,} designs"]
+        best = "all designs failed so far"
+        if at.best is not None:
+            best = f"best {at.best.result}{'' if at.best.feasible else ', not feasible'}"
+        parts = [*([at.stage] if at.stage else []), best, f"{at.evaluations:,} designs"]
         if at.rate:
             parts.append(f"{at.rate:,.0f}/s")
         total = None if at.remaining is None else at.evaluations + at.remaining

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexor.cli import options
-from flexor.cli.console import err, say
+from flexor.cli.console import say
+from flexor.cli.progress import working
 from flexor.cli.values import load_changed
 from flexor.errors import InputError
 
@@ -43,6 +44,7 @@ def share(
     * `flexor share studies/press --out press.html`
     """
     from flexor.store.files import check_writable, write_text
+    from flexor.study import Study
     from flexor.viewer import share_page
 
     if out.suffix.lower() not in (".html", ".htm"):
@@ -51,7 +53,10 @@ def share(
     if (out.exists() or out.is_symlink()) and not force:
         raise InputError(f'"{out}" exists: give --force to replace it, or another name.')
     shown = _source(source, variant, changes)
-    with err.status("drawing the design"):
+    if isinstance(shown, Study) and shown.best.has_verdict:
+        with working("checking the best design") as progress:
+            shown.best.evaluate_verdict(progress)
+    with working("drawing the design"):
         text = share_page(shown, source)
     write_text(out, text)
     say(f"page: {out} ({len(text.encode()) / 1e6:.2f} MB)")

@@ -7,23 +7,18 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import say
-from flexor.cli.table import number, show, with_unit
-from flexor.observables.snap_margin import REACH
-from flexor.study.verdict import COARSE
+from flexor.cli.table import number, show
+from flexor.study.sentences import cautions, headline, of_model
 
 if TYPE_CHECKING:
     from flexor.study import Design, Verdict
-    from flexor.study.verdict import Within
 
 
 def print_verdict(design: Design) -> None:
     """Print whether a design keeps its constraints, each with its value and place."""
     found = design.verdict
-    if not found.feasible:
-        broken = [each.text for each in found.constraints if each.state == "BROKEN"]
-        say(f"NOT FEASIBLE: no design that was tried keeps {' and '.join(broken)}.")
-    elif found.constraints:
-        say("feasible: the optimum keeps all constraints.")
+    if text := headline(found):
+        say(text)
     if found.constraints:
         rows = [(each.text, each.value, each.state, each.place) for each in found.constraints]
         show(("constraint", "worst", "", "where"), rows)
@@ -34,67 +29,46 @@ def print_verdict(design: Design) -> None:
 def print_tolerances(design: Design) -> None:
     """Print what manufacturing errors and a finer mesh do to a design."""
     found, objective = design.verdict, design.problem.objective
-    rows = []
-    for k, (label, step) in enumerate(
-        zip(design.problem.parameters.labels, found.steps, strict=True)
-    ):
-        cells = [
-            "fails" if math.isnan(value) else number(value) + (" (broken)" if out > 0.0 else "")
+    labels, feasible = design.problem.parameters.labels, found.feasible
+    rows, mark = [], " (broken)" if feasible else ""
+    for k, (label, step) in enumerate(zip(labels, found.steps, strict=True)):
+        less, more = (
+            "fails" if math.isnan(value) else number(value) + (mark if out > 0.0 else "")
             for value, out in zip(found.off[k].tolist(), found.broken[k].tolist(), strict=True)
-        ]
-        rows.append((f"{label} ± {step}", *cells))
-    unit = f" / {objective.unit}" if objective.unit else ""
-    show((f"{objective.quantity}{unit}", "if less", "if more"), rows)
-    if found.worst is not None:
-        label, step = design.problem.parameters.labels[found.worst], found.steps[found.worst]
-        say(f"An error of {step} in {label} matters most.")
-    if found.broken.max(initial=0.0) > 0.0 and found.feasible:
-        say('"broken": with that error a constraint is exceeded; state it as a --tolerance.')
-    _print_within(found)
-    for each in found.fragile:
-        much = "makes it fail" if math.isnan(each.change) else f"by {100.0 * each.change:.0f} %"
-        verb = "" if math.isnan(each.change) else f"moves {objective.quantity} "
-        say(f"FRAGILE: 1 % of {each.name} {verb}{much}.")
-    if found.snaps:
-        say(f"FRAGILE: the optimum is reached through {found.snaps} snap(s).")
-    if found.snap_margin is not None and math.isfinite(found.snap_margin):
-        beyond = found.snap_margin < REACH - 1.0
-        where = f"{found.snap_margin:.0%} beyond" if beyond else f"none up to {REACH:g} times"
-        say(f"The next snap: {where} the last load.")
-    if found.finer is not None:
-        change = abs(found.finer - found.shown) / max(abs(found.shown), 1e-300)
-        warning = "COARSE: " if not change <= COARSE else ""
-        say(
-            f"{warning}with twice the elements {objective.quantity} is "
-            f"{with_unit(found.finer, objective.unit)}."
         )
+        rows.append((f"{label} ± {step}", less, number(found.shown), more))
+    unit = f" / {objective.unit}" if objective.unit else ""
+    heading = f"{of_model(design.problem)}{unit}"
+    show((heading, "if less", "as drawn", "if more"), rows)
+    if found.worst is not None:
+        say(f"An error of {found.steps[found.worst]} in {labels[found.worst]} matters most.")
+    unstated = [
+        label
+        for label, stated, out in zip(labels, found.stated, found.broken, strict=True)
+        if not stated and out.max() > 0.0
+    ]
+    if feasible and unstated:
+        say(
+            '"broken": with that error a constraint is exceeded; state the error of '
+            f"{' and '.join(unstated)} as a --tolerance to leave a margin."
+        )
+    for text in cautions(design):
+        say(text)
+    _print_errors(found)
 
 
-def _print_within(found: Verdict) -> None:
-    """Print the worst case within the tolerances: of what comes near a bound, and the objective."""
-    if not found.within:
+def _print_errors(found: Verdict) -> None:
+    """Print which errors within the tolerances are worst, of what is broken or nearly so."""
+    if not found.within or not found.feasible:
         return
     *constraints, objective = found.within
-    broken = [each for each in constraints if not each.kept]
-    if not broken:
-        say("robust: all constraints hold for every error within the tolerances that was tried.")
-    for each in broken:
-        case = f" to {each.value}, {each.place}" if each.value else ""
-        say(f"NOT ROBUST: errors within the tolerances break {each.what}{case}: {_cause(each)}.")
-    for each in constraints:
-        if each.near:
-            case = f"{each.value}, {each.place}{_with(each)}"
-            say(f"within the tolerances {each.what}: at worst {case}.")
-    worst = objective.value or "none, as the design fails"
-    say(f"within the tolerances {objective.what} is at worst {worst}{_with(objective)}.")
-
-
-def _cause(each: Within) -> str:
-    return f"{each.error}{f' in scenario {each.scenario}' if each.scenario else ''}"
-
-
-def _with(each: Within) -> str:
-    return f", with {_cause(each)}" if each.error or each.scenario else ""
+    chosen = [each for each in constraints if each.near or not each.kept]
+    columns = [each for each in (*chosen, objective) if any(each.signs)]
+    rows = [
+        (label, *(each.signs[i] for each in columns)) for i, label in enumerate(found.tolerances)
+    ]
+    if columns:
+        show(("worst errors of", *(each.what for each in columns)), rows)
 
 
 def within_as_json(design: Design) -> list[dict[str, Any]]:

@@ -91,6 +91,22 @@ def extremes(state: State) -> dict[str, Extreme]:
     return found
 
 
+def fibre(state: State, values: Array) -> tuple[str, Extreme]:
+    """Return the material and the place of the largest value of a fibre.
+
+    Parameters
+    ----------
+    state
+        An equilibrium.
+    values : array
+        Of its fibres, as `State.stretch`; NaN where there is none.
+    """
+    frames = state.model.engine.stretch_frames(state.parameters, state.q)
+    at = np.unravel_index(int(np.nanargmax(values)), values.shape)
+    material = list(state.model.file.materials)[int(at[0])]
+    return material, Extreme(float(values[at]), *_frame_place(state.model, int(frames[at])))
+
+
 def place(state: State, sphere: int, point: Array) -> tuple[str, float]:
     """Return the body of a sphere, and X of the sphere on a rod, of the point on a link."""
     body, x = state.model.sphere_places[sphere]

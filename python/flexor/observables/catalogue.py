@@ -9,6 +9,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
+from flexor.model.extremes import fibre
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
 from flexor.model.units import ANGLE, FORCE, LENGTH, PRESSURE, VOLUME, Dimension
@@ -48,7 +49,7 @@ class Kind:
     # From the model to each member; the empty name is the observable without one.
     members: Callable[[Structure], dict[str, Member]]
     absent: str  # what a model without it lacks
-    key: str = ""  # of `State.extremes`, where its place is found
+    place: Callable[[State], str] | None = None  # where its value is, for display
     lowest: float | None = None  # that its values are never below
 
 
@@ -121,7 +122,7 @@ def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
             values=found.values,
             slope=found.slope,
             lowest=kind.lowest,
-            place=_place(kind.key) if kind.key else None,
+            place=kind.place,
         )
 
 
@@ -132,6 +133,17 @@ def _place(key: str) -> Callable[[State], str]:
             return ""
         on = "" if extreme.on is None else f" on {extreme.on}"
         return f"{extreme.body}, X = {extreme.X:.2g}{on}"
+
+    return found
+
+
+def _fibre(uses: Callable[[State], Array]) -> Callable[[State], str]:
+    def found(state: State) -> str:
+        values = uses(state)
+        if not np.isfinite(values).any():
+            return ""
+        material, at = fibre(state, values)
+        return f"{material} of {at.body}, X = {at.X:.2g}"
 
     return found
 
@@ -274,7 +286,7 @@ _KINDS = (
             model.first_spheres, lambda paths: paths.max_overlap, slopes.output("max_overlap")
         ),
         _CONTACT,
-        "max_overlap",
+        _place("max_overlap"),
         lowest=0.0,
     ),
     Kind(
@@ -287,7 +299,7 @@ _KINDS = (
             slopes.output("max_contact_pressure"),
         ),
         "bodies with a skin",
-        "max_contact_pressure",
+        _place("max_contact_pressure"),
         lowest=0.0,
     ),
     Kind(
@@ -296,7 +308,7 @@ _KINDS = (
         "largest strain |λ - 1| of a fibre",
         lambda model: _if(_fibres(model), lambda paths: paths.max_strain, slopes.strain),
         "a section with a material",
-        "max_strain",
+        _place("max_strain"),
         lowest=0.0,
     ),
     Kind(
@@ -307,6 +319,7 @@ _KINDS = (
             _limited(model, "strain_limit"), quantities.strain_use, slopes.strain_use
         ),
         "a material with a strain_limit",
+        _fibre(lambda state: quantities.strain_uses(state.model, state.stretch)),
         lowest=0.0,
     ),
     Kind(
@@ -317,6 +330,7 @@ _KINDS = (
             _limited(model, "stress_limit"), quantities.stress_use, slopes.stress_use
         ),
         "a material with a stress_limit",
+        _fibre(lambda state: quantities.stress_uses(state.model, state.stretch, state.parameters)),
         lowest=0.0,
     ),
     Kind(
@@ -325,7 +339,7 @@ _KINDS = (
         "smallest stretch λ of a fibre; at 0 the section folds",
         lambda model: _if(_fibres(model), lambda paths: paths.min_stretch, slopes.min_stretch),
         "a section with a material",
-        "min_stretch",
+        _place("min_stretch"),
     ),
     Kind("strap-force", FORCE, "tension of a strap, or the largest", _straps, "straps", lowest=0.0),
     Kind(

@@ -33,8 +33,13 @@ def snaps(paths: Paths) -> Array:
 
 def strain_use(paths: Paths) -> Array:
     """Return the largest strain as a share of the strain limit of its material."""
-    strain = np.abs(paths.stretch - 1.0) / limits(paths.model, "strain_limit")[:, None]
-    return np.asarray(np.fmax.reduce(strain, axis=(2, 3), initial=np.nan))
+    uses = strain_uses(paths.model, paths.stretch)
+    return np.asarray(np.fmax.reduce(uses, axis=(2, 3), initial=np.nan))
+
+
+def strain_uses(model: Structure, stretch: Array) -> Array:
+    """Return the strain of fibres (..., materials, 2) as a share of the material's limit."""
+    return np.asarray(np.abs(stretch - 1.0) / limits(model, "strain_limit")[:, None])
 
 
 def limits(model: Structure, key: str) -> Array:
@@ -45,17 +50,26 @@ def limits(model: Structure, key: str) -> Array:
 
 def stress_use(paths: Paths) -> Array:
     """Return the largest nominal stress as a share of the stress limit of its material."""
-    found = np.full(paths.stretch.shape, np.nan)
-    for index, (name, table) in enumerate(paths.model.file.materials.items()):
+    # Of each design, as the constants of materials may be varied.
+    uses = [
+        stress_uses(paths.model, stretch, parameters)
+        for stretch, parameters in zip(paths.stretch, paths.parameters, strict=True)
+    ]
+    found = np.array(uses).reshape(paths.stretch.shape)
+    return np.asarray(np.fmax.reduce(found, axis=(2, 3), initial=np.nan))
+
+
+def stress_uses(model: Structure, stretch: Array, parameters: Array) -> Array:
+    """Return the stress of fibres (..., materials, 2) of a design as a share of its limit."""
+    found = np.full(stretch.shape, np.nan)
+    for index, (name, table) in enumerate(model.file.materials.items()):
         if table.stress_limit is None:
             continue
-        start, stop = paths.model.engine.slots[f"{name}.constants"]
-        wound, limit = table.winding == "hoop", float(table.stress_limit)
-        # Of each design, as they may be varied.
-        for i, constants in enumerate(paths.parameters[:, start:stop].tolist()):
-            energy = fibre_energy(table.kind, constants, paths.stretch[i, :, index], wound)
-            found[i, :, index] = np.abs(energy.first) / limit
-    return np.asarray(np.fmax.reduce(found, axis=(2, 3), initial=np.nan))
+        start, stop = model.engine.slots[f"{name}.constants"]
+        constants, wound = parameters[start:stop].tolist(), table.winding == "hoop"
+        energy = fibre_energy(table.kind, constants, stretch[..., index, :], wound)
+        found[..., index, :] = np.abs(energy.first) / float(table.stress_limit)
+    return found
 
 
 def strap_forces(paths: Paths) -> Array:

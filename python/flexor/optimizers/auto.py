@@ -144,7 +144,7 @@ class Auto(Method):
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
         run_stage(run, known, search, known.best(1, 0.0), share, "refinement")
         run.function.check()
-        return f"refined to a mesh of {self.tolerance:g}"
+        return f"converged: no better design within {self.tolerance:g} of the ranges"
 
 
 def _sample(run: Run, known: Known, count: int) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.plot.style import EXOSUIT, LINE, PAGE, literal, style
+from flexor.study.front import NUMBERED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,8 +20,6 @@ OTHERS = "#C9CED3"
 # Of the parameters along the front, in Okabe and Ito's colours and three strokes.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 STROKES = ("-", "--", ":")
-# Points of the front that are numbered.
-NUMBERED = 5
 # Share of the front's range that is shown of other designs beyond its ends.
 AROUND = 0.25
 
@@ -93,7 +92,7 @@ def _objectives(axes: Any, found: Front, others: dict[str, Array], across: int, 
         x, y, linestyle=stroke, marker="o", color=EXOSUIT, markersize=3.0, linewidth=0.8,
         markeredgecolor=LINE, markeredgewidth=0.4, zorder=3, label="front",
     )  # fmt: skip
-    for row in np.unique(np.linspace(0, len(x) - 1, NUMBERED).round().astype(int)):
+    for row in found.spread(NUMBERED):
         axes.annotate(
             str(row + 1), (x[row], y[row]), xytext=(4, 4), textcoords="offset points",
             fontsize=6.5, zorder=5,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,7 @@ from flexor.errors import InputError, unknown_name
 KINDS = ("uniform", "normal")
 # A normal error is taken to be within so many standard deviations where it must not matter.
 REACH = 2.0
+_NUMBER = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,17 @@ class Tolerance:
     def reach(self) -> float:
         """The largest error for which constraints have to hold, SI."""
         return self.size if self.kind == "uniform" else REACH * self.size
+
+    @property
+    def largest(self) -> str:
+        """That in words, in the unit that was given, such as ``"1 mm (2 deviations)"``."""
+        stated, kind = split(self.text, self.field)
+        if kind == "uniform":
+            return str(stated)
+        found = _NUMBER.match(str(stated))
+        assert found is not None  # as it was read
+        unit = str(stated)[found.end() :].strip()
+        return f"{REACH * float(found[0]):.6g} {unit}".rstrip() + f" ({REACH:g} deviations)"
 
 
 def split(text: object, place: str) -> tuple[object, str]:

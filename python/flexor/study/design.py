@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ import numpy as np
 from flexor.study.designed_model import designed_model
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.sensitivity import Sensitivity
-from flexor.study.verdict import Verdict
+from flexor.study.verdict import Kept, Verdict, kept
 
 if TYPE_CHECKING:
     from flexor.model import Model, Path, Paths
@@ -83,9 +84,25 @@ class Design:
         return self.violation == 0.0
 
     @cached_property
+    def kept(self) -> tuple[Kept, ...]:
+        """Its constraints as drawn, each where it is worst; evaluated again."""
+        return tuple(kept(self))
+
+    @property
+    def has_verdict(self) -> bool:
+        """Whether there is more to say of it than its value: of one observable it is the best."""
+        return self.problem.objective.of_observable and not self.problem.objective.count
+
+    @cached_property
     def verdict(self) -> Verdict:
         """Whether it can be worn and made, and how far to trust it; evaluated again."""
         return Verdict.of(self)
+
+    def evaluate_verdict(self, progress: Callable[[str], None]) -> Verdict:
+        """Evaluate the verdict, which takes a while, and call a function with each part of it."""
+        if "verdict" not in self.__dict__:
+            self.__dict__["verdict"] = Verdict.of(self, progress)
+        return self.verdict
 
     @property
     def text(self) -> str:

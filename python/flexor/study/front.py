@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # Nearer points of a front, as a share of its range in every objective, count as one.
 NEAR = 1e-3
+# Points that figures number and tables have at least.
+NUMBERED = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,15 @@ class Front:
         if not 1 <= number <= len(self):
             raise InputError(f"point is {number}: the front has points 1 to {len(self)}.")
         return self[number - 1]
+
+    def spread(self, count: int) -> list[int]:
+        """Return so many rows spread over the front, or all; those with a number are among them."""
+        if len(self) <= count:
+            return list(range(len(self)))
+        numbered, rows = (
+            np.linspace(0, len(self) - 1, each).round().astype(int) for each in (NUMBERED, count)
+        )
+        return sorted({*numbered.tolist(), *(rows.tolist() if count > NUMBERED else ())})
 
     @property
     def objectives(self) -> tuple[Objective, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,7 +36,7 @@ from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.recorded_evaluator import RecordedEvaluator
-from flexor.study.rounds import rounds
+from flexor.study.rounds import run_rounds
 from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 from flexor.study.settings import MODEL, STUDY, Settings, reopened, study_record, study_settings
 from flexor.study.study import Study, StudyCallback, StudyProgress
@@ -169,7 +170,10 @@ def optimize(
         integer("wearers", wearers, 0),
     )
     if stated and problem.objective.count:
-        raise InputError("several objectives cannot be had over scenarios or within tolerances.")
+        raise InputError(
+            "scenarios, wearers and tolerances need one objective: leave them out for a front of "
+            "several."
+        )
     if stated:
         problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))
     if method is None:
@@ -285,8 +289,13 @@ def run_search(
     progress: StudyCallback | None = None,
     executor: AnyExecutor | None = None,
     finish: Callable[[Study], None] | None = None,
+    planned: Budget | None = None,
 ) -> Study:
-    """Search a problem in a workspace of this kind; see `optimize`."""
+    """Search a problem in a workspace of this kind; see `optimize`.
+
+    Evaluations are divided among rounds (`flexor.study.rounds`) as in a study with the ``planned``
+    budget, which is the same unless given.
+    """
     limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
     seed = integer("seed", seed, 0)
     check_callable("progress", progress)
@@ -307,10 +316,10 @@ def run_search(
             work.check_reproduces(record.outcomes(best).value, found)
         work.save_settings()
         record.database.note("finished", None)
-        for stage in rounds(study, search, first, limit):
-            study.result = _search(study, *stage, seed=seed, progress=progress, executor=where)
-        assert study.result is not None
-        record.database.note("finished", study.result.reason)
+        run = partial(_search, study, seed=seed, progress=progress, executor=where)
+        divided = (planned or limit).evaluations
+        reason = run_rounds(study, run, search, first, limit, divided)
+        record.database.note("finished", reason)
         if finish is not None:
             finish(study)
         return study
@@ -321,6 +330,7 @@ def _search(
     search: Search,
     start: FloatArray | None,
     budget: Budget,
+    stage: str,
     *,
     seed: int,
     progress: StudyCallback | None,
@@ -348,6 +358,7 @@ def _search(
                 seconds=time.monotonic() - began,
                 remaining=min(left, default=None),
                 detail=at.detail,
+                stage=stage,
             )
         )
 

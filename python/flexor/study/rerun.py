@@ -127,6 +127,7 @@ def rerun(
             "random" if values["start"] is None else values["start"],
             seed=values["seed"],
             budget=given if whole else Budget(evaluations=recorded),
+            planned=given,
             folder=into,
             progress=progress,
             executor=executor,
@@ -150,9 +151,8 @@ def _first_difference(then: Study, now: Study, whole: bool) -> Difference | None
             return found
     if then.evaluations != now.evaluations:
         return _difference(0, "evaluations", then.evaluations, now.evaluations)
-    ended = now.result.reason if now.result is not None else None
-    if whole and then.finished != ended:
-        return _difference(0, "end", then.finished, ended)
+    if whole and then.finished != now.finished:
+        return _difference(0, "end", then.finished, now.finished)
     return None
 
 

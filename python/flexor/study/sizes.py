@@ -122,7 +122,8 @@ def sizes(
     whole = ScenarioProblem.over(nominal, stated, integer("seed", seed, 0))
     if len(whole.scenarios) < count:
         raise InputError(
-            f"sizes is {count}: there are {len(whole.scenarios)} wearers or scenarios."
+            f"sizes is {count}, more than the {len(whole.scenarios)} wearers and scenarios that "
+            "they are for: give --wearers, a number of at least as many."
         )
     check_dependence(nominal)
     search = named_method(method, **(method_options or {})) if isinstance(method, str) else method

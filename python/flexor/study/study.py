@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -104,7 +105,7 @@ class Study(Displayed):
             self.problem, self._whole = self._whole, None
         if isinstance(self.problem, ScenarioProblem):
             self.problem = self.problem.with_corners(corners[-1] if corners else np.zeros((0, 0)))
-            self.record = Record(self.record.database, search=_search(len(corners)))
+            self.record = Record(self.record.database, search=_search(corners))
 
     def take_nominal(self) -> None:
         """Take the problem for the model as it is, with a record of its own, before the rounds."""
@@ -117,9 +118,9 @@ class Study(Displayed):
     def records(self) -> tuple[Record, ...]:
         """The record of every round, of which there is one without tolerances."""
         database = self.record.database
-        count = len(database.noted("rounds") or ())
+        corners = [np.array(each) for each in database.noted("rounds") or ()]
         names = [NOMINAL] if database.noted("nominal") else []
-        names += [_search(i) for i in range(count + 1)]
+        names += [_search(corners[:count]) for count in range(len(corners) + 1)]
         return tuple(Record(database, search=name) for name in names)
 
     @property
@@ -163,13 +164,14 @@ class Study(Displayed):
         return Design.of(self.problem, vector, paths)
 
     def comparison(self) -> list[Comparison]:
-        """Parameters, bending and objective of the start and of the best design."""
+        """Parameters and what is sought of the start and of the best design."""
         chosen, objective = self.problem.parameters, self.problem.objective
         start, best = self.start, self.best
         ends = [(design.vector / chosen.scale).tolist() for design in (start, best)]
         lines = list(map(Comparison, chosen.labels, chosen.units, *ends))
-        lines.append(Comparison("bending", "rad", start.bending, best.bending))
-        if self.problem.quantity != "bending":
+        if not objective.of_observable:
+            lines.append(Comparison("bending", "rad", start.bending, best.bending))
+        if objective.of_observable or self.problem.quantity != "bending":
             sought = self.problem.quantity, self.problem.unit
             lines.append(Comparison(*sought, start.shown, best.shown))
         if not objective.of_observable:
@@ -223,9 +225,12 @@ class Study(Displayed):
         )
 
 
-def _search(round: int) -> str:
-    """Return what the record calls a round."""
-    return f"round {round}" if round else ""
+def _search(corners: Sequence[FloatArray]) -> str:
+    """Return what the record calls a round, by its errors: with another budget these are others."""
+    if not corners:
+        return ""
+    digest = hashlib.sha256(np.asarray(corners[-1], dtype="<f8").tobytes()).hexdigest()
+    return f"round {len(corners)} {digest[:12]}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,6 +247,8 @@ class StudyProgress:
     # whichever is fewer; None if neither is known.
     remaining: int | None
     detail: str  # status message of the method
+    # Of several rounds, which one: what its best design is the best of; see `flexor.study.rounds`.
+    stage: str = ""
 
     @property
     def rate(self) -> float:

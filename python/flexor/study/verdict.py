@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -36,10 +36,15 @@ _NEAR = 0.1
 COARSE = 0.02
 
 
+def _silent(_: str) -> None:
+    pass
+
+
 @dataclass(frozen=True)
 class Kept:
     """A constraint at the best design."""
 
+    name: str  # of the observable
     text: str  # as written
     value: str  # worst along the path, in its unit
     place: str  # where, and at which load
@@ -60,6 +65,8 @@ class Within:
     value: str  # the worst value, in its unit; empty where the design fails
     place: str  # where, and at which load; empty for the objective
     error: str  # such as ``"exosuit.length + 0.5 mm, exosuit.section.wall - 0.1 mm"``
+    # By tolerance: ``"+"`` or ``"-"`` of the whole of it, else the error with its unit, or nothing.
+    signs: tuple[str, ...]
     scenario: str  # in which; empty for the model as it is
     excess: float  # in units of the bound; kept where not above 0, as the objective always is
 
@@ -83,8 +90,10 @@ class Verdict:
     # By parameter: its error, and the quantity of the objective if it is less and if it is more by
     # that, NaN where the design then fails.
     steps: tuple[str, ...]
+    stated: tuple[bool, ...]  # whether that is a tolerance, or else a usual manufacturing error
     off: FloatArray  # (k, 2)
     broken: FloatArray  # (k, 2), the violation then; +inf where the design fails
+    tolerances: tuple[str, ...]  # such as ``"exosuit.length ± 0.5 mm"``
     within: tuple[Within, ...]  # the constraints and the objective; none without tolerances
     fragile: tuple[Fragile, ...]  # of which 1 % moves the quantity by more than a tenth
     shown: float  # the quantity of the objective for the model as it is
@@ -100,32 +109,49 @@ class Verdict:
         return all(each.state != "BROKEN" for each in self.constraints)
 
     @property
+    def robust(self) -> bool:
+        """Whether it keeps them for every error within the tolerances that was tried."""
+        return all(each.kept for each in self.within)
+
+    @property
     def worst(self) -> int | None:
         """Parameter whose error loses most of the quantity; None if one makes the design fail."""
         loss = np.abs(self.off - self.shown).max(axis=1)
         return None if np.isnan(loss).any() else int(np.argmax(loss))
 
     @classmethod
-    def of(cls, design: Design) -> Verdict:
-        """Evaluate a design, those around it, and the same with twice the elements."""
+    def of(cls, design: Design, progress: Callable[[str], None] = _silent) -> Verdict:
+        """Evaluate a design, those around it, and the same with twice the elements.
+
+        ``progress`` is called with each part of the work.
+        """
         problem, x = design.problem, design.vector
         chosen = problem.parameters
-        constraints = tuple(_kept(design))
+        progress("constraints")
+        constraints = design.kept
         nominal = problem.nominal
         step = np.array([_step(problem, i, value) for i, value in enumerate(x.tolist())])
         around = np.concatenate([-np.diag(step), np.diag(step)])
+        progress("an error of each parameter")
         off = nominal.evaluate(np.concatenate([x[None, :], x + around]))
-        k = chosen.size
+        progress("all errors within the tolerances")
+        within = _within(problem, x)
+        progress("1 % of every number")
+        sensitive = fragile(nominal, x)
+        progress("twice the elements")
+        finer, k = _finer(problem, x), chosen.size
         return cls(
             constraints=constraints,
             bounds=tuple(_binding(problem, x)),
             steps=tuple(_stated(problem, i, size) for i, size in enumerate(step.tolist())),
+            stated=tuple(_tolerance(problem, i) is not None for i in range(k)),
             off=off.shown[1:].reshape(2, k).T,
             broken=off.violation[1:].reshape(2, k).T,
-            within=_within(problem, x),
-            fragile=fragile(nominal, x),
+            tolerances=tuple(f"{each.field} ± {each.largest}" for each in _tolerances(problem)),
+            within=within,
+            fragile=sensitive,
             shown=float(off.shown[0]),
-            finer=_finer(problem, x),
+            finer=finer,
             snaps=design.events,
             snap_margin=_snap_margin(design),
         )
@@ -137,7 +163,7 @@ def _snap_margin(design: Design) -> float | None:
     return float(snap_margin(design.path.as_batch)[0, -1])
 
 
-def _kept(design: Design) -> Iterator[Kept]:
+def kept(design: Design) -> Iterator[Kept]:
     """Yield the constraints of a design, each of the scenario where it is worst, without errors."""
     problem, x = design.problem, design.vector
     values = problem.worst_of(design.constraint_values)[None, :]
@@ -152,6 +178,7 @@ def _kept(design: Design) -> Iterator[Kept]:
         if isinstance(problem, ScenarioProblem) and problem.named:
             where = f"{problem.scenarios[worst].name}: {where}"
         yield Kept(
+            each.name,
             each.text(problem.model),
             each.observable(problem.model).shown(float(values[worst, i])),
             where,
@@ -186,6 +213,7 @@ def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:
                 value,
                 place,
                 _in_words(problem, error),
+                _signs(problem, error),
                 problem.scenarios[scenario].name if problem.named else "",
                 float(found.excess[i]),
             )
@@ -197,6 +225,7 @@ def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:
             shown if np.isfinite(found.shown) else "",
             "",
             _in_words(problem, found.error),
+            _signs(problem, found.error),
             problem.scenarios[found.scenario[-1]].name if problem.named else "",
             -np.inf,
         )
@@ -205,16 +234,28 @@ def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:
 
 
 def _in_words(problem: ScenarioProblem, error: FloatArray) -> str:
-    def size(tolerance: Tolerance, value: float) -> str:
-        if abs(value) == tolerance.size:
-            return tolerance.text.removesuffix("uniform").strip()
-        return _amount(abs(value), *problem.unit_of(tolerance))
-
     return ", ".join(
-        f"{each.field} {'+' if value > 0.0 else '-'} {size(each, value)}"
+        f"{each.field} {'+' if value > 0.0 else '-'} {_size(problem, each, abs(value))}"
         for each, value in zip(problem.tolerances, error.tolist(), strict=True)
         if value
     )
+
+
+def _signs(problem: ScenarioProblem, error: FloatArray) -> tuple[str, ...]:
+    def sign(each: Tolerance, value: float) -> str:
+        if not value:
+            return ""
+        whole = abs(value) == each.reach
+        return f"{'+' if value > 0.0 else '-'}{'' if whole else _size(problem, each, abs(value))}"
+
+    return tuple(map(sign, problem.tolerances, error.tolist()))
+
+
+def _size(problem: ScenarioProblem, tolerance: Tolerance, size: float) -> str:
+    """Return the size of an error, the largest as it was stated."""
+    if size == tolerance.reach:
+        return tolerance.largest
+    return _amount(size, *problem.unit_of(tolerance))
 
 
 def _amount(size: float, unit: str, scale: float) -> str:
@@ -230,15 +271,18 @@ def _step(problem: Problem, i: int, value: float) -> float:
 def _stated(problem: Problem, i: int, size: float) -> str:
     """Return an error of a parameter in words, as it was stated."""
     chosen, stated = problem.parameters, _tolerance(problem, i)
-    if stated is not None and stated.size == size:
-        return stated.text.removesuffix("uniform").strip()
+    if stated is not None:
+        return stated.largest
     return _amount(size, chosen.units[i], float(chosen.scale[i]))
 
 
+def _tolerances(problem: Problem) -> tuple[Tolerance, ...]:
+    return problem.tolerances if isinstance(problem, ScenarioProblem) else ()
+
+
 def _tolerance(problem: Problem, i: int) -> Tolerance | None:
-    stated = problem.tolerances if isinstance(problem, ScenarioProblem) else ()
     label = problem.parameters.labels[i]
-    return next((each for each in stated if each.field == label), None)
+    return next((each for each in _tolerances(problem) if each.field == label), None)
 
 
 def _error(value: float, unit: str) -> float:

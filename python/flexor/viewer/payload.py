@@ -48,6 +48,10 @@ class Shown:
         What it has to keep.
     parameters : sequence of (str, float, str)
         Design parameters: label, value in the unit for display, unit.
+    headline : str
+        The verdict of the study whose best design it is; empty of others.
+    cautions : sequence of str
+        How far to trust that design.
     """
 
     title: str
@@ -55,6 +59,8 @@ class Shown:
     file: ModelFile
     constraints: tuple[Constraint, ...] = ()
     parameters: Sequence[tuple[str, float, str]] = ()
+    headline: str = ""
+    cautions: Sequence[str] = ()
 
     @cached_property
     def path(self) -> Path:
@@ -225,7 +231,13 @@ def _verdict(design: Shown, model: Model) -> dict[str, Any]:
         for each, value, over in zip(kept, worst[0] if kept else [], excess, strict=True)
     ]
     failed = [str(status) for status in path.status[~path.converged]]
+    stated = model.file.design
     return {
+        "headline": design.headline,
+        "cautions": [
+            {"text": text, "warns": text.split(":")[0].isupper()} for text in design.cautions
+        ],
+        "unchecked": not design.headline and stated is not None and bool(stated.tolerance),
         "constraints": rows,
         "feasible": not failed and all(row["state"] != "broken" for row in rows),
         "failed": failed[0] if failed else "",

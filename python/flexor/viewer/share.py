@@ -38,11 +38,19 @@ def shared_designs(source: Model | Study) -> list[Shown]:
         If no design of the study succeeded, or the model's loads are not defined.
     """
     from flexor.study import Study
+    from flexor.study.sentences import cautions, headline, title
 
     if isinstance(source, Study):
-        problem = source.problem.nominal
-        best, start = source.best.vector, source.start.vector
+        problem, found = source.problem.nominal, source.best
+        best, start = found.vector, source.start.vector
         shown = [problem_design(problem, best, "optimum")]
+        if found.has_verdict:
+            shown[0] = replace(
+                shown[0],
+                title=title(found.verdict),
+                headline=headline(found.verdict),
+                cautions=cautions(found),
+            )
         if not np.array_equal(best, start):
             shown.append(problem_design(problem, start, "start"))
         return shown

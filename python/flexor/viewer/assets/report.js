@@ -10,10 +10,14 @@ Flexor.verdict = (design) => {
     ? `No equilibrium at some load: ${verdict.failed}.`
     : verdict.constraints.length === 0
       ? "No constraints are stated."
-      : verdict.feasible
-        ? "Feasible: all constraints are kept."
-        : "NOT FEASIBLE.";
-  const state = verdict.feasible ? "kept" : "broken";
+      : verdict.headline
+        ? verdict.headline
+        : verdict.feasible
+          ? verdict.unchecked
+            ? "Feasible as drawn: all constraints are kept. Errors within the tolerances are not checked here."
+            : "Feasible: all constraints are kept."
+          : "NOT FEASIBLE.";
+  const state = verdict.feasible && !verdict.headline.startsWith("NOT") ? "kept" : "broken";
   const rows = verdict.constraints.map((row) =>
     h(
       "tr",
@@ -38,6 +42,7 @@ Flexor.verdict = (design) => {
         )
       : null,
     snaps,
+    ...verdict.cautions.map(({ text, warns }) => h("p", { class: warns ? "broken" : "caution" }, text)),
     ...warnings.map((text) => h("p", { class: "warning" }, `⚠ ${text}`)),
   );
 };
