@@ -100,6 +100,6 @@ def _mesh(design: Design) -> Iterator[str]:
     change = abs(found.finer - found.shown) / max(abs(found.shown), 1e-300)
     coarse = "" if change <= COARSE else "COARSE: "
     yield (
-        f"{coarse}with twice the elements {of_model(design.problem)} is "
+        f"{coarse}with twice the elements: {of_model(design.problem)} "
         f"{with_unit(found.finer, unit)} instead of {with_unit(found.shown, unit)}."
     )
