@@ -207,7 +207,7 @@ def slot_map(
         If a field has no effect, or changes what the model is made of.
     """
     middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
-    lowered = Lowered(model, tuple(fields))
+    lowered = Lowered(model, tuple(fields), names)
     k = len(fields)
     centre = lowered.at(middle)
     moved = np.zeros((k, centre.size), dtype=bool)
@@ -427,8 +427,14 @@ def parameters_with(model: Structure, changes: Mapping[tuple[str, ...], float]) 
 class Lowered:
     """The engine's parameters, and offsets of straps, by lowering the file."""
 
-    def __init__(self, model: Structure, fields: tuple[tuple[str, ...], ...]) -> None:
+    def __init__(
+        self,
+        model: Structure,
+        fields: tuple[tuple[str, ...], ...],
+        names: Sequence[str] = (),
+    ) -> None:
         self._model, self._fields = model, fields
+        self._names = ", ".join(f'"{name}"' for name in names)
         self._slots = model.engine.slots
         self._straps = [n for n, s in model.file.straps.items() if not isinstance(s.to, Loop)]
         self.rests = [self._slots[f"{name}.rest_length"][0] for name in self._straps]
@@ -464,13 +470,16 @@ class Lowered:
         try:
             engine = _engine.Model(json.dumps(described))
         except ValueError as error:
-            raise InputError(f'"{name}" cannot be varied so far: {error}.') from None
+            raise InputError(f"{self._said(name)} cannot be varied so far: {error}.") from None
         if not engine.has_structure_of(self._model.engine):
             raise InputError(
-                f'"{name}" cannot be varied: it changes what the model is made of; give models '
-                "with other values, such as by --set."
+                f"{self._said(name)} cannot be varied: that changes what the model is made of; "
+                "give values to choose from, such as by --choose."
             )
         return file, engine.parameters.copy()
+
+    def _said(self, name: str) -> str:
+        return f'"{name}"' if name else self._names
 
     def distances(self, x: Array) -> list[float]:
         """Return the distance of the ends of each strap, which is what `at` has for its length."""

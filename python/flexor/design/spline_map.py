@@ -131,7 +131,7 @@ def spline_map(
     low, high = reduced.bounds(lower_bounds, upper_bounds)
     equal = slot_map(reduced.model, reduced.keys, reduced.names, low, high)
     made = _assembled(model, reduced, equal)
-    lowered = Lowered(model, tuple(fields))
+    lowered = Lowered(model, tuple(fields), names)
     middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
     for u in points_of_box(_CHECKS, len(fields)):
         _check(made, lowered, middle + half * u, names)
