@@ -27,7 +27,7 @@ pub(crate) const MIN_ELASTIC_STIFFNESS: f64 = 1e-10;
 pub(crate) const MIN_ENERGY: f64 = 1e-6;
 /// Rotation [rad] after which a coordinate that is not elastic has diverged.
 pub(crate) const MAX_ROTATION: f64 = 1e3;
-/// Displacement, in lengths of the longest body, after which such a coordinate has diverged.
+/// Displacement, in lengths of the longest body or spring, after which such a coordinate has diverged.
 pub(crate) const MAX_DISPLACEMENT: f64 = 3e3;
 
 /// Distance from switching on or off below which a force has one-sided derivatives, relative to a contact's

@@ -302,3 +302,44 @@ frame = "body"
 
 def test_rest_is_stable_without_a_potential_too(tmp_path: Path) -> None:
     assert made(tmp_path, EULER_3D).equilibrium([0.0]).stability.tolist() == ["stable"]
+
+
+def test_a_coordinate_that_springs_hold_goes_as_far_as_they_let_it(tmp_path: Path) -> None:
+    """Two springs between sliders of short links: they hold the apex, however far it moves."""
+    lines = """
+        name = "apex"
+        planar = true
+        [bodies.across]
+        kind = "link"
+        length = "1 mm"
+        radius = "1 mm"
+        joint = { kind = "prismatic", axis = "x", stiffness = "0 N/m" }
+        [bodies.apex]
+        kind = "link"
+        parent = "across"
+        length = "1 mm"
+        radius = "1 mm"
+        placement = { x = "-2 mm", z = "3 m" }
+        joint = { kind = "prismatic", axis = "z", stiffness = "0 N/m" }
+        [wrenches.weight]
+        body = "apex"
+        at = "tip"
+        force = { z = "-1 N" }
+        input = true
+    """
+    for side in (-1, 1):
+        lines += f"""
+        [springs.side{side}]
+        first = {{ body = "apex", at = "tip" }}
+        second = {{ world = {{ x = "{side} m" }} }}
+        stiffness = "100 N/m"
+        rest_length = "{10.0**0.5!r} m"
+        """
+    path = made(tmp_path, lines).equilibrium([0.0, 70.0, 79.0, 100.0])
+    assert path.stable.all()
+    assert path.q[:, 0] == pytest.approx(0.0, abs=1e-6)
+    height = 3.0 + path.q[-1, 1]
+    length = np.hypot(1.0, height)
+    pull = 2 * 100.0 * (length - np.sqrt(10.0)) * height / length
+    assert height < -3.0
+    assert -pull == pytest.approx(100.0, rel=1e-6)

@@ -54,5 +54,5 @@ def test_two_sizes_for_two_kinds_of_fingers(tmp_path) -> None:
     each = np.arange(4)
     assert found.shown[found.size, each].mean() > one.shown[one.size, each].mean()
     assert flexor.study.rerun(tmp_path / "s" / "size-1").same
-    with pytest.raises(InputError, match="sizes is 7: there are 4 wearers"):
+    with pytest.raises(InputError, match="sizes is 7, more than the 4 wearers"):
         sizes(model, VARIED, "maximise bending", 7, **words)

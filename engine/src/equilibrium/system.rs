@@ -434,10 +434,15 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Whether coordinates without elasticity have diverged from `start`.
     pub(super) fn has_diverged(&mut self, start: &[f64]) -> bool {
         let units = &self.data.design.units;
+        let longest = self.model.forces.springs.longest(&self.data.design.geometry.parameters);
         self.diverged.clear();
         for (i, (q, s)) in self.q.iter().zip(start).enumerate().filter(|(i, _)| !units.elastic[*i]) {
-            let limit = if units.is_length(i) { MAX_DISPLACEMENT } else { MAX_ROTATION };
-            if (q - s).abs() > limit * units.natural[i] {
+            let limit = if units.is_length(i) {
+                MAX_DISPLACEMENT * units.natural[i].max(longest)
+            } else {
+                MAX_ROTATION
+            };
+            if (q - s).abs() > limit {
                 self.diverged.push(i);
             }
         }

@@ -95,6 +95,11 @@ impl Springs {
         self.0.len()
     }
 
+    /// The largest rest length [m].
+    pub fn longest(&self, parameters: &[f64]) -> f64 {
+        self.0.iter().map(|spring| parameters[spring.rest_length]).fold(0.0, f64::max)
+    }
+
     /// Adds a multiple of the change of the tension of one spring; a slack strap has none.
     pub fn add_tension<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,

@@ -8,6 +8,7 @@ there until none breaks a constraint.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ from flexor.study.scenario_problem import ScenarioProblem
 
 # Rounds of searches after the first.
 ROUNDS = 8
+# Corners of the box of errors, in all scenarios, up to which every one is checked.
+CORNERS = 256
 # Errors within the tolerances at which a design is checked, besides those that slopes point to.
 CHECKED = 128
 # Scenarios up to which the corners of each of them are tried in all.
@@ -49,27 +52,44 @@ class WorstErrors:
 def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0) -> WorstErrors:
     """Find the errors within the tolerances that matter most for a design (k,).
 
-    The slopes over the whole tolerance of each field point to a corner of the box for each
-    constraint, scenario and the objective; these corners and errors all over the box are evaluated.
+    Errors all over the box are evaluated, and its corners: all where these are few, else the one
+    to which the slopes over the whole tolerance of each field point for each constraint, scenario
+    and the objective.
     """
     reach = np.array([each.reach for each in problem.tolerances])
     axes = np.concatenate([np.diag(reach), -np.diag(reach)])
     m, count = len(reach), len(problem.scenarios)
+    spread = within(problem.tolerances, max(CHECKED // count, 8), problem.seed + 1)
+    known = problem.corners.reshape(len(problem.corners), m)
+    if 2**m * count <= CORNERS:
+        corners = np.array(list(itertools.product((-1.0, 1.0), repeat=m))) * reach
+    else:
+        corners = _steepest_corners(problem, design, reach, axes, threads)
+    tried = np.concatenate([known, axes, corners, spread])
+    found = _evaluated(problem, design, tried, threads)
+    return _worst(problem, tried, found)
+
+
+def _steepest_corners(
+    problem: ScenarioProblem,
+    design: FloatArray,
+    reach: FloatArray,
+    axes: FloatArray,
+    threads: int,
+) -> FloatArray:
+    """Return the corners to which slopes point, (e, m)."""
+    m = len(reach)
     slopes = _evaluated(problem, design, np.concatenate([axes, np.zeros((1, m))]), threads)
     with np.errstate(invalid="ignore"):
         rise = slopes[:, :m] - slopes[:, m : 2 * m]  # (S, m, c + 1)
     rise = np.where(np.isfinite(rise), rise, 0.0)
     signs = np.moveaxis(np.sign(rise), 1, 2)  # (S, c + 1, m)
-    if count > FEW:
+    if len(problem.scenarios) > FEW:
         # Only of the scenario where each is expected to be worst.
         expected = slopes[:, -1] + 0.5 * np.abs(rise).sum(axis=1)
         signs = signs[np.argmax(expected, axis=0), np.arange(signs.shape[1])]
-    corners = np.unique(signs.reshape(-1, m) * reach, axis=0)
-    spread = within(problem.tolerances, max(CHECKED // count, 8), problem.seed + 1)
-    known = problem.corners.reshape(len(problem.corners), m)
-    tried = np.concatenate([known, axes, corners, spread])
-    found = _evaluated(problem, design, tried, threads)
-    return _worst(problem, tried, found)
+    corners: FloatArray = np.unique(signs.reshape(-1, m) * reach, axis=0)
+    return corners
 
 
 def _evaluated(
