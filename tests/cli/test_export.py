@@ -71,7 +71,6 @@ def test_files_are_overwritten_by_force_only(flexor, tmp_path: Path) -> None:
         ((), "nothing to export"),
         (("--body", "a.obj"), "its name must end in .stl or .3mf"),
         (("--body", "no/a.stl"), 'no folder "no"'),
-        (("--sheets", "a.dxf"), "has no layers and no straps"),
         (("--body", "a.stl", "--design", "2"), "--design is for a study folder"),
         (("--body", "a.stl", "--rod", "exo"), 'unknown rod "exo"'),
         (("--body", "a.stl", "--cap", "5"), "--cap is"),
@@ -82,6 +81,15 @@ def test_files_are_overwritten_by_force_only(flexor, tmp_path: Path) -> None:
 )
 def test_bad_input_is_refused_in_one_sentence(flexor, arguments, sentence: str) -> None:
     assert sentence in flexor("export", "finger", *arguments).error
+
+
+def test_a_body_without_anything_to_cut_has_no_sheets(flexor, tmp_path: Path) -> None:
+    ran = flexor("export", "finger", "--sheets", "a.dxf")
+    assert ran.code == 2
+    work, sentence = ran.err.splitlines()
+    assert work == "making the body …"
+    assert sentence == 'error: the model "finger" has no layers and no straps to be cut.'
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("package", ["manifold3d", "trimesh"])

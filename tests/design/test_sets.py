@@ -7,6 +7,7 @@ import pytest
 
 from flexor.design import (
     DesignSpace,
+    catalogue,
     parameter_set,
     register,
     union,
@@ -166,7 +167,9 @@ def test_bounds_can_be_replaced_by_label() -> None:
         wide.with_bounds({"L": (0.2, 0.1)})
 
 
-def test_a_registered_set_can_be_combined_by_name() -> None:
+def test_a_registered_set_can_be_combined_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Not for the tests that follow in this process.
+    monkeypatch.setattr(catalogue, "_FACTORIES", dict(catalogue._FACTORIES))
     register("straight_again", lambda space: parameter_set("R01", space))
     assert parameter_set("L+straight_again").labels == ("L", "R_0", "R_1")
     with pytest.raises(InputError, match="already exists"):

@@ -161,12 +161,12 @@ def export(
         else:
             _list(written)
         return 0
+    if found is None:
+        device = making.device_of(model, rod, f'the model "{model.name}"')
+    else:
+        which = "the best design" if index is None else f"design {index}"
+        device = making.device_of_design(found, rod, f"{which} of {design}")
     with working("making the body"):
-        if found is None:
-            device = making.device_of(model, rod, f'the model "{model.name}"')
-        else:
-            which = "the best design" if index is None else f"design {index}"
-            device = making.device_of_design(found, rod, f"{which} of {design}")
         made = making.body(device, chosen)
         if body is not None:
             files.write_solid(made.solid, body)
