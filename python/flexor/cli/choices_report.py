@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -10,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli import outcome
-from flexor.cli.console import note, print_error, print_json, say
-from flexor.cli.folders import INTERRUPTED, LOST
+from flexor.cli.console import print_json, say
+from flexor.cli.folders import interrupted
 from flexor.cli.progress import SearchProgress
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError
@@ -28,16 +27,14 @@ def carry_out(
     as_json: bool,
 ) -> int:
     """Try all combinations, print them and the best; return the exit code."""
+    from flexor.study import is_choices
+
     began = time.monotonic()
     try:
         with executor as where, SearchProgress() as progress:
             found = work(executor=where, progress=progress)
     except (KeyboardInterrupt, ClusterError) as error:
-        if isinstance(error, ClusterError):
-            print_error(str(error))
-        resuming = f"flexor optimize --resume {shlex.quote(str(place))}"
-        note(f"Everything evaluated so far is saved. To resume:\n  {resuming}")
-        return LOST if isinstance(error, ClusterError) else INTERRUPTED
+        return interrupted(place, "flexor optimize --resume", error, is_choices(place))
     seconds = time.monotonic() - began
     if as_json:
         tried = [

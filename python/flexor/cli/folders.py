@@ -121,17 +121,20 @@ def carry_out(
             if isinstance(done, _Open):
                 done.close()
     except (KeyboardInterrupt, ClusterError) as error:
-        return _interrupted(place, resuming, error)
+        return interrupted(place, resuming, error, (place / "settings.json").exists())
     return code
 
 
-def _interrupted(place: Path, resuming: str, error: BaseException) -> int:
-    """Report an interruption or the loss of a cluster, and how to resume; return the exit code."""
+def interrupted(place: Path, resuming: str, error: BaseException, begun: bool) -> int:
+    """Report an interruption or the loss of a cluster, and how to resume work that has begun.
+
+    Returns the exit code.
+    """
     lost = isinstance(error, ClusterError)
     begin = "Everything" if lost else "interrupted; everything"
     if lost:
         print_error(str(error))
-    if (place / "settings.json").exists():
+    if begun:
         note(
             f"{begin} evaluated so far is saved. To resume:\n  {resuming} {shlex.quote(str(place))}"
         )

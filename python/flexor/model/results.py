@@ -488,7 +488,10 @@ class Path(Displayed, Results):
     def warnings(self) -> list[str]:
         """Materials, skins, straps, joints and hoop strains beyond limits, one sentence each."""
         checks = (
-            *(materials_exceeded, skins_exceeded, straps_exceeded, joints_exceeded),
+            materials_exceeded,
+            skins_exceeded,
+            straps_exceeded,
+            joints_exceeded,
             ballooning_cavities,
         )
         return [sentence for check in checks for sentence in check(self)]
