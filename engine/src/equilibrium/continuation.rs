@@ -25,8 +25,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) system: System<'m, G, D, P>,
     pub(super) predictor: Predictor<D, P>,
     pub(super) options: ContinuationOptions,
-    corrector: Corrector<D, P>,
-    trust_region: TrustRegion,
+    pub(super) corrector: Corrector<D, P>,
+    pub(super) trust_region: TrustRegion,
     damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
@@ -40,7 +40,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) start_load: Vec<f64>,
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
-    range: Vec<f64>,
+    pub(super) range: Vec<f64>,
     /// The energy in `start` under the load of the current jump.
     pub(super) energy: f64,
     /// Whether the equilibrium found last is unstable.
@@ -66,7 +66,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         cancel: Option<&'m dyn Cancel>,
     ) -> Self {
         debug_assert_eq!(options.validate(), Ok(()));
-        let (n, inputs) = (model.dof(), model.inputs().len());
+        let (n, inputs) = (model.dof(), model.load_count());
         let zeros = || vec![0.0; n];
         Self {
             system: System::new(model, Budget::new(&options, cancel), options.mixed.stiffness),
@@ -106,6 +106,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     /// # Panics
     /// If a load or `q0` has the wrong length.
     pub fn follow(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
+        let closed = self.with_closed_ties(loads);
+        let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
+        let loads = if closed.is_empty() { loads } else { &closed };
         self.set_ranges(loads);
         self.system.set_state(q0);
         self.system.measure_units(loads);
@@ -121,7 +124,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 status = if index == 0 {
                     self.system.set_load(target);
                     let radius = self.options.trust_region.initial_radius;
-                    let found = self.find_stable(radius, tangent_reuse);
+                    let found = if self.system.has_ties() {
+                        self.close_ties(target, step, sink)
+                    } else {
+                        self.find_stable(radius, tangent_reuse)
+                    };
                     let status = self.hold(found, target, step, sink);
                     self.unstable = status == Status::Unstable;
                     status
@@ -247,8 +254,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.system.displacement(&self.start, &mut self.moved);
     }
 
+    /// With ties, the loads with these closed; otherwise none.
+    pub(super) fn with_closed_ties(&self, loads: &[&[f64]]) -> Vec<Vec<f64>> {
+        if !self.system.has_ties() {
+            return vec![];
+        }
+        loads.iter().map(|load| load.iter().copied().chain([1.0]).collect()).collect()
+    }
+
     /// How much each input varies over the path.
-    fn set_ranges(&mut self, loads: &[&[f64]]) {
+    pub(super) fn set_ranges(&mut self, loads: &[&[f64]]) {
         for (input, range) in self.range.iter_mut().enumerate() {
             let values = loads.iter().map(|load| load[input]);
             *range = values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min);
@@ -354,7 +369,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         let tolerance = self.options.tolerance;
-        if self.system.is_conservative() {
+        if self.system.is_conservative() && self.system.has_ties() {
+            self.find_tied(radius, tangent_reuse)
+        } else if self.system.is_conservative() {
             let target = Target { tolerance, tangent_reuse };
             self.trust_region.minimize_energy(&mut self.system, radius, target)
         } else {

@@ -24,6 +24,7 @@ mod contact_changes;
 mod continuation;
 mod controlled;
 mod corrector;
+mod closing;
 mod critical;
 mod damped_newton;
 mod factor;
@@ -36,6 +37,7 @@ mod options;
 mod path;
 mod point_motion;
 mod predictor;
+mod projection;
 mod same_branch;
 mod semidefinite;
 mod stability;
@@ -45,6 +47,7 @@ mod subproblem;
 mod system;
 #[cfg(test)]
 mod tests;
+mod tied;
 mod trust_region;
 mod vector;
 
