@@ -721,14 +721,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.complete_columns(self.model);
     }
 
-    /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the current equilibrium.
-    pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
-        let scale = &self.data.design.units.scale;
-        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
-        self.factor.solve_transposed(b);
-        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
-    }
-
     /// Ratio of the smallest to the largest pivot of the current factor.
     pub(crate) fn pivot_ratio(&self) -> f64 {
         self.factor.pivot_ratio()

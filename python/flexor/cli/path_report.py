@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.arrays import Array
 from flexor.cli.console import say
 from flexor.cli.table import fixed, number, show
 
@@ -18,7 +19,7 @@ Columns = dict[str, list[str]]  # cells by heading
 
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
-    from flexor.model import explained, why_stalled
+    from flexor.model import explained, why_not_closed, why_stalled
 
     columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
     columns["state"] = [_state(path, step) for step in range(len(path))]
@@ -32,6 +33,8 @@ def report(path: Path) -> None:
         say(explained(failed[0]))
     if "stalled" in failed:
         say(why_stalled(path))
+    if "not-closed" in failed:
+        say(why_not_closed(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"without stiffness: {', '.join(free)}")
@@ -105,7 +108,21 @@ def _device(path: Path) -> Columns:
         found[f"{name} / mL"] = 1e6 * volume
     for name, force in (path.strap_forces() | path.obstacle_forces()).items():
         found[f"{name} / N"] = force
+    found |= _ties(path)
     return {heading: [number(float(x)) for x in values] for heading, values in found.items()}
+
+
+def _ties(path: Path) -> dict[str, Array]:
+    """Return the reactions of ties: magnitudes of forces and moments, and what drives them."""
+    found, moments, drives = {}, path.tie_moments(), path.tie_drives()
+    for name, force in path.tie_forces().items():
+        tie = path.model.file.ties[name]
+        found[f"{name} / N"] = force
+        if tie.holds_rotation:
+            found[f"{name} / N*m"] = moments[name]
+        if name in drives:
+            found[f"drive of {name} / {'N*m' if tie.drive == 'rotation' else 'N'}"] = drives[name]
+    return found
 
 
 def _print_extremes(path: Path) -> None:

@@ -152,3 +152,19 @@ def ballooning_cavities(path: Path) -> list[str]:
 
 def _kilo(pressure: float | None) -> float | None:
     return None if pressure is None else pressure / 1e3
+
+
+def ties_redundant(path: Path) -> list[str]:
+    """Return a sentence for each tie of which some conditions follow from others."""
+    if path.tie_redundancy is None or not path.model.ties:
+        return []
+    most = np.fmax.reduce(path.tie_redundancy, axis=0, initial=0.0)
+    found = []
+    for name, count in zip(path.model.ties, most.astype(int).tolist(), strict=True):
+        if count:
+            what = "condition follows" if count == 1 else "conditions follow"
+            found.append(
+                f"{count} {what} from other ties or joints in ties.{name}: it is redundant, and its "
+                "reactions are one possible choice"
+            )
+    return found
