@@ -102,6 +102,11 @@ impl Units {
         self.kind[coordinate] == Kind::Length
     }
 
+    /// The force that one natural unit of an elastic coordinate takes; zero of others.
+    pub fn elastic_force(&self, coordinate: usize) -> f64 {
+        if self.elastic[coordinate] { self.stiffness[coordinate] * self.natural[coordinate] } else { 0.0 }
+    }
+
     /// Whether every coordinate is elastic.
     pub fn all_elastic(&self) -> bool {
         self.all_elastic

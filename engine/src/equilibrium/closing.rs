@@ -33,12 +33,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let status = if !turns && self.system.largest_gap() <= self.options.closing.nearly_closed {
             self.find_stable(radius, step.tangent_reuse)
         } else {
-            self.system.set_openings(true);
-            let mut begin = target.to_vec();
-            begin[progress] = 0.0;
-            self.system.set_load(&begin);
             self.range[progress] = 1.0;
-            let status = self.find_stable(radius, 0.0);
+            let start = self.system.state().to_vec();
+            let mut status = self.hold_open(target, radius);
+            if matches!(status, Status::Stalled | Status::Diverged) {
+                // Places that cannot be held where they are, such as the ends of a straight rod that does
+                // not stretch, are let go first.
+                self.system.set_state(&start);
+                self.find_untied(target, radius);
+                status = self.hold_open(target, radius);
+            }
             if status.is_equilibrium() {
                 self.follow_segment(target, step, &mut Quiet { sink })
             } else {
@@ -53,6 +57,36 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 if open { Status::NotClosed } else { status }
             }
             _ => status,
+        }
+    }
+
+    /// A stable equilibrium with the ties held open as they are in the current state.
+    fn hold_open(&mut self, target: &[f64], radius: f64) -> Status {
+        let progress = self.system.model().forces.ties.progress();
+        let mut begin = target.to_vec();
+        begin[progress] = 0.0;
+        self.system.set_load(target);
+        self.system.set_openings(true);
+        self.system.set_load(&begin);
+        self.find_stable(radius, 0.0)
+    }
+
+    /// Goes to an equilibrium without ties, if there is one nearby.
+    fn find_untied(&mut self, target: &[f64], radius: f64) {
+        let start = self.system.state().to_vec();
+        self.system.set_load(target);
+        self.system.forget_reactions();
+        self.system.penalised = true;
+        let tolerance = self.options.tolerance;
+        let found = if self.system.is_conservative() {
+            let target = Target { tolerance, tangent_reuse: 0.0 };
+            self.trust_region.minimize_energy(&mut self.system, radius, target)
+        } else {
+            self.damped_newton.solve(&mut self.system, tolerance)
+        };
+        self.system.penalised = false;
+        if !found.is_equilibrium() {
+            self.system.set_state(&start);
         }
     }
 

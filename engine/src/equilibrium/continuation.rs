@@ -27,7 +27,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) options: ContinuationOptions,
     pub(super) corrector: Corrector<D, P>,
     pub(super) trust_region: TrustRegion,
-    damped_newton: DampedNewton,
+    pub(super) damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],

@@ -37,7 +37,7 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     pub(super) residual: Vec<f64>,
     /// Ratio of the unit of energy to the energy of each coordinate.
     weight: Vec<f64>,
-    magnitudes: Magnitudes<P>,
+    pub(super) magnitudes: Magnitudes<P>,
     accuracy: Accuracy,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
@@ -571,16 +571,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             forces.iter_mut().zip(free).for_each(|(g, (r, unit))| *g = r * energy / unit);
             balanced = self.is_closed(tolerance) && self.redundant_conditions_hold();
         }
-        let (units, tangent) = (&self.data.design.units, self.data.tangent());
         self.accuracy = Accuracy { residual: 0.0, tolerance };
+        let (units, tangent) = (&self.data.design.units, self.data.tangent());
         for (i, g) in forces.iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
             // Coordinates, positions and distances are rounded too.
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
             let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.positions[i]);
-            let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
-            let unit = force.max(elastic);
+            let shared = if self.is_projected() { self.shared_unit(i) } else { 0.0 };
+            let unit = force.max(units.elastic_force(i)).max(shared);
             let allowed = tolerance * unit + rounding;
             if *g == 0.0 {
                 continue;

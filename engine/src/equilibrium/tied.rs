@@ -110,6 +110,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         moved.map(|(r, free)| (r - free).abs()).fold(0.0, f64::max) <= tolerance
     }
 
+    /// The largest force on coordinates that ties couple to this one, in its unit.
+    pub(super) fn shared_unit(&self, coordinate: usize) -> f64 {
+        let Some(ties) = &self.data().ties else { return 0.0 };
+        if ties.gradients().all(|gradient| gradient[coordinate] == 0.0) {
+            return 0.0;
+        }
+        let units = &self.data().design.units;
+        let coupled = |j: &usize| ties.gradients().any(|gradient| gradient[*j] != 0.0);
+        let energy = |j: usize| self.magnitudes.coordinates[j].max(units.elastic_force(j)) * self.units()[j];
+        let largest = (0..self.units().len()).filter(coupled).map(energy).fold(0.0, f64::max);
+        largest / self.units()[coordinate]
+    }
+
     /// Whether the conditions that depend on others hold at the state evaluated last.
     pub(super) fn redundant_conditions_hold(&self) -> bool {
         self.projection.redundant().iter().all(|k| self.relative_gap(*k) <= REDUNDANT_GAP)
@@ -142,7 +155,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let places = self.model().forces.ties.penalties();
         let System { data, unit, .. } = self;
         let Some(ties) = &mut data.ties else { return };
-        let size = |gradient: &[f64]| gradient.iter().zip(&*unit).map(|(g, u)| (g * u).powi(2)).sum::<f64>();
+        let elastic = &data.design.units.elastic;
+        let size = |gradient: &[f64]| {
+            let squares = || gradient.iter().zip(&*unit).map(|(g, u)| (g * u).powi(2));
+            // What coordinates without elasticity move says nothing about stiffness.
+            let held: f64 = squares().zip(elastic).filter(|(_, elastic)| **elastic).map(|(s, _)| s).sum();
+            if held > 0.0 { held } else { squares().sum() }
+        };
         let sizes: Vec<f64> = ties.gradients().map(size).collect();
         for (penalty, size) in ties.numbers(places).iter_mut().zip(sizes) {
             *penalty = if size > 0.0 { PENALTY * energy / size } else { 0.0 };

@@ -104,7 +104,8 @@ impl<const P: usize> Ties<P> {
         let drive = drive.map(|drive| Drive { row: rows.end - 1, ..drive });
         let slides = tie.kind == TieKind::Slider;
         let along = G::point_from_spatial(&tie.axis).filter(|_| slides);
-        let rotation = tie.rotation;
+        let turns = rows.clone().any(|row| self.row(row).1);
+        let rotation = if turns { tie.rotation } else { [0.0; 3] };
         self.ties.push(Tie { name: tie.name.clone(), points, rows, drive, rotation, along });
         Ok(())
     }

@@ -15,6 +15,8 @@ mod definition;
 mod force;
 mod reference;
 mod sensitivity;
+#[cfg(test)]
+mod tests;
 
 pub use definition::{TieDescription, TieDrive, TieKind};
 pub(crate) use sensitivity::{ReferenceRates, TieOutput};
