@@ -329,7 +329,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         // The end of a branch is located from the state before it.
         let ends = self.predictor.branch_end().is_finite();
         let share = if ends { accuracy.residual_near_end } else { accuracy.relative_residual };
-        (share * h * self.rate_of_change()).min(accuracy.max_residual).max(self.options.tolerance)
+        let allowed = (share * h * self.rate_of_change()).min(accuracy.max_residual);
+        // Loops may move with next to no stiffness though each coordinate has its own.
+        let loops = if self.system.has_ties() { self.options.closing.residual_share } else { 1.0 };
+        (allowed * loops).max(self.options.tolerance)
     }
 
     /// The scale of residuals between the listed loads: the speed and, where the tangent may be softer than

@@ -10,7 +10,7 @@ from flexor.model.schema.body import Link
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.force import Force
 from flexor.model.schema.planar import about_y
-from flexor.model.schema.points import Anchor, Attachment
+from flexor.model.schema.points import Anchor, Ground
 from flexor.model.schema.table import Choice
 from flexor.model.schema.vector import Axis, Rotation, direction
 from flexor.model.units import DISPLACEMENT, ROTATION, Dimension
@@ -33,13 +33,13 @@ class Tie(Force):
     Relative to one another they are oriented as in the reference state, and turned by
     ``rotation``. With ``drive`` the load of the path prescribes the displacement of the second
     place along the axis, or its rotation about it. Directions are in the local frame of the first
-    place.
+    place, or in the world if that is its place.
     """
 
     description: ClassVar[str] = "ties"
 
     kind: Annotated[Literal["weld", "pin", "hinge", "slider"], Choice(*KINDS)]
-    first: Attachment
+    first: Anchor
     second: Anchor
     axis: Axis | None = None
     rotation: Rotation = Rotation()
@@ -82,12 +82,17 @@ class Tie(Force):
         """Check that both places exist, and that they can move relative to one another."""
         self.first.check_point(f"{path}.first", system.bodies)
         self.second.check_point(f"{path}.second", system.bodies)
-        if isinstance(self.second, Attachment) and self.second.body == self.first.body:
-            same = self.first.lower_point(system.bodies) == self.second.lower_point(system.bodies)
-            if same or isinstance(system.bodies[self.first.body], Link):
-                what = "the same place" if same else "the same rigid link"
-                tail = f'is on {what} as first: a tie joins two places, not "{self.first.body}"'
-                raise field_error(f"{tail} to itself", path=f"{path}.second")
+        first, second = self.first, self.second
+        if isinstance(first, Ground) and isinstance(second, Ground):
+            tail = "is in the world, as first: one of two places that are tied is on a body"
+            raise field_error(tail, path=f"{path}.second")
+        if isinstance(first, Ground) or isinstance(second, Ground) or first.body != second.body:
+            return
+        same = first.lower_point(system.bodies) == second.lower_point(system.bodies)
+        if same or isinstance(system.bodies[first.body], Link):
+            what = "the same place" if same else "the same rigid link"
+            tail = f'is on {what} as first: a tie joins two places, not "{first.body}" to itself'
+            raise field_error(tail, path=f"{path}.second")
 
     def check_planar(self, path: str) -> None:
         """Reject places and rotations out of the plane, and an axis that is not in it or y."""
