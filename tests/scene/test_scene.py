@@ -234,3 +234,21 @@ def test_obstacles_are_planes_through_their_point() -> None:
     model = flexor.load(parse(text))
     (plane,) = [o for o in scene(model.equilibrium([0.0])).objects if o.kind == "obstacle"]
     np.testing.assert_allclose(plane.vertices()[:, 2], -0.03, atol=1e-15)
+
+
+def test_springs_are_coils_between_their_ends() -> None:
+    """They follow the apex of the truss, and their coil stays as wide."""
+    path = flexor.load("truss").equilibrium()
+    found = scene(path)
+    left, right = [each for each in found.objects if each.kind == "spring"]
+    apex = 0.02 + path.q[:, 0]
+    for each, end in ((left, -0.1), (right, 0.1)):
+        ring = each.positions.reshape(len(path), -1, 5, 3).mean(axis=2)
+        np.testing.assert_allclose(ring[:, 0, 0], 0.0, atol=1e-12)
+        np.testing.assert_allclose(ring[:, 0, 2], apex, atol=1e-12)
+        np.testing.assert_allclose(
+            ring[:, -1], np.tile([end, 0.0, 0.0], (len(path), 1)), atol=1e-12
+        )
+        np.testing.assert_allclose(np.abs(ring[:, :, 1]).max(axis=1), 4e-3, rtol=1e-6)
+    low, high = found.extent()
+    assert low[0] < -0.1 and high[0] > 0.1
