@@ -12,6 +12,7 @@ from flexor.cli import outcome
 from flexor.cli.console import print_json, say
 from flexor.cli.folders import interrupted
 from flexor.cli.progress import SearchProgress
+from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError
 
@@ -24,6 +25,7 @@ def carry_out(
     executor: AbstractContextManager[Any],
     place: Path,
     plot: Path | None,
+    save: Path | None,
     as_json: bool,
 ) -> int:
     """Try all combinations, print them and the best; return the exit code."""
@@ -55,6 +57,7 @@ def carry_out(
     outcome.draw(found.best, found.best.best, plot, quiet=as_json)
     if not as_json:
         say(f"model:  {place / 'best.toml'}")
+    save_model(found.best.best, save, f"The best design of {place}")
     found.close()
     return 0
 

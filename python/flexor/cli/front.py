@@ -11,22 +11,12 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
+from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
-from flexor.errors import InputError, one_line
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Design
-
-
-def _writable(file: FilePath | None) -> FilePath | None:
-    """Reject a file that cannot be written before anything is computed."""
-    if file is not None:
-        from flexor.store import check_writable
-
-        if file.suffix != ".toml":
-            raise InputError(f'--save is "{file}": a model file must end in .toml.')
-        check_writable(file)
-    return file
 
 
 def front(
@@ -37,14 +27,7 @@ def front(
             callback=options.at_least(1), help="Show this point, by its number in the table."
         ),
     ] = None,
-    save: Annotated[
-        FilePath | None,
-        typer.Option(
-            metavar="FILE",
-            callback=_writable,
-            help="Write the model with the design of the point as a model file.",
-        ),
-    ] = None,
+    save: options.Save = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
@@ -72,12 +55,7 @@ def front(
                 print_json(_as_json(found.as_json()[point - 1], design))
             else:
                 _print_point(found.headings, found.shown[point - 1].tolist(), design)
-            if save is not None:
-                from flexor.store import write_text
-
-                origin = one_line(f"# Point {point} of the front of {study}: {design.text}")
-                write_text(save, f"{origin}\n\n{design.model.file.to_toml()}")
-                note(f"model file: {save}")
+            save_model(design, save, f"Point {point} of the front of {study}")
         elif as_json:
             print_json(front_report.front_as_json(opened, found))
         else:
