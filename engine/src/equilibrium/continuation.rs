@@ -317,11 +317,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         (share * h * self.rate_of_change()).min(accuracy.max_residual).max(self.options.tolerance)
     }
 
-    /// The scale of residuals between the listed loads: the speed and, where the tangent may be softer than
-    /// its units, the change of the load as well.
+    /// The scale of residuals between the listed loads: the speed or, where the structure is softer than its
+    /// units, as a column that buckles, the change of the load.
     fn rate_of_change(&self) -> f64 {
-        let speed = max_norm(&self.velocity[0]);
-        if self.system.is_elastic() { speed } else { speed.min(self.change[0]) }
+        max_norm(&self.velocity[0]).min(self.change[0])
     }
 
     /// A stable equilibrium near the current state at the current load.

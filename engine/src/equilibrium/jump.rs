@@ -1,6 +1,6 @@
 //! Beyond the end of a branch: the next stable equilibrium, and the kind of event that leads to it.
 
-use super::branch_end::BranchAhead;
+use super::branch_end::{BranchAhead, is_stable};
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink};
 use super::status::Status;
@@ -11,6 +11,8 @@ use crate::strain::gauss_legendre;
 
 /// Quadrature points of [`Continuation::work_of_forces`].
 const WORK_POINTS: usize = 12;
+/// Quadrature points of [`Continuation::crosses_a_barrier`].
+const BARRIER_POINTS: usize = 6;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// Goes from the equilibrium in `start`, at `from`, from which the smallest sub-step, to `failed`, could
@@ -37,8 +39,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 self.swap_ends();
                 return Ok(lambda);
             }
-            // A limit point further back belongs to another branch.
-            BranchAhead::LimitPoint(at) if at >= 2.0 * from - failed => {
+            // A limit point further back, or not before the next listed load, belongs to another branch.
+            BranchAhead::LimitPoint(at) if (2.0 * from - failed..=1.0).contains(&at) => {
                 self.start.copy_from_slice(self.system.state());
                 self.leave_limit_point(from, at, failed, step, sink, control)?
             }
@@ -70,7 +72,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let lambda = (at + self.options.locate.beyond * self.span()).max(from).min(1.0);
         self.find_stable_at(lambda, step)?;
         let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
-        if moved && self.releases_energy(lambda - at) {
+        if moved && self.releases_energy(lambda - at) && self.crosses_a_barrier(lambda) {
             self.report(EventKind::Snap, at, lambda, step, sink);
             return Ok(lambda);
         }
@@ -87,7 +89,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
     ) -> Result<f64, Status> {
         self.find_stable_at(next, step)?;
-        if self.has_jumped(next - from) {
+        if self.has_jumped(next - from) && self.crosses_a_barrier(next) {
             self.report(EventKind::Snap, next, next, step, sink);
         }
         Ok(next)
@@ -148,6 +150,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let stored = h * self.system.load_curvature(&self.rate);
         let work = (dot(&self.work, &self.moved) + stored).abs();
         released - 0.5 * h * stored > h * work + self.options.jump.min_energy
+    }
+
+    /// Whether stability is lost somewhere between `start` and the state found, at `lambda`. Where it is not,
+    /// both lie in one valley: `start` is approximate, and its branch may have ended in this state, as a buckled
+    /// branch does where the load falls.
+    fn crosses_a_barrier(&mut self, lambda: f64) -> bool {
+        let found = self.system.state().to_vec();
+        let points = gauss_legendre(BARRIER_POINTS);
+        let crosses = points.into_iter().rev().any(|(place, _)| {
+            self.system.advance_from(&self.start, &self.moved, 0.5 * (1.0 + place));
+            self.system.evaluate();
+            self.system.evaluate_tangent();
+            !is_stable(&mut self.system)
+        });
+        self.restore(&found, lambda);
+        crosses
     }
 
     /// The work of all forces along the straight line from `start` to the state found.
