@@ -172,4 +172,6 @@ def save_figure(figure: Figure, folder: Path, name: str, also: Path | None = Non
     from flexor import plot
 
     files = [folder / f"{name}.png", folder / f"{name}.svg", *([] if also is None else [also])]
-    return [plot.save(figure, file) for file in files]
+    saved = [plot.save(figure, files[0])]
+    figure.set_layout_engine(None)  # it is laid out
+    return [*saved, *(plot.save(figure, file) for file in files[1:])]

@@ -13,7 +13,6 @@ from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
-from flexor.cli.verdict import print_constraints
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -70,6 +69,8 @@ def front(
 
 
 def _print_point(headings: tuple[str, ...], shown: list[float], design: Design) -> None:
+    from flexor.cli.verdict import print_constraints
+
     chosen = design.problem.parameters
     rows = [(heading, number(value, 6)) for heading, value in zip(headings, shown, strict=True)]
     values = (design.vector / chosen.scale).tolist()

@@ -65,7 +65,10 @@ def load(
         file = check(written.document, use=use, changes=changes, source=str(path))
         if use is not None:
             written = replace(written, document={**written.document, "use": use})
-        loaded = Model(file, source=str(path), written=written.with_fields(changes or {}))
+        changed = written.with_fields(changes) if changes else written
+        if use is None and not changes:
+            changed = replace(written, file=file)
+        loaded = Model(file, source=str(path), written=changed)
     else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
     warn_about_gaps(loaded)

@@ -26,10 +26,13 @@ class Written:
         The text.
     document : dict
         Its tables, with the changes since.
+    file : ModelFile or None
+        What the text is as it stands, if that is known.
     """
 
     text: str
     document: Document
+    file: ModelFile | None = None
 
     @classmethod
     def of(cls, text: str, source: str = "model") -> Written:
@@ -59,6 +62,8 @@ class Written:
         Comments, order and units stay. Where the text cannot be changed in this way it is the
         complete ``file.to_toml()``.
         """
+        if file is self.file:
+            return self.text
         import tomlkit
         from tomlkit.exceptions import TOMLKitError
 
