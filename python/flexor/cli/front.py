@@ -13,6 +13,7 @@ from flexor.cli import options
 from flexor.cli.console import note, print_json, say
 from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
+from flexor.cli.verdict import print_constraints
 from flexor.errors import InputError
 
 if TYPE_CHECKING:
@@ -76,9 +77,7 @@ def _print_point(headings: tuple[str, ...], shown: list[float], design: Design) 
         rows.append((label if unit == "1" else f"{label} / {unit}", number(value, 6)))
     show(("", "value"), [(name.replace(" / ", ", "), value) for name, value in rows])
     if design.problem.constraints:
-        kept = design.verdict.constraints
-        cells = [(each.text, each.value, each.state, each.place) for each in kept]
-        show(("constraint", "worst", "", "where"), cells)
+        print_constraints(design.kept)
     say(f"bending {math.degrees(design.bending):.1f}°, {design.events} snaps along the path")
 
 
