@@ -41,8 +41,9 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    /// The energy in `start` under the load of the current jump.
+    /// The energy in `start` under the load of the current jump, and its gradient, the residual.
     pub(super) energy: f64,
+    pub(super) slope: Vec<f64>,
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
@@ -84,6 +85,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             rate: vec![0.0; inputs],
             range: vec![0.0; inputs],
             energy: 0.0,
+            slope: zeros(),
             unstable: false,
             work: zeros(),
             set_points: SetPoints::new(inputs),
