@@ -106,7 +106,7 @@ def test_a_four_bar_linkage_turns_as_by_hand(planar: bool) -> None:
     assert not path.events
     # In space three of the five conditions of the hinge follow from the joints' parallel axes.
     redundant = [sentence for sentence in path.warnings if "ties.loop" in sentence]
-    assert len(redundant) == (not planar) and all(s.startswith("3 cond") for s in redundant)
+    assert len(redundant) == (not planar) and all("redundant: 3 cond" in s for s in redundant)
 
 
 def platform(load: str) -> Model:
@@ -230,7 +230,9 @@ def test_lee_s_frame_with_a_true_pin_snaps_once() -> None:
 def test_a_clamped_and_hinged_arch_snaps_once() -> None:
     half = float(np.radians(107.5))
     place = 'placement = { rotation = { y = "-107.5 deg" } }'
-    arch = rod("arch", 2.0 * half, f'reference_strain = {{ bend_y = "1 1/m" }}\n{place}', elements=16)
+    arch = rod(
+        "arch", 2.0 * half, f'reference_strain = {{ bend_y = "1 1/m" }}\n{place}', elements=16
+    )
     hinge = tie("hinge", "pin", '"arch", at = "tip"', f'world = {{ x = "{2 * np.sin(half)} m" }}')
     path = solved(model(arch, hinge, push("arch", 'z = "-1 N"', "0.5")), [0.0, 9.6 * EI])
     assert [event.kind for event in path.events] == ["snap"]
@@ -243,7 +245,9 @@ def test_sliders_and_welds_hold_what_they_should(planar: bool) -> None:
     beam = rod("beam", 0.2, "", strain)
     along = 'axis = "z"\ndrive = "displacement"'
     # A guided tip: 12 EI/L^3. The slider stands off the beam's tip along its axis.
-    guided = tie("guide", "slider", '"beam", at = "tip"', 'world = { x = "20 cm", z = "3 cm" }', along)
+    guided = tie(
+        "guide", "slider", '"beam", at = "tip"', 'world = { x = "20 cm", z = "3 cm" }', along
+    )
     path = solved(model(beam, guided, planar=planar), [0.0, -1e-6])
     force = 12.0 * EI / 0.2**3 * 1e-6
     assert path.tie_drives()["guide"][1] == pytest.approx(-force, rel=1e-5)
@@ -321,7 +325,7 @@ def test_contradictory_ties_are_named() -> None:
     ],
 )
 def test_bad_ties_are_refused(kind: str, more: str, said: str) -> None:
-    with pytest.raises(InputError, match="ties.bad") as error:
+    with pytest.raises(InputError) as error:
         model(rod("beam", 0.2), tie("bad", kind, '"beam", at = "tip"', "world = {}", more))
     assert said in str(error.value)
 
@@ -344,7 +348,7 @@ def test_a_tie_of_a_body_to_itself_is_refused() -> None:
 def test_derivatives_agree_with_differences(planar: bool) -> None:
     strain = PLANAR if planar else SPATIAL
     made = model(
-        rod("left", 0.2, f'placement = {{ {UP} }}', strain, 3),
+        rod("left", 0.2, f"placement = {{ {UP} }}", strain, 3),
         rod("top", 0.1, 'parent = "left"\nplacement = { rotation = { y = "80 deg" } }', strain, 2),
         rod("right", 0.19, f'placement = {{ x = "11 cm", {UP} }}', strain, 3),
         link("arm", 0.05, 'parent = "right"\nplacement = { rotation = { y = "10 deg" } }'),
@@ -366,9 +370,7 @@ def test_derivatives_agree_with_differences(planar: bool) -> None:
         found = made.engine.path(every, parameters[None], np.array([loads[0], last]), 1)
         assert (found["status"] == 0).all()
         ties = found["tie_loads"][0, 1]
-        sizes = [
-            [np.linalg.norm(each[:3]), np.linalg.norm(each[3:6]), each[6]] for each in ties
-        ]
+        sizes = [[np.linalg.norm(each[:3]), np.linalg.norm(each[3:6]), each[6]] for each in ties]
         out = np.zeros(n)
         out[outputs["joints"][0]] = found["q"][0, 1, made.joint_columns[0]]
         out[slice(*outputs["ties"])] = np.ravel(sizes)
@@ -409,6 +411,8 @@ def test_reactions_are_reported() -> None:
     shown = path.to_dict()["ties"]
     assert set(shown) == {"motor", "loop"} and set(shown["loop"]) == {"force", "moment"}
     assert shown["motor"]["drive"] == path.tie_drives()["motor"].tolist()
-    np.testing.assert_allclose(np.linalg.norm(shown["loop"]["force"], axis=1), path.tie_forces()["loop"])
+    np.testing.assert_allclose(
+        np.linalg.norm(shown["loop"]["force"], axis=1), path.tie_forces()["loop"]
+    )
     # Of a planar pin the moment vanishes, and so do all forces out of the plane.
     np.testing.assert_allclose(path.tie_loads[:, 1, [1, 3, 4, 5]], 0.0, atol=1e-15)

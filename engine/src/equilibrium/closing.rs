@@ -93,30 +93,42 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// A stable equilibrium near the current state with the ties as they are under the current load.
     pub(super) fn find_tied(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         let tolerance = self.options.tolerance;
+        let rough = self.options.closing.residual.max(tolerance);
+        let size = self.system.evaluate();
+        if size <= rough && self.close_exactly(size, tangent_reuse) {
+            return Status::Converged;
+        }
         let mut status = Status::Stalled;
         for _ in 0..self.options.closing.max_rounds {
             self.system.evaluate();
             self.system.penalise();
-            let rough = self.options.closing.residual.max(tolerance);
             let target = Target { tolerance: rough, tangent_reuse: 1.0 };
             status = self.trust_region.minimize_energy(&mut self.system, radius, target);
             self.system.end_penalties();
-            match status {
-                Status::Converged | Status::Stalled => {}
-                _ => return status,
+            if !matches!(status, Status::Converged | Status::Stalled) {
+                return status;
             }
-            let found = self.system.state().to_vec();
             let size = self.system.evaluate();
-            let accuracy = CorrectorTolerance { residual: tolerance, tangent_reuse };
-            if self.corrector.iterate(&mut self.system, size, self.options.closing.reach, accuracy) {
+            if self.close_exactly(size, tangent_reuse) {
                 return Status::Converged;
             }
-            self.system.set_state(&found);
             if let Some(status) = self.system.budget.exhausted() {
                 return status;
             }
         }
         if status == Status::Converged { Status::Stalled } else { status }
+    }
+
+    /// Newton's method from a state whose largest residual is `size`; `false`, with the state restored, if it
+    /// does not lead to a stable equilibrium nearby.
+    fn close_exactly(&mut self, size: f64, tangent_reuse: f64) -> bool {
+        let start = self.system.state().to_vec();
+        let accuracy = CorrectorTolerance { residual: self.options.tolerance, tangent_reuse };
+        let closed = self.corrector.iterate(&mut self.system, size, self.options.closing.reach, accuracy);
+        if !closed {
+            self.system.set_state(&start);
+        }
+        closed
     }
 }
 

@@ -311,8 +311,9 @@ mod tests {
         let mut projection = Projection::default();
         projection.factorise(rows.into_iter(), &vec![1.0; n]);
         assert_eq!((projection.kept(), projection.redundant()), (&[0, 1][..], &[2][..]));
-        let h: Vec<f64> =
-            (0..n * n).map(|m| if m % (n + 1) == 0 { 8.0 } else { wave(m / n, 3) * wave(m % n, 3) }).collect();
+        let h: Vec<f64> = (0..n * n)
+            .map(|m| if m % (n + 1) == 0 { 8.0 } else { wave(m / n, 3) * wave(m % n, 3) })
+            .collect();
         let mut matrix = ProjectedMatrix::default();
         matrix.update(&projection, &h, &vec![1.0; n]);
         let free = nalgebra::DMatrix::from_row_slice(n, n, &matrix.free);

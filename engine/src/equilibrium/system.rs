@@ -248,11 +248,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.design.units.energy
     }
 
-    /// Whether every coordinate is elastic.
-    pub(super) fn is_elastic(&self) -> bool {
-        self.data.design.units.all_elastic()
-    }
-
     /// Whether the forces derive from a potential.
     pub(super) fn is_conservative(&self) -> bool {
         self.factor.is_symmetric()
@@ -579,7 +574,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
             let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.positions[i]);
-            let shared = if self.is_projected() { self.shared_unit(i) } else { 0.0 };
+            let shared = if self.has_ties() { self.shared_unit(i) } else { 0.0 };
             let unit = force.max(units.elastic_force(i)).max(shared);
             let allowed = tolerance * unit + rounding;
             if *g == 0.0 {

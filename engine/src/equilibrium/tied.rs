@@ -76,6 +76,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         out.iter_mut().zip(self.units()).for_each(|(v, unit)| *v *= unit / energy);
     }
 
+    /// The dimensionless gradient of the energy at the state evaluated last, without what ties hold.
+    pub(super) fn forces(&self) -> &[f64] {
+        if self.is_projected() { &self.free_residual } else { self.residual() }
+    }
+
     /// Removes from a vector what ties do not allow.
     pub(super) fn keep_free(&self, b: &mut [f64]) {
         if self.is_projected() {

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.cli.console import say
-from flexor.cli.table import fixed, number, show
+from flexor.cli.table import fixed, numbers, show
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -23,10 +23,11 @@ def report(path: Path) -> None:
 
     columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
     columns["state"] = [_state(path, step) for step in range(len(path))]
-    columns["events"] = [
-        ", ".join(_kind(event) for event in path.events if event.step == step)
-        for step in range(len(path))
-    ]
+    if path.events:
+        columns["events"] = [
+            ", ".join(_kind(event) for event in path.events if event.step == step)
+            for step in range(len(path))
+        ]
     show(list(columns), list(zip(*columns.values(), strict=True)), left=0)
     failed = path.status[~path.converged]
     if len(failed):
@@ -53,12 +54,12 @@ def _loads(path: Path) -> Columns:
     for index, load in enumerate(loads):
         size, unit = model.load_unit(index)
         name = model.inputs[index] if several else model.load_name()
-        columns[f"{name} / {unit}".removesuffix(" / ")] = [number(x) for x in load / size]
+        columns[f"{name} / {unit}".removesuffix(" / ")] = numbers((load / size).tolist())
     for name, found in path.found_loads().items():
         size, unit = model.controlled[name].shown
         what = model.controlled[name].noun
         heading = f"{what} of {name}" if several else what
-        columns[f"{heading} / {unit}"] = [number(x) for x in found / size]
+        columns[f"{heading} / {unit}"] = numbers((found / size).tolist())
     return columns
 
 
@@ -92,7 +93,7 @@ def _contacts(path: Path) -> Columns:
         return {}
     return {
         "contacts": [str(count) for count in path.touching],
-        "tip force / N": [number(force) for force in path.tip_force],
+        "tip force / N": numbers(path.tip_force.tolist()),
     }
 
 
@@ -105,24 +106,35 @@ def _device(path: Path) -> Columns:
     if np.isfinite(path.stretch).any():
         found["strain / %"] = 100.0 * path.max_strain
     for name, volume in zip(model.pressures, path.volume.T, strict=True):
-        found[f"{name} / mL"] = 1e6 * volume
-    for name, force in (path.strap_forces() | path.obstacle_forces()).items():
-        found[f"{name} / N"] = force
-    found |= _ties(path)
-    return {heading: [number(float(x)) for x in values] for heading, values in found.items()}
+        found[f"volume of {name} / mL"] = 1e6 * volume
+    forces = {f"strap {name}": force for name, force in path.strap_forces().items()}
+    forces |= {f"obstacle {name}": force for name, force in path.obstacle_forces().items()}
+    largest = max(
+        (float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0
+    )
+    cells = {heading: numbers(values.tolist()) for heading, values in found.items()}
+    cells |= {f"{what} / N": numbers(x.tolist(), largest) for what, x in forces.items()}
+    return cells | _ties(path)
 
 
-def _ties(path: Path) -> dict[str, Array]:
+def _ties(path: Path) -> Columns:
     """Return the reactions of ties: magnitudes of forces and moments, and what drives them."""
-    found, moments, drives = {}, path.tie_moments(), path.tie_drives()
+    found: dict[str, dict[str, Array]] = {"N": {}, "N*m": {}}
+    moments, drives = path.tie_moments(), path.tie_drives()
     for name, force in path.tie_forces().items():
         tie = path.model.file.ties[name]
-        found[f"{name} / N"] = force
+        found["N"][f"force in {name}"] = force
         if tie.holds_rotation:
-            found[f"{name} / N*m"] = moments[name]
+            found["N*m"][f"moment in {name}"] = moments[name]
         if name in drives:
-            found[f"drive of {name} / {'N*m' if tie.drive == 'rotation' else 'N'}"] = drives[name]
-    return found
+            unit = "N*m" if tie.drive == "rotation" else "N"
+            found[unit][f"drive of {name}"] = drives[name]
+    cells: Columns = {}
+    for unit, each in found.items():
+        sizes = [float(np.nanmax(np.abs(x), initial=0.0)) for x in each.values()]
+        largest = max(sizes, default=0.0)
+        cells |= {f"{what} / {unit}": numbers(x.tolist(), largest) for what, x in each.items()}
+    return cells
 
 
 def _print_extremes(path: Path) -> None:

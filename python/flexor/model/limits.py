@@ -164,7 +164,7 @@ def ties_redundant(path: Path) -> list[str]:
         if count:
             what = "condition follows" if count == 1 else "conditions follow"
             found.append(
-                f"{count} {what} from other ties or joints in ties.{name}: it is redundant, and its "
+                f"ties.{name} is redundant: {count} {what} from other ties or joints, and its "
                 "reactions are one possible choice"
             )
     return found

@@ -485,7 +485,9 @@ class Path(Displayed, Results):
 
     def tie_forces(self) -> dict[str, Array]:
         """Return the magnitude of the force that each tie transmits [N], (s,)."""
-        return dict(zip(self.model.ties, np.linalg.norm(self.tie_loads[..., :3], axis=2).T, strict=True))
+        return dict(
+            zip(self.model.ties, np.linalg.norm(self.tie_loads[..., :3], axis=2).T, strict=True)
+        )
 
     def tie_moments(self) -> dict[str, Array]:
         """Return that of the moment about the second place of each tie [N·m], (s,)."""
@@ -573,7 +575,11 @@ class Path(Displayed, Results):
                 name: {
                     "force": _plain(self.tie_loads[:, i, :3]),
                     "moment": _plain(self.tie_loads[:, i, 3:6]),
-                    **({"drive": _plain(self.tie_loads[:, i, 6])} if name in self.model.inputs else {}),
+                    **(
+                        {"drive": _plain(self.tie_loads[:, i, 6])}
+                        if name in self.model.inputs
+                        else {}
+                    ),
                 }
                 for i, name in enumerate(self.model.ties)
             }

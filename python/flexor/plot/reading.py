@@ -12,7 +12,7 @@ from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Mark, Rod, Scene
 from flexor.plot.style import STRAP
-from flexor.plot.surroundings import planes, springs
+from flexor.plot.surroundings import planes, springs, ties
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
@@ -55,6 +55,7 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     ]
     lines += [_strap(path, name, frames) for name in model.file.straps]
     lines += springs(path, frames)
+    lines += ties(path, frames)
     arrows = _contact_arrows(path.contact_forces(step))
     scene = Scene(list(rods.values()), links, lines, arrows)
     return replace(scene, lines=[*lines, *planes(path, *scene.extent())])

@@ -1,4 +1,4 @@
-"""Springs and obstacles as lines of a scene."""
+"""Springs, ties and obstacles as lines of a scene."""
 
 from __future__ import annotations
 
@@ -7,22 +7,38 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.model.schema.points import Attachment, Ground
 from flexor.plot.scene import Line
 from flexor.plot.style import LINE
+from flexor.scene.attachments import place_of
 
 if TYPE_CHECKING:
     from flexor.model import Path
 
-SPRING, OBSTACLE = "#009E73", LINE
+SPRING, TIE, OBSTACLE = "#009E73", "#CC79A7", LINE
+RING = 0.015  # radius of the ring around a tie, as a share of the longest body
 
 
 def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
     """Return a straight line for each spring."""
     lines = []
     for name, spring in path.model.file.springs.items():
-        ends = [_place(path, frames, end) for end in (spring.first, spring.second)]
+        ends = [place_of(path, frames, end) for end in (spring.first, spring.second)]
         lines.append(Line(name, np.array(ends), "spring", SPRING))
+    return lines
+
+
+def ties(path: Path, frames: dict[str, Array]) -> list[Line]:
+    """Return a ring around each tie, and a line between its places where these are apart."""
+    spans = (frame[-1, :3, 3] - frame[0, :3, 3] for frame in frames.values())
+    radius = RING * max(float(np.linalg.norm(span)) for span in spans)
+    angle = np.linspace(0.0, 2.0 * np.pi, 33)
+    ring = radius * np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1)
+    lines = []
+    for name, tie in path.model.file.ties.items():
+        ends = np.array([place_of(path, frames, end) for end in (tie.first, tie.second)])
+        between = [*ends, ends[0]] if np.linalg.norm(ends[1] - ends[0]) > radius else []
+        points = [*(ends[0] + ring), *between]
+        lines.append(Line(name, np.array(points), f"tie ({tie.kind})", TIE))
     return lines
 
 
@@ -42,29 +58,3 @@ def planes(path: Path, low: Array, high: Array) -> list[Line]:
         points = [centre + half * (a * first + b * second) for a, b in corners]
         lines.append(Line(name, np.array(points), "obstacle", OBSTACLE))
     return lines
-
-
-def _place(path: Path, frames: dict[str, Array], end: Attachment | Ground) -> Array:
-    """Return where an end of a spring is, in the world."""
-    if isinstance(end, Ground):
-        return np.array(end.world.components, dtype=float)
-    file, along = path.model.file, frames[end.body]
-    station = end.lower_point(file.bodies)["station"]
-    if isinstance(station, dict) and "point" in station:
-        frame, x = along[station["point"]], 0.0
-    else:
-        base, tip = along[0], along[-1]
-        share = _centroid(path, end.body) if station == "centroid" else station["fraction"]
-        frame, x = base, share * float(np.linalg.norm(tip[:3, 3] - base[:3, 3]))
-    offset = np.array(end.offset.components, dtype=float)
-    offset[0] += x
-    return np.asarray(frame[:3, :3] @ offset + frame[:3, 3])
-
-
-def _centroid(path: Path, link: str) -> float:
-    """Return where the centroid of a conical frustum is, as a share of its length."""
-    a, b = (
-        float(path.model.slot(f"{link}.radius_{end}", path.parameters)[0])
-        for end in ("base", "tip")
-    )
-    return (a**2 + 2.0 * a * b + 3.0 * b**2) / (4.0 * (a**2 + a * b + b**2))

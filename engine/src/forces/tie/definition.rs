@@ -83,8 +83,7 @@ impl<const P: usize> Ties<P> {
         if P == 2 && (tie.rotation[0] != 0.0 || tie.rotation[2] != 0.0) {
             return Err(ModelError::new(field("rotation"), "a planar system turns about y only"));
         }
-        let points =
-            [tree.attach(&field("first"), &tie.first)?, tree.attach(&field("second"), &tie.second)?];
+        let points = [tree.attach(&field("first"), &tie.first)?, tree.attach(&field("second"), &tie.second)?];
         if is_one_rigid_body(tree, points.map(|point| &tree.points[point])) {
             return Err(ModelError::new(field("second"), "is fixed to the same rigid body as first"));
         }
@@ -179,7 +178,9 @@ fn conditions<G: LieGroup<D, P>, const D: usize, const P: usize>(
     // Turned about one axis, a second one moves along or against the third.
     let about = |i: usize| {
         let (fixed, turned) = match i {
-            _ if P == 2 => ([if tie.axis == [0.0, -1.0, 0.0] { -1.0 } else { 1.0 }, 0.0, 0.0], [0.0, 0.0, 1.0]),
+            _ if P == 2 => {
+                ([if tie.axis == [0.0, -1.0, 0.0] { -1.0 } else { 1.0 }, 0.0, 0.0], [0.0, 0.0, 1.0])
+            }
             0 => (axes[2], axes[1]),
             1 => (axes[2].map(|x| -x), axes[0]),
             _ => (axes[1], axes[0]),
@@ -198,8 +199,11 @@ fn conditions<G: LieGroup<D, P>, const D: usize, const P: usize>(
         Some(TieDrive::Rotation) => about(if P == 2 { 2 } else { 0 }),
         None => None,
     };
-    let mut found: Vec<Condition<P>> =
-        translations.iter().filter_map(|i| along(*i)).chain(rotations.iter().filter_map(|i| about(*i))).collect();
+    let mut found: Vec<Condition<P>> = translations
+        .iter()
+        .filter_map(|i| along(*i))
+        .chain(rotations.iter().filter_map(|i| about(*i)))
+        .collect();
     if let Some(last) = last {
         found.retain(|condition| *condition != last);
         found.push(last);

@@ -93,13 +93,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(
-        &self,
-        at: &State<G, D, P>,
-        design: &TieDesign<P>,
-        _: &(),
-        out: &mut Magnitudes<P>,
-    ) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, design: &TieDesign<P>, _: &(), out: &mut Magnitudes<P>) {
         for (index, tie) in self.ties.iter().enumerate() {
             for (row, value) in self.values(at, design, index) {
                 let force = self.force(at.load, row, &value);

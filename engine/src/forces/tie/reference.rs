@@ -58,9 +58,9 @@ impl<const P: usize> Ties<P> {
             let rotation = if turns { self.rotation(at, design, index, &frame) } else { [0.0; 3] };
             let position = G::point_to_spatial(&frame.inverse().act(at.point(b)));
             let end = if turns { tie.rotation } else { [0.0; 3] };
-            let start = linear::<G, D, P>(&rotation, &position, [0.0; 3]);
+            let start = linear(&rotation, &position, [0.0; 3]);
             // What the end leaves undetermined is as at the start.
-            let stop = linear::<G, D, P>(&end, &[0.0; 3], start);
+            let stop = linear(&end, &[0.0; 3], start);
             design.openings[index] = [[rotation, start], [end, stop]].map(|[angular, linear]| {
                 let mut modes = [0.0; 6];
                 modes[..3].copy_from_slice(&angular);
@@ -117,11 +117,7 @@ impl<const P: usize> Ties<P> {
 
 /// The linear part of a twist whose motion has this translation; where its rotation does not determine it,
 /// `other` is taken.
-fn linear<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    rotation: &[f64; 3],
-    translation: &[f64; 3],
-    other: [f64; 3],
-) -> [f64; 3] {
+fn linear(rotation: &[f64; 3], translation: &[f64; 3], other: [f64; 3]) -> [f64; 3] {
     // The translation is V v, with V = 1 along the axis and a scaled rotation across it.
     let angle = norm(*rotation);
     if angle == 0.0 {
@@ -151,9 +147,8 @@ fn rotation_vector(h: [[f64; 4]; 4]) -> [f64; 3] {
     }
     // Near half a turn the axis is that of the largest diagonal entry of n nᵀ.
     let k = (0..3).max_by(|i, j| h[*i][*i].total_cmp(&h[*j][*j])).unwrap_or(0);
-    let column: [f64; 3] = std::array::from_fn(|i| {
-        0.5 * (h[i][k] + h[k][i]) - if i == k { cosine } else { 0.0 }
-    });
+    let column: [f64; 3] =
+        std::array::from_fn(|i| 0.5 * (h[i][k] + h[k][i]) - if i == k { cosine } else { 0.0 });
     let length = norm(column);
     let sign = if (0..3).map(|i| column[i] * sine[i]).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
     column.map(|x| sign * angle * x / length)

@@ -8,7 +8,8 @@ use crate::strain::BasisKind;
 use crate::trees::{SECTIONS, planar_tree, spatial_tree};
 
 /// Weights of sixth-order differences.
-const STENCIL: [(f64, f64); 6] = [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];
+const STENCIL: [(f64, f64); 6] =
+    [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];
 
 fn on(body: &str, station: Station, offset: [f64; 3]) -> AttachmentDescription {
     AttachmentDescription::Body { body: body.into(), station, offset, surface: [0.1, 0.0, 0.2] }

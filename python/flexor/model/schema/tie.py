@@ -104,7 +104,9 @@ class Tie(Force):
         x, y, z = self.axis
         turns = self.kind == "hinge" or self.drive == "rotation"
         if turns and (x, z) != (0.0, 0.0):
-            raise field_error(f"is {list(self.axis)}: in a planar model it must be y", f"{path}.axis")
+            raise field_error(
+                f"is {list(self.axis)}: in a planar model it must be y", f"{path}.axis"
+            )
         if not turns and y != 0.0:
             tail = f"is {list(self.axis)}: in a planar model it must lie in the x-z plane"
             raise field_error(tail, f"{path}.axis")
