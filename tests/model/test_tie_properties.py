@@ -32,7 +32,11 @@ def rotation_vector(matrix: NDArray[np.float64]) -> Vector:
 
 
 def table(vector: Vector, unit: str) -> str:
-    return "{ " + ", ".join(f'{k} = "{x:.17g} {unit}"' for k, x in zip("xyz", vector)) + " }"
+    return (
+        "{ "
+        + ", ".join(f'{k} = "{x:.17g} {unit}"' for k, x in zip("xyz", vector, strict=True))
+        + " }"
+    )
 
 
 def platform(
