@@ -12,6 +12,7 @@ from flexor.plot.lengthwise import CAVITY
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene
 from flexor.plot.style import AIR, EXOSUIT, FINGER, FORCE, LAYERS, LINE, MARK
+from flexor.plot.surroundings import SPRING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,7 +102,7 @@ def draw_pressure(axes: Axes, scene: Scene, *, cm_per_pascal: float) -> None:
 
 
 def draw_outlines(axes: Axes, scene: Scene, *, colour: ColorType, depth: float = 1.0) -> None:
-    """Draw the outlines of the bodies of a scene only, in centimetres."""
+    """Draw only the outlines of the bodies of a scene, and its springs, in centimetres."""
     outlines = [
         (capsule(_in_plane(each.base), _in_plane(each.tip), each.radius_base, each.radius_tip), 0.4)
         for each in scene.links
@@ -109,6 +110,7 @@ def draw_outlines(axes: Axes, scene: Scene, *, colour: ColorType, depth: float =
     for rod in scene.rods:
         centre, normal = _in_plane(rod.frames[:, :3, 3]), _in_plane(rod.frames[:, :3, 2])
         outlines.append((band(centre, normal, rod.half_height), 0.8))
+    outlines += [(_in_plane(each.points), 0.5) for each in scene.lines if each.colour == SPRING]
     for line, width in outlines:
         axes.plot(*(CM * line.T), color=colour, linewidth=width, zorder=depth)
 
