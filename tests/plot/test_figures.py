@@ -24,12 +24,14 @@ def test_path_is_drawn_to_scale_at_every_load() -> None:
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["0 N", "1 N", "2 N", "3 N", "4 N", "5 N"]
     assert [text.get_text() for text in figure.legends[1].get_texts()] == ["chamber"]
-    rods = [patch for patch in axes.patches if len(patch.get_xy()) == 83]
-    assert len(rods) == 6
-    # The last rod ends where the last arc ends, in centimetres.
-    tip = 100.0 * SCENES[-1].rods[0].frames[-1, [0, 2], 3]
-    drawn = rods[-1].get_xy()
-    np.testing.assert_allclose(0.5 * (drawn[40] + drawn[41]), tip, atol=1e-9)
+    (last,) = [patch.get_xy() for patch in axes.patches if len(patch.get_xy()) == 83]
+    # The others are outlines, which do not hide one another.
+    others = [line.get_xydata() for line in axes.lines if len(line.get_xydata()) == 83]
+    assert len(others) == 5
+    # Each rod ends where its arc ends, in centimetres.
+    for shown, drawn in zip(SCENES, [*others, last], strict=True):
+        tip = 100.0 * shown.rods[0].frames[-1, [0, 2], 3]
+        np.testing.assert_allclose(0.5 * (drawn[40] + drawn[41]), tip, atol=1e-9)
     assert figure.get_figwidth() == COLUMN
 
 
@@ -121,3 +123,23 @@ def test_drawing_does_not_change_matplotlib_settings() -> None:
     before = dict(matplotlib.rcParams)
     draw_path(SCENES, range(6), planar_model=True)
     assert dict(matplotlib.rcParams) == before
+
+
+def test_designs_in_three_dimensions_have_their_sections() -> None:
+    """Every triangle of the meshes is drawn, to the same scale as the rest."""
+    import flexor
+    from flexor import plot
+    from flexor.scene import scene as solid_scene
+
+    path = flexor.load("tendon-arm").equilibrium([0.0, 2.0])
+    figure = plot.designs(path, path)
+    objects = solid_scene(path).objects
+    drawn = [each for each in objects if each.kind not in ("chamber", "line", "obstacle")]
+    count = sum(len(each.faces) for each in drawn if each.part != "bone")
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        sizes = [len(each.get_paths()) for each in axes.collections if each.get_rasterized()]
+        assert sizes == [count]
+        low, high = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()]).T
+        vertices = np.concatenate([each.vertices() for each in drawn])
+        assert (100.0 * vertices > low).all() and (100.0 * vertices < high).all()
