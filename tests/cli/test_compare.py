@@ -34,7 +34,8 @@ def test_infeasible_designs_are_called_so(flexor) -> None:
     words = ("--budget", "3", "--subject-to", "overlap <= 0.01 mm")
     ran = flexor("compare", "finger", "-p", "L", "-m", "ps", "--seeds", "1", *words)
     assert "NOT FEASIBLE: no search of L found a design that keeps the constraints" in ran.out
-    assert "infeasible by" in ran.out.partition("NOT FEASIBLE")[0]
+    table = ran.out.partition("NOT FEASIBLE")[0]
+    assert "infeasible by" in table and "0 %" in table and "100 %" not in table
 
 
 def test_json_and_resume_tell_the_same(flexor) -> None:

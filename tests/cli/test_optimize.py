@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import flexor as package
+from flexor.model.reading import locate
 from flexor.study import Study
 
 SMALL = ("optimize", "finger", "--parameters", "R01", "--budget", "30")
@@ -46,9 +47,12 @@ def test_a_constraint_that_is_not_kept_is_said_for_any_objective(flexor) -> None
 
 
 def test_json_is_one_object_with_the_gain(flexor) -> None:
-    ran = flexor(*SMALL, "--json")
+    ran = flexor(*SMALL, "--json", "--save", "best.toml")
     assert ran.code == 0
     told = json.loads(ran.out)
+    assert "# Table I" in Path("best.toml").read_text(encoding="utf-8")
+    saved = json.loads(flexor("simulate", "best.toml", "--json").out)
+    assert saved["joint_angles"][-1] == pytest.approx(told["best"]["joint_angles"], rel=1e-12)
     study = Study.open(told["folder"])
     assert told["best"]["parameters"] == study.best.parameters
     assert told["best"]["bending"] == pytest.approx(sum(told["best"]["joint_angles"]))
@@ -190,8 +194,11 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
     shown = flexor("front", "s", "--point", "1", "--save", "light.toml")
     assert shown.code == 0
     assert "overlap <= 1.5 mm" in shown.out
-    first = (tmp_path / "light.toml").read_text(encoding="utf-8").splitlines()[0]
+    first, _, *own = (tmp_path / "light.toml").read_text(encoding="utf-8").splitlines()
     assert first.startswith("# Point 1 of the front of s: exosuit.section.wall = ")
+    preset = locate("pneumatic-finger").read_text(encoding="utf-8").splitlines()
+    changed = [line.split()[0] for line, now in zip(preset, own, strict=True) if line != now]
+    assert changed == ["radius", "section"]
     told = json.loads(flexor("front", "s", "--json").out)
     best = told["front"][0]
     point = json.loads(flexor("front", "s", "--point", "1", "--json").out)

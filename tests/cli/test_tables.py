@@ -46,3 +46,40 @@ def test_names_of_any_length_fit(printed: io.StringIO) -> None:
     lines = printed.getvalue().splitlines()
     assert max(map(len, lines)) <= 80
     assert printed.getvalue().count("-123.4567") == 72
+
+
+@pytest.mark.parametrize("count", [3, 5, 8, 13])
+def test_headings_are_wrapped_and_never_cut(printed: io.StringIO, count: int) -> None:
+    """Every word of a heading is there, whatever the numbers below it."""
+    headings = [f"contact pressure of cushion_{i} / kPa" for i in range(count)]
+    table.show(("force / N", *headings, "state"), [("1", *["0.123"] * count, "stable")] * 2)
+    assert max(map(len, printed.getvalue().splitlines())) <= 80
+    words = printed.getvalue().split()
+    for i in range(count):
+        assert words.count(f"cushion_{i}") == 1
+    assert words.count("contact") == words.count("pressure") == words.count("kPa") == count
+
+
+def test_long_names_are_broken_at_their_dots(printed: io.StringIO) -> None:
+    """Not in the middle of a word."""
+    name = "bodies.exosuit.section.layer.thickness"
+    table.show(("", *[f"{name} / mm"] * 4), [("start", *["0.5"] * 4)])
+    lines = printed.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert printed.getvalue().split().count("bodies.exosuit.section.") == 4
+
+
+def test_texts_are_aligned_to_the_left(printed: io.StringIO) -> None:
+    """Numbers, with their units, to the right."""
+    table.show(("", "worst", "where"), [("a", "0.7", "here"), ("b", "1.2 mm", "over there")])
+    first, second = printed.getvalue().splitlines()[3:5]
+    assert first.index("here") == second.index("over")
+    assert first.index("0.7") + 3 == second.index("1.2 mm") + 6
+
+
+def test_rounding_is_no_number() -> None:
+    """Beside real ones, and alone."""
+    assert table.numbers([5e-15, 2.0, -1e-10]) == ["0", "2", "0"]
+    assert table.numbers([5e-15, -3e-16]) == ["0", "0"]
+    assert table.numbers([4e-10, 1e-9]) == ["4e-10", "1e-09"]
+    assert table.numbers([4e-10, float("nan")], largest=1.0) == ["0", "nan"]

@@ -12,6 +12,7 @@ import flexor
 from flexor.errors import InputError
 from flexor.export import BodyOptions, Device, MouldOptions, body, device_of, mould
 from flexor.export.masses import portions
+from flexor.export.silicone import silicone
 from tests.export.rods import HALF, TUBE, air, device
 
 
@@ -43,6 +44,16 @@ def test_what_is_poured(finger: Device) -> None:
     bare = 11.197e-6
     assert portion["body"].volume > bare
     assert portion["body"].mass == pytest.approx(1080.0 * portion["body"].volume, rel=1e-9)
+
+
+def test_the_silicone_is_named(finger: Device) -> None:
+    """By its name in the library, with where it is from; one of the model as what it is."""
+    said = " ".join(silicone(body(finger)))
+    assert 'Dragon Skin 30 silicone ("silicone" in the model), 1080 kg/m³' in said
+    assert "Soft Robotics Materials Database" in said and "1 part A to 1 part B" in said
+    plain = {"silicone": {"kind": "linear", "young_modulus": "0.5 MPa"}}
+    (own,) = silicone(body(device({"kind": "rectangular", "ratio": 1.25}, materials=plain)))
+    assert "of the model" in own and "does not say which product" in own
 
 
 def test_shrinkage_enlarges_the_cavity_and_draft_widens_it() -> None:

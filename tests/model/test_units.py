@@ -5,13 +5,17 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+from collections import defaultdict
+from decimal import Decimal
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pint import UnitRegistry
 from pydantic import TypeAdapter, ValidationError
 
 from flexor.model import units
+from flexor.model.common_units import factor
 
 
 @pytest.mark.parametrize(
@@ -112,3 +116,28 @@ def test_any_text_is_parsed_or_rejected_with_a_message(text: str) -> None:
         assert error.errors()[0]["msg"].startswith("is ")
     else:
         assert 0.0 < value < math.inf
+
+
+def test_usual_units_are_those_of_pint() -> None:
+    """Every pair of products of two of them, to all digits of a float, or neither."""
+    registry = UnitRegistry(non_int_type=Decimal)
+    names = ["m", "cm^2", "mm", "um", "L", "mL", "g", "kg", "s^2", "N", "mN", "kPa", "GPa", "rad"]
+    texts = [
+        *names,
+        "deg",
+        "1/m",
+        *(f"{a}{sign}{b}" for a in names for b in names for sign in "*/"),
+    ]
+    by_kind = defaultdict(list)
+    for text in texts:
+        unit = registry.parse_units(text)
+        by_kind[str(registry.Quantity(Decimal(1), unit).dimensionality)].append((text, unit))
+    for alike in by_kind.values():
+        si = str(alike[0][0])
+        for text, unit in alike:
+            expected = registry.Quantity(Decimal(1), unit).to(si).magnitude
+            found = factor(text, si)
+            assert isinstance(found, Decimal) and float(found) == float(expected), (text, si)
+    assert factor("N", "m") == "other"
+    for unknown in ("inch", "N m", "", "m^0.5", "m//s", "*m", "2m", "N/(m*s)"):
+        assert factor(unknown, "m") is None

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import flexor
+from flexor.cli.app import main
 from flexor.errors import InputError
 from flexor.model.reading import check
 from flexor.scenarios import Scenario
@@ -49,10 +50,24 @@ def test_two_sizes_for_two_kinds_of_fingers(tmp_path) -> None:
         kinds = {each.name.split()[0] for each in found.members(i)}
         assert len(kinds) == 1
         assert found.studies[i].folder == tmp_path / "s" / f"size-{i + 1}"
-        assert found.studies[i].best.verdict.feasible
+        design = found.design(i)
+        assert design is not None and design.feasible
+        assert all(row.place.partition(":")[0].split()[0] in kinds for row in design.kept)
     one = sizes(model, VARIED, "maximise angle.ph_3", 1, **words)
     each = np.arange(4)
     assert found.shown[found.size, each].mean() > one.shown[one.size, each].mean()
     assert flexor.study.rerun(tmp_path / "s" / "size-1").same
     with pytest.raises(InputError, match="sizes is 7, more than the 4 wearers"):
         sizes(model, VARIED, "maximise bending", 7, **words)
+
+
+def test_a_size_that_serves_no_one_is_called_so(capsys, tmp_path) -> None:
+    """Though every constraint holds, no finger bends so far."""
+    words = ["pneumatic-finger", "--vary", "exosuit.length=8 cm:11 cm", "--maximise", "bending"]
+    aim = ["--wearers", "2", "--sizes", "1", "--aggregate", "served 170 deg", "--budget", "8"]
+    with pytest.raises(SystemExit) as ended:
+        main(["optimize", *words, *aim, "--out", str(tmp_path / "s")])
+    assert not ended.value.code
+    said = capsys.readouterr().out
+    assert "size 1 SERVES NO ONE: no wearer reaches 170 deg" in said
+    assert "feasible" not in said and "0 % of 2 wearers are served" in said

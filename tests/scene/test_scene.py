@@ -12,6 +12,7 @@ from flexor.scene import scene
 from flexor.scene.frames import frames_of, refined, twists
 from flexor.scene.links import profile
 from flexor.scene.rods import Swept
+from flexor.scene.straps import ROWS
 from flexor.sections.outline import outline
 from flexor.sections.shapes import moments
 
@@ -168,8 +169,7 @@ def test_straps_enclose_what_they_hold(path, found) -> None:
     for name, strap in path.model.file.straps.items():
         (ribbon,) = [each for each in found.objects if each.name == name]
         for step in (0, len(path) - 1):
-            both = ribbon.vertices(step)
-            loop = 0.5 * (both[: len(both) // 2] + both[len(both) // 2 :])
+            loop = ribbon.vertices(step).reshape(ROWS, -1, 3)[ROWS // 2]
             station = int(np.argmin(np.abs(swept.x - strap.at)))
             frame = swept.frames[step, station]
             around = frame[:3, 3] + swept.around(station) @ frame[:3, 1:3].T
@@ -179,6 +179,25 @@ def test_straps_enclose_what_they_hold(path, found) -> None:
                 direction = np.cos(angle) * frame[:3, 1] + np.sin(angle) * up / np.linalg.norm(up)
                 reach = ((around - middle) @ direction).max()
                 assert ((loop - middle) @ direction).max() > reach - 3e-4
+
+
+def test_straps_do_not_cut_into_what_they_hold(path, found) -> None:
+    """No point of their triangles is within the round cone of the link, a hull of spheres."""
+    frames, share = frames_of(path), np.linspace(0.0, 1.0, 201)[:, None]
+    for name, strap in path.model.file.straps.items():
+        (ribbon,) = [each for each in found.objects if each.name == name]
+        body = strap.to.body
+        base, tip = (
+            path.model.slot(f"{body}.radius_{end}", path.parameters) for end in ("base", "tip")
+        )
+        for step in (0, len(path) - 1):
+            corners = ribbon.vertices(step)[ribbon.faces]
+            points = np.concatenate([*corners.swapaxes(0, 1), corners.mean(axis=1)])
+            first, last = frames[body][step, [0, -1], :3, 3]
+            centres = first + share * (last - first)
+            radii = (base + share * (tip - base))[:, 0]
+            far = np.linalg.norm(points[:, None] - centres, axis=2) - radii
+            assert far.min() > 0.0
 
 
 def test_frames_between_frames_keep_a_constant_strain() -> None:
@@ -234,3 +253,21 @@ def test_obstacles_are_planes_through_their_point() -> None:
     model = flexor.load(parse(text))
     (plane,) = [o for o in scene(model.equilibrium([0.0])).objects if o.kind == "obstacle"]
     np.testing.assert_allclose(plane.vertices()[:, 2], -0.03, atol=1e-15)
+
+
+def test_springs_are_coils_between_their_ends() -> None:
+    """They follow the apex of the truss, and their coil stays as wide."""
+    path = flexor.load("truss").equilibrium()
+    found = scene(path)
+    left, right = [each for each in found.objects if each.kind == "spring"]
+    apex = 0.02 + path.q[:, 0]
+    for each, end in ((left, -0.1), (right, 0.1)):
+        ring = each.positions.reshape(len(path), -1, 5, 3).mean(axis=2)
+        np.testing.assert_allclose(ring[:, 0, 0], 0.0, atol=1e-12)
+        np.testing.assert_allclose(ring[:, 0, 2], apex, atol=1e-12)
+        np.testing.assert_allclose(
+            ring[:, -1], np.tile([end, 0.0, 0.0], (len(path), 1)), atol=1e-12
+        )
+        np.testing.assert_allclose(np.abs(ring[:, :, 1]).max(axis=1), 4e-3, rtol=1e-6)
+    low, high = found.extent()
+    assert low[0] < -0.1 and high[0] > 0.1

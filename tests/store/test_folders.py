@@ -121,7 +121,7 @@ def test_no_link_in_a_folder_is_followed(
     assert not list((place / "s").glob(".*"))
     names = ["record.sqlite", "record.sqlite-wal", "settings.json", "lock"]  # are refused
     if kind != "calibration":  # whose targets are given again
-        names.append("model.toml")
+        names += ["model.toml", "source.toml"]
     for name in names:
         for special in ("link", "pipe", "folder"):
             path, aside = place / "s" / name, place / "aside"

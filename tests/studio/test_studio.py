@@ -162,12 +162,44 @@ def test_bad_requests_are_one_sentence(running) -> None:
             "unknown method",
         ),
         ("stl", {"values": [2, 10], "loads": [60], "step": 99}, "steps"),
+        ("stl", {"values": [2, 10], "loads": [60], "step": float("inf")}, "incomplete"),
         ("nothing", {}, 'there is no "nothing"'),
         ("solve", [], "JSON object"),
     ]:
         status, text = ask(running.port, name, body)
         assert status == 400, name
         assert words in json.loads(text)["error"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"[" * 100_000 + b"]" * 100_000,
+        b'{"values":' + b"[" * 900 + b"]" * 900 + b"}",
+        b"\xff",
+        b"{",
+    ],
+)
+def test_bodies_that_are_no_request_are_answered(running, body) -> None:
+    """And the connection is not dropped: the next request on it is answered, too."""
+    connection = http.client.HTTPConnection("127.0.0.1", running.port, timeout=60)
+    for _ in range(2):
+        connection.request("POST", "/api/solve", body, {"Content-Type": "application/json"})
+        answer = connection.getresponse()
+        assert answer.status == 400
+        assert "the request" in json.loads(answer.read())["error"]
+    connection.close()
+
+
+@pytest.mark.parametrize(
+    "option", [("--parameters", "R01"), ("--subject-to", "strain <= 0.3"), ("--without", "overlap")]
+)
+def test_a_statement_without_variables_is_refused(option, capsys) -> None:
+    """The truss states no design."""
+    with pytest.raises(SystemExit) as ended:
+        main(["studio", "truss", *option, "--no-open", "--port", "0"])
+    assert ended.value.code == 2
+    assert "error: " in capsys.readouterr().err
 
 
 def test_another_site_cannot_ask(running) -> None:

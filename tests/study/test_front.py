@@ -77,7 +77,7 @@ def test_a_point_is_a_model_file(study: Study, tmp_path: Path) -> None:
     """Which gives the same values when it is loaded."""
     point = study.front.point(2)
     file = tmp_path / "point.toml"
-    file.write_text(point.model.file.to_toml(), encoding="utf-8")
+    file.write_text(point.model.to_toml(), encoding="utf-8")
     path = flexor.load(file).equilibrium()
     angle = np.degrees(path.joint_angles[-1].sum() - path.joint_angles[0].sum())
     assert angle == pytest.approx(point.shown, rel=1e-9)

@@ -126,7 +126,9 @@ impl PlaneSolver<'_> {
 }
 
 /// Whether the current equilibrium is statically stable.
-fn is_stable<G: LieGroup<D, P>, const D: usize, const P: usize>(system: &mut System<G, D, P>) -> bool {
+pub(super) fn is_stable<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    system: &mut System<G, D, P>,
+) -> bool {
     let definite = system.factorise(0.0) || system.is_conservative() && system.factorise(ZERO_EIGENVALUE);
     definite && !system.is_lost(ZERO_EIGENVALUE)
 }

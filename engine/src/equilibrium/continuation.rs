@@ -41,8 +41,9 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
     range: Vec<f64>,
-    /// The energy in `start` under the load of the current jump.
+    /// The energy in `start` under the load of the current jump, and its gradient, the residual.
     pub(super) energy: f64,
+    pub(super) slope: Vec<f64>,
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
@@ -84,6 +85,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             rate: vec![0.0; inputs],
             range: vec![0.0; inputs],
             energy: 0.0,
+            slope: zeros(),
             unstable: false,
             work: zeros(),
             set_points: SetPoints::new(inputs),
@@ -317,11 +319,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         (share * h * self.rate_of_change()).min(accuracy.max_residual).max(self.options.tolerance)
     }
 
-    /// The scale of residuals between the listed loads: the speed and, where the tangent may be softer than
-    /// its units, the change of the load as well.
+    /// The scale of residuals between the listed loads: the speed or, where the structure is softer than its
+    /// units, as a column that buckles, the change of the load.
     fn rate_of_change(&self) -> f64 {
-        let speed = max_norm(&self.velocity[0]);
-        if self.system.is_elastic() { speed } else { speed.min(self.change[0]) }
+        max_norm(&self.velocity[0]).min(self.change[0])
     }
 
     /// A stable equilibrium near the current state at the current load.

@@ -30,7 +30,7 @@ impl CriticalSearch {
     }
 
     /// Distance from the current equilibrium to the loss of stability as the load changes at `rate` over
-    /// `h`; `None` where there is none. Overwrites state and load.
+    /// `h`; `None` where there is none, zero where it is lost already. Overwrites state and load.
     pub fn find<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
@@ -53,7 +53,7 @@ impl CriticalSearch {
         system.load_gradient(rate, &mut self.load);
         let definite = system.factorise(0.0) || system.factorise(ZERO_EIGENVALUE);
         if !definite || system.is_singular() {
-            return None;
+            return Some(0.0);
         }
         let lowest = self.find_mode(system)?;
         let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);

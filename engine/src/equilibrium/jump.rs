@@ -1,6 +1,6 @@
 //! Beyond the end of a branch: the next stable equilibrium, and the kind of event that leads to it.
 
-use super::branch_end::BranchAhead;
+use super::branch_end::{BranchAhead, is_stable};
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink};
 use super::status::Status;
@@ -11,6 +11,8 @@ use crate::strain::gauss_legendre;
 
 /// Quadrature points of [`Continuation::work_of_forces`].
 const WORK_POINTS: usize = 12;
+/// Quadrature points of [`Continuation::crosses_a_barrier`].
+const BARRIER_POINTS: usize = 6;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// Goes from the equilibrium in `start`, at `from`, from which the smallest sub-step, to `failed`, could
@@ -37,8 +39,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 self.swap_ends();
                 return Ok(lambda);
             }
-            // A limit point further back belongs to another branch.
-            BranchAhead::LimitPoint(at) if at >= 2.0 * from - failed => {
+            // A limit point further back, or not before the next listed load, belongs to another branch.
+            BranchAhead::LimitPoint(at) if (2.0 * from - failed..=1.0).contains(&at) => {
                 self.start.copy_from_slice(self.system.state());
                 self.leave_limit_point(from, at, failed, step, sink, control)?
             }
@@ -99,6 +101,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_state(&self.start);
         self.system.evaluate();
         self.energy = self.system.data().energy();
+        self.slope.copy_from_slice(self.system.residual());
         let accuracy = &self.options.accuracy;
         let reuse = if lambda == 1.0 { step.tangent_reuse } else { accuracy.tangent_reuse_after_jump };
         let status = self.find_stable(self.options.trust_region.initial_radius, reuse);
@@ -135,19 +138,39 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         !drift && max_norm(&self.moved) > explained && self.releases_energy(h)
     }
 
-    /// Whether more energy is released from `start` to the state found than a convex energy would release,
-    /// which lies above its tangent in `start`; there only the change of load over `h` is not balanced.
+    /// Whether more energy is released from `start` to the state found, over `h`, than a convex energy would
+    /// release, which lies above its tangent in `start`.
     fn releases_energy(&mut self, h: f64) -> bool {
         let released = if self.system.is_conservative() {
             (self.energy - self.system.data().energy()) / self.system.unit_energy()
         } else {
             self.work_of_forces()
         };
+        let released = released - self.options.jump.min_energy;
         self.system.load_gradient(&self.rate, &mut self.work);
         // Energy that the controls themselves store over `h`.
         let stored = h * self.system.load_curvature(&self.rate);
         let work = (dot(&self.work, &self.moved) + stored).abs();
-        released - 0.5 * h * stored > h * work + self.options.jump.min_energy
+        if released - 0.5 * h * stored <= h * work {
+            return false;
+        }
+        // The state in `start` is approximate, if only by the change of load. Its branch may have ended in the
+        // state found, as a buckled branch does where the load falls.
+        released > -dot(&self.slope, &self.moved) || self.crosses_a_barrier()
+    }
+
+    /// Whether stability is lost somewhere between `start` and the state found.
+    fn crosses_a_barrier(&mut self) -> bool {
+        let found = self.system.state().to_vec();
+        let points = gauss_legendre(BARRIER_POINTS);
+        let crosses = points.into_iter().rev().any(|(place, _)| {
+            self.system.advance_from(&self.start, &self.moved, 0.5 * (1.0 + place));
+            self.system.evaluate();
+            self.system.evaluate_tangent();
+            !is_stable(&mut self.system)
+        });
+        self.restore(&found);
+        crosses
     }
 
     /// The work of all forces along the straight line from `start` to the state found.
@@ -177,7 +200,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_load_between(&self.start_load, &self.rate, from);
         self.system.set_state(&self.start);
         let distance = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, h);
-        self.restore(&found, lambda);
+        self.restore_at(&found, lambda);
         let at = distance.map_or(lambda, |distance| (from + distance).min(lambda));
         let kind = if self.displacement_is_constant(at, from, lambda) {
             EventKind::Snap
@@ -188,8 +211,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 
     /// Restores an equilibrium at `lambda`, with its tangent and factor.
-    fn restore(&mut self, state: &[f64], lambda: f64) {
+    fn restore_at(&mut self, state: &[f64], lambda: f64) {
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
+        self.restore(state);
+    }
+
+    /// Restores an equilibrium at the current load, likewise.
+    fn restore(&mut self, state: &[f64]) {
         self.system.set_state(state);
         self.system.evaluate();
         self.system.evaluate_tangent();
@@ -209,7 +237,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let status = self.find_stable(self.options.trust_region.initial_radius, 0.0);
         self.system.displacement(&self.start, &mut self.work);
         let constant = status.is_equilibrium() && max_norm(&self.work) >= jump.constant_share * moved;
-        self.restore(&found, lambda);
+        self.restore_at(&found, lambda);
         constant
     }
 }

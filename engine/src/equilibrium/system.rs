@@ -221,11 +221,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.design.units.energy
     }
 
-    /// Whether every coordinate is elastic.
-    pub(super) fn is_elastic(&self) -> bool {
-        self.data.design.units.all_elastic()
-    }
-
     /// Whether the forces derive from a potential.
     pub(super) fn is_conservative(&self) -> bool {
         self.factor.is_symmetric()

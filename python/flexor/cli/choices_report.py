@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -10,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli import outcome
 from flexor.cli.console import print_json, say
-from flexor.cli.folders import interrupted
-from flexor.cli.progress import SearchProgress
+from flexor.cli.folders import carry_out_searches, interrupted
+from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
-from flexor.errors import ClusterError
 
 if TYPE_CHECKING:
     from flexor.study import Choices
@@ -24,39 +22,43 @@ def carry_out(
     executor: AbstractContextManager[Any],
     place: Path,
     plot: Path | None,
+    save: Path | None,
     as_json: bool,
 ) -> int:
     """Try all combinations, print them and the best; return the exit code."""
     from flexor.study import is_choices
 
-    began = time.monotonic()
-    try:
-        with executor as where, SearchProgress() as progress:
-            found = work(executor=where, progress=progress)
-    except (KeyboardInterrupt, ClusterError) as error:
+    def report(found: Choices, seconds: float) -> None:
+        if as_json:
+            print_json(_as_json(found, seconds, place))
+        else:
+            _print(found, seconds)
+        outcome.draw(found.best, found.best.best, plot, quiet=as_json)
+        if not as_json:
+            say(f"model:  {place / 'best.toml'}")
+        save_model(found.best.best, save, f"The best design of {place}")
+
+    def stopped(error: BaseException) -> int:
         return interrupted(place, "flexor optimize --resume", error, is_choices(place))
-    seconds = time.monotonic() - began
-    if as_json:
-        tried = [
-            {
-                "choices": dict(each.combination.values),
-                "violation": each.rank[0],
-                "value": each.rank[1],
-                "evaluations": each.study.evaluations,
-                "folder": each.study.folder,
-            }
-            for each in found.tried
-        ]
-        best = outcome.as_json(found.best, found.best.best, seconds)
-        chosen = {"choices": dict(found.combination.values), "tried": tried}
-        print_json({**chosen, **best, "folder": place, "evaluations": found.evaluations})
-    else:
-        _print(found, seconds)
-    outcome.draw(found.best, found.best.best, plot, quiet=as_json)
-    if not as_json:
-        say(f"model:  {place / 'best.toml'}")
-    found.close()
-    return 0
+
+    return carry_out_searches(executor, work, report, stopped)
+
+
+def _as_json(found: Choices, seconds: float, place: Path) -> dict[str, Any]:
+    """Return what was tried, and the best design as of any study."""
+    tried = [
+        {
+            "choices": dict(each.combination.values),
+            "violation": each.rank[0],
+            "value": each.rank[1],
+            "evaluations": each.study.evaluations,
+            "folder": each.study.folder,
+        }
+        for each in found.tried
+    ]
+    best = outcome.as_json(found.best, found.best.best, seconds)
+    chosen = {"choices": dict(found.combination.values), "tried": tried}
+    return {**chosen, **best, "folder": place, "evaluations": found.evaluations}
 
 
 def _print(found: Choices, seconds: float) -> None:

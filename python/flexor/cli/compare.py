@@ -164,8 +164,9 @@ def _print_summary(result: MethodComparison, seconds: float, files: list[FilePat
         show((name, *headings), rows)
         if best >= INFEASIBLE:
             say(
-                f"NOT FEASIBLE: no search of {name} found a design that keeps the constraints; "
-                '"infeasible by" is what these are exceeded by in all, as shares of the bounds.'
+                f"NOT FEASIBLE: no search of {name} found a design that keeps the constraints, so "
+                'none is a success; "infeasible by" is what these are exceeded by in all, as '
+                "shares of the bounds."
             )
     searches = len(result.runs)
     say(

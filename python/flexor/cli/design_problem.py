@@ -74,7 +74,7 @@ def stated(
     from flexor.model.schema import Design
 
     there = model.file.design or Design.model_construct()
-    by_set, by_name = (_is_given(context, name) for name in ("parameters", "objective"))
+    by_set, by_name = (is_given(context, name) for name in ("parameters", "objective"))
     if vary and by_set:
         raise InputError("--vary and --parameters are two statements of what varies: give one.")
     aims = [f"maximise {name}" for name in maximise or []]
@@ -131,6 +131,7 @@ def say_unapplied(model: Model, what: str) -> None:
         note(f'The tolerances that "{model.name}" states are not applied to {what}.')
 
 
-def _is_given(context: typer.Context, name: str) -> bool:
+def is_given(context: typer.Context, name: str) -> bool:
+    """Return whether an option was given on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"

@@ -125,6 +125,30 @@ def carry_out(
     return code
 
 
+def carry_out_searches(
+    executor: AbstractContextManager[Any],
+    work: Callable[..., Any],
+    report: Callable[[Any, float], None],
+    stopped: Callable[[BaseException], int],
+) -> int:
+    """Do the work of a command that makes several searches; return the exit code.
+
+    ``work`` is called with an executor and the progress, ``report`` with its result, which is then
+    closed, and the time [s], ``stopped`` with an interruption or the loss of the cluster.
+    """
+    from flexor.cli.progress import SearchProgress
+
+    began = time.monotonic()
+    try:
+        with executor as where, SearchProgress() as progress:
+            found = work(executor=where, progress=progress)
+    except (KeyboardInterrupt, ClusterError) as error:
+        return stopped(error)
+    report(found, time.monotonic() - began)
+    found.close()
+    return 0
+
+
 def interrupted(place: Path, resuming: str, error: BaseException, begun: bool) -> int:
     """Report an interruption or the loss of a cluster, and how to resume work that has begun.
 
@@ -148,4 +172,6 @@ def save_figure(figure: Figure, folder: Path, name: str, also: Path | None = Non
     from flexor import plot
 
     files = [folder / f"{name}.png", folder / f"{name}.svg", *([] if also is None else [also])]
-    return [plot.save(figure, file) for file in files]
+    saved = [plot.save(figure, files[0])]
+    figure.set_layout_engine(None)  # it is laid out
+    return [*saved, *(plot.save(figure, file) for file in files[1:])]

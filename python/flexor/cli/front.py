@@ -11,22 +11,12 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
+from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
-from flexor.errors import InputError, one_line
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Design
-
-
-def _writable(file: FilePath | None) -> FilePath | None:
-    """Reject a file that cannot be written before anything is computed."""
-    if file is not None:
-        from flexor.store import check_writable
-
-        if file.suffix != ".toml":
-            raise InputError(f'--save is "{file}": a model file must end in .toml.')
-        check_writable(file)
-    return file
 
 
 def front(
@@ -37,14 +27,7 @@ def front(
             callback=options.at_least(1), help="Show this point, by its number in the table."
         ),
     ] = None,
-    save: Annotated[
-        FilePath | None,
-        typer.Option(
-            metavar="FILE",
-            callback=_writable,
-            help="Write the model with the design of the point as a model file.",
-        ),
-    ] = None,
+    save: options.Save = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> int:
@@ -72,12 +55,7 @@ def front(
                 print_json(_as_json(found.as_json()[point - 1], design))
             else:
                 _print_point(found.headings, found.shown[point - 1].tolist(), design)
-            if save is not None:
-                from flexor.store import write_text
-
-                origin = one_line(f"# Point {point} of the front of {study}: {design.text}")
-                write_text(save, f"{origin}\n\n{design.model.file.to_toml()}")
-                note(f"model file: {save}")
+            save_model(design, save, f"Point {point} of the front of {study}")
         elif as_json:
             print_json(front_report.front_as_json(opened, found))
         else:
@@ -91,6 +69,8 @@ def front(
 
 
 def _print_point(headings: tuple[str, ...], shown: list[float], design: Design) -> None:
+    from flexor.cli.verdict import print_constraints
+
     chosen = design.problem.parameters
     rows = [(heading, number(value, 6)) for heading, value in zip(headings, shown, strict=True)]
     values = (design.vector / chosen.scale).tolist()
@@ -98,9 +78,7 @@ def _print_point(headings: tuple[str, ...], shown: list[float], design: Design) 
         rows.append((label if unit == "1" else f"{label} / {unit}", number(value, 6)))
     show(("", "value"), [(name.replace(" / ", ", "), value) for name, value in rows])
     if design.problem.constraints:
-        kept = design.verdict.constraints
-        cells = [(each.text, each.value, each.state, each.place) for each in kept]
-        show(("constraint", "worst", "", "where"), cells)
+        print_constraints(design.kept)
     say(f"bending {math.degrees(design.bending):.1f}°, {design.events} snaps along the path")
 
 

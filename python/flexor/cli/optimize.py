@@ -12,6 +12,7 @@ from flexor.cli import options
 from flexor.cli.console import print_json
 from flexor.cli.design_problem import say_unapplied, stated, uncertainty
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder
+from flexor.cli.saving import save_model
 from flexor.cli.values import load_changed, numbers, one_or_assignments
 from flexor.errors import InputError
 
@@ -73,6 +74,7 @@ def optimize(
     changes: options.Set = None,
     solver: options.Solver = None,
     plot: options.Plot = None,
+    save: options.Save = None,
     show: Annotated[
         bool, typer.Option("--open", help="Open the figure when done, if there is a display.")
     ] = False,
@@ -108,14 +110,14 @@ def optimize(
     from flexor.design import parameter_set
     from flexor.design.start import starts
 
-    free = ("budget", "threads", "cluster", "plot", "show", "as_json")
+    free = ("budget", "threads", "cluster", "plot", "save", "show", "as_json")
     check_resumable(context, "study", model, folder, resume, *free)
     if resume is not None and studies.is_choices(resume):
         if budget is not None:
             raise InputError("choices are resumed with their own budget: omit --budget.")
         chosen_work = partial(studies.resume_choices, resume)
         where = executor_for(threads, cluster)
-        return choices_report.carry_out(chosen_work, where, resume, plot, as_json)
+        return choices_report.carry_out(chosen_work, where, resume, plot, save, as_json)
     if resume is not None:
         place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
@@ -127,6 +129,8 @@ def optimize(
         chosen = problem.varied or parameter_set(parameters, loaded.design)
         aims = [each.replace(" ", "-") for each in problem.aims]
         place = folder or new_folder(loaded.name, chosen.name, *aims)
+        if save is not None and (sizes is not None or len(problem.aims) > 1):
+            raise InputError("--save writes one design: see `flexor front` for one of several.")
         if problem.choices:
             if sizes is not None:
                 raise InputError("--sizes and choices exclude each other: give one of them.")
@@ -151,7 +155,7 @@ def optimize(
                 engine_options=numbers("--solver", solver or []),
             )
             where = executor_for(threads, cluster)
-            return choices_report.carry_out(chosen_work, where, place, plot, as_json)
+            return choices_report.carry_out(chosen_work, where, place, plot, save, as_json)
         if sizes is not None:
             say_unapplied(loaded, "sizes")
             over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
@@ -197,6 +201,8 @@ def optimize(
 
     def report(study: Study, seconds: float) -> int:
         if study.problem.objective.count:
+            if save is not None:
+                raise InputError("--save writes one design: see `flexor front` for one of several.")
             return _report_front(study, seconds, plot, as_json)
         best = study.best
         if as_json:
@@ -205,6 +211,7 @@ def optimize(
             outcome.print_summary(study, best, seconds, resumed=resume is not None)
         if plot is not None or not as_json:
             outcome.draw(study, best, plot, quiet=as_json)
+        save_model(best, save, f"The best design of {place}")
         if show:
             _open(study)
         return 0

@@ -11,6 +11,7 @@ from flexor.cli.console import say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration, working
 from flexor.cli.table import number, show, with_unit
+from flexor.design.drawn_file import drawn_file
 from flexor.study.sentences import title
 
 if TYPE_CHECKING:
@@ -87,15 +88,18 @@ def draw(study: Study, best: Design, also: FilePath | None, quiet: bool = False)
     from flexor import plot
 
     with working("drawing the designs"):
-        figure = plot.designs(study.start.path, best.path, _titles(study, best))
-        files = [plot.save(figure, also)] if also is not None else []
+        chosen, model = study.problem.parameters, study.problem.model
+        files = [drawn_file(chosen, each.vector, model) for each in (study.start, best)]
+        titles = _titles(study, best)
+        figure = plot.designs(study.start.path, best.path, titles, (files[0], files[1]))
+        saved = [plot.save(figure, also)] if also is not None else []
         if study.folder is not None:
-            files += save_figure(figure, study.folder, "designs")
+            saved += save_figure(figure, study.folder, "designs")
     if quiet:
         return
     if study.folder is not None:
         say(f"study:  {study.folder}")
-    for file in files:
+    for file in saved:
         say(f"figure: {file}")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.cli.console import say
-from flexor.cli.table import fixed, number, show
+from flexor.cli.table import fixed, numbers, show
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
@@ -22,10 +22,11 @@ def report(path: Path) -> None:
 
     columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
     columns["state"] = [_state(path, step) for step in range(len(path))]
-    columns["events"] = [
-        ", ".join(_kind(event) for event in path.events if event.step == step)
-        for step in range(len(path))
-    ]
+    if path.events:
+        columns["events"] = [
+            ", ".join(_kind(event) for event in path.events if event.step == step)
+            for step in range(len(path))
+        ]
     show(list(columns), list(zip(*columns.values(), strict=True)), left=0)
     failed = path.status[~path.converged]
     if len(failed):
@@ -50,12 +51,12 @@ def _loads(path: Path) -> Columns:
     for index, load in enumerate(loads):
         size, unit = model.load_unit(index)
         name = model.inputs[index] if several else model.load_name()
-        columns[f"{name} / {unit}".removesuffix(" / ")] = [number(x) for x in load / size]
+        columns[f"{name} / {unit}".removesuffix(" / ")] = numbers((load / size).tolist())
     for name, found in path.found_loads().items():
         size, unit = model.controlled[name].shown
         what = model.controlled[name].noun
         heading = f"{what} of {name}" if several else what
-        columns[f"{heading} / {unit}"] = [number(x) for x in found / size]
+        columns[f"{heading} / {unit}"] = numbers((found / size).tolist())
     return columns
 
 
@@ -89,7 +90,7 @@ def _contacts(path: Path) -> Columns:
         return {}
     return {
         "contacts": [str(count) for count in path.touching],
-        "tip force / N": [number(force) for force in path.tip_force],
+        "tip force / N": numbers(path.tip_force.tolist()),
     }
 
 
@@ -102,10 +103,14 @@ def _device(path: Path) -> Columns:
     if np.isfinite(path.stretch).any():
         found["strain / %"] = 100.0 * path.max_strain
     for name, volume in zip(model.pressures, path.volume.T, strict=True):
-        found[f"{name} / mL"] = 1e6 * volume
-    for name, force in (path.strap_forces() | path.obstacle_forces()).items():
-        found[f"{name} / N"] = force
-    return {heading: [number(float(x)) for x in values] for heading, values in found.items()}
+        found[f"volume of {name} / mL"] = 1e6 * volume
+    forces = {f"strap {name}": force for name, force in path.strap_forces().items()}
+    forces |= {f"obstacle {name}": force for name, force in path.obstacle_forces().items()}
+    largest = max(
+        (float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0
+    )
+    cells = {heading: numbers(values.tolist()) for heading, values in found.items()}
+    return cells | {f"{what} / N": numbers(x.tolist(), largest) for what, x in forces.items()}
 
 
 def _print_extremes(path: Path) -> None:

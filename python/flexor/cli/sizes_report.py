@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,13 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.cli import verdict
-from flexor.cli.console import note, print_json, say
-from flexor.cli.folders import INTERRUPTED
-from flexor.cli.progress import SearchProgress, duration
+from flexor.cli.console import note, print_error, print_json, say
+from flexor.cli.folders import INTERRUPTED, LOST, carry_out_searches
+from flexor.cli.progress import duration
 from flexor.cli.table import number, show
+from flexor.errors import ClusterError
+from flexor.study.verdict import binding
 
 if TYPE_CHECKING:
+    from flexor.scenarios import Scenario
     from flexor.study import Sizes
+    from flexor.study.scenario_problem import ScenarioProblem
+
+MOST_NAMES = 6
 
 
 def carry_out(
@@ -29,22 +34,22 @@ def carry_out(
     """Find sizes, print them, and write whom each serves; return the exit code."""
     from flexor.store import csv_text, write_text
 
-    began = time.monotonic()
-    try:
-        with executor as where, SearchProgress() as progress:
-            found = work(executor=where, progress=progress)
-    except KeyboardInterrupt:
-        note(f"interrupted; studies of sizes that were finished are in {place}.")
-        return INTERRUPTED
-    file = place / "wearers.csv"
-    write_text(file, csv_text(_rows(found)))
-    if as_json:
-        print_json(_as_json(found, time.monotonic() - began, place))
-    else:
-        _print(found, time.monotonic() - began, place, file)
-    for study in found.studies:
-        study.close()
-    return 0
+    def report(found: Sizes, seconds: float) -> None:
+        file = place / "wearers.csv"
+        write_text(file, csv_text(_rows(found)))
+        if as_json:
+            print_json(_as_json(found, seconds, place))
+        else:
+            _print(found, seconds, place, file)
+
+    def stopped(error: BaseException) -> int:
+        if isinstance(error, ClusterError):
+            print_error(str(error))
+        begin = "" if isinstance(error, ClusterError) else "interrupted; "
+        note(f"{begin}studies of sizes that were finished are in {place}.")
+        return LOST if isinstance(error, ClusterError) else INTERRUPTED
+
+    return carry_out_searches(executor, work, report, stopped)
 
 
 def _print(found: Sizes, seconds: float, place: Path, file: Path) -> None:
@@ -65,17 +70,34 @@ def _print(found: Sizes, seconds: float, place: Path, file: Path) -> None:
         ]
         rows.append((f"{problem.objective.quantity}, {what} / {problem.objective.unit}", *cells))
     show(("", *(f"size {i}" for i in range(1, len(counts) + 1))), rows)
-    for i, study in enumerate(found.studies):
-        names = "; ".join(each.name for each in found.members(i))
-        say(f"size {i + 1} serves {names or 'no one'}.")
-        verdict.print_verdict(study.best)
-    missing = [each.name for each, i in zip(found.wearers, found.size, strict=True) if i < 0]
-    if missing:
-        say(f"NOT SERVED: {'; '.join(missing)}.")
+    for i in range(len(counts)):
+        design = found.design(i)
+        if design is None:
+            say(f"size {i + 1} SERVES NO ONE: {_unserved(problem)}.")
+            continue
+        say(f"size {i + 1} serves {_names(found.members(i))}. What is worst of these:")
+        verdict.print_constraints(design.kept, binding(problem, design.vector))
+    if missing := found.members(-1):
+        say(f"NOT SERVED: {_names(missing)}.")
     share = f"{100.0 * found.served:.0f} % of {len(found.wearers)} wearers"
     say(f"{share} are served; in {duration(seconds)}.")
     say(f"studies: {place}")
     say(f"file:    {file}")
+
+
+def _names(wearers: Sequence[Scenario]) -> str:
+    """Return the names of a few wearers, or how many there are."""
+    if len(wearers) > MOST_NAMES:
+        return f"{len(wearers)} wearers, named in the file"
+    return "; ".join(each.name for each in wearers)
+
+
+def _unserved(problem: ScenarioProblem) -> str:
+    """Return what no wearer reaches."""
+    if problem.aggregate.everywhere:
+        return "it keeps the constraints for no wearer"
+    kept = " with the constraints kept" if problem.constraints else ""
+    return f"no wearer reaches {problem.aggregate.text.removeprefix('served ')}{kept}"
 
 
 def _rows(found: Sizes) -> list[list[Any]]:
@@ -96,7 +118,7 @@ def _as_json(found: Sizes, seconds: float, place: Path) -> dict[str, Any]:
             {
                 "parameters": study.best.parameters,
                 "wearers": [each.name for each in found.members(i)],
-                "feasible": study.best.feasible,
+                "feasible": len(found.members(i)) > 0,  # with it their constraints hold
                 "folder": study.folder,
             }
             for i, study in enumerate(found.studies)

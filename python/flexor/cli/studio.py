@@ -8,7 +8,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import say
-from flexor.cli.design_problem import stated
+from flexor.cli.design_problem import is_given, stated
 from flexor.cli.values import load_changed, one_or_assignments
 
 if TYPE_CHECKING:
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from flexor.study import Problem
 
 PORT = 8765
+# Options that state a design problem.
+_STATEMENT = (
+    *("parameters", "objective", "vary", "maximise", "minimise", "subject_to", "without"),
+)
 
 
 def studio(
@@ -92,7 +96,7 @@ def _problem(
     from flexor.design import parameter_set
     from flexor.study import Problem
 
-    if model.file.design is None and not vary:
+    if model.file.design is None and not any(is_given(context, name) for name in _STATEMENT):
         return None
     found = stated(context, model, objective, vary, maximise, minimise, subject_to, without)
     chosen = found.varied or parameter_set(parameters, model.design)

@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from rich import box
+from rich.cells import cell_len
 from rich.table import Table
 
 from flexor.cli.console import out, plain
 
+LONGEST = 24  # letters of a word that are kept on one line
+_BETWEEN, _EDGES = 3, 2  # columns of the terminal between and around those of a table
+
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> Table:
-    """Create a table whose first columns are left-aligned.
+    """Create a table whose first columns, and others of text, are left-aligned.
 
-    A unit after " / " in a heading goes onto its own line. In a narrow terminal columns of text
-    are wrapped, columns of numbers are not.
+    A unit after " / " in a heading goes onto its own line. In a narrow terminal headings and
+    columns of text are wrapped, numbers are not.
     """
     result = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
     rows = [tuple(row) for row in rows]
-    for column, heading in enumerate(headings):
+    columns = [
+        _Column.of(heading, [row[i] for row in rows], i < left)
+        for i, heading in enumerate(headings)
+    ]
+    for column, width in zip(columns, _widths(columns), strict=True):
         result.add_column(
-            plain(heading.replace(" / ", "\n")),
-            justify="left" if column < left else "right",
+            plain(column.heading),
+            justify="left" if column.text else "right",
             overflow="fold",
-            min_width=_longest_word([heading, *(row[column] for row in rows)]),
-            no_wrap=column >= left and not any(_is_word(row[column]) for row in rows),
+            width=width,
         )
     for row in rows:
         result.add_row(*map(plain, row))
@@ -42,9 +51,47 @@ def show(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 
     for columns in _fitting(headings, rows, left):
         chosen = [[row[column] for column in columns] for row in rows]
         result = table([headings[column] for column in columns], chosen, left=left)
-        if (minimum := _minimum(result)) > out.width:
-            result.width = minimum
+        result.width = _total([each.width or 0 for each in result.columns])
         out.print(result, crop=False)
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column: its heading in lines, and the least and greatest width that it can use."""
+
+    heading: str
+    text: bool
+    least: int
+    greatest: int
+
+    @classmethod
+    def of(cls, heading: str, cells: Sequence[str], first: bool) -> _Column:
+        broken = _broken(heading).replace(" / ", "\n")
+        lines = [line for text in (broken, *cells) for line in text.split("\n")]
+        words = [word for line in lines for word in line.split()]
+        least = min(LONGEST, max(map(cell_len, words), default=0))
+        text = first or any(map(_is_text, cells))
+        if not text:
+            least = max([least, *map(cell_len, cells)])
+        return cls(broken, text, least, max(map(cell_len, lines), default=0))
+
+
+def _widths(columns: Sequence[_Column]) -> list[int]:
+    """Return the width of each column: all that it can use, or its share of the terminal."""
+    widths = [max(each.least, each.greatest) for each in columns]
+    while _total(widths) > out.width:
+        slack = [width - each.least for width, each in zip(widths, columns, strict=True)]
+        # Headings of numbers are wrapped before texts are.
+        spare = [0 if each.text else more for more, each in zip(slack, columns, strict=True)]
+        slack = spare if any(spare) else slack
+        if not any(slack):
+            break
+        widths[slack.index(max(slack))] -= 1
+    return widths
+
+
+def _total(widths: Sequence[int]) -> int:
+    return sum(widths) + _BETWEEN * (len(widths) - 1) + _EDGES
 
 
 def _fitting(
@@ -52,34 +99,37 @@ def _fitting(
 ) -> list[tuple[int, ...]]:
     """Return the columns of each table, as few tables as fit the width of the terminal."""
     every = tuple(range(len(headings)))
+    least = [
+        _Column.of(heading, [row[i] for row in rows], i < left).least
+        for i, heading in enumerate(headings)
+    ]
     repeated, parts = every[: max(left, 1)], list[tuple[int, ...]]()
     current = repeated
     for column in every[len(repeated) :]:
         wider = (*current, column)
-        cells = [[row[each] for each in wider] for row in rows]
-        found = table([headings[each] for each in wider], cells, left=left)
-        if len(current) > len(repeated) and _minimum(found) > out.width:
+        if len(current) > len(repeated) and _total([least[i] for i in wider]) > out.width:
             parts.append(current)
             wider = (*repeated, column)
         current = wider
     return [*parts, current]
 
 
-def _minimum(result: Table) -> int:
-    """Return the least width of a table."""
-    return out.measure(result, options=out.options.update(width=10_000)).minimum
+def _broken(heading: str) -> str:
+    """Break names that are too long for a line after their dots."""
+    words = []
+    for word in heading.split(" "):
+        lines = [""]
+        for part in word.replace(".", ".\n").split("\n"):
+            if lines[-1] and len(lines[-1] + part) > LONGEST:
+                lines.append("")
+            lines[-1] += part
+        words.append("\n".join(lines))
+    return " ".join(words)
 
 
-def _longest_word(texts: Sequence[str]) -> int:
-    return min(24, max((len(word) for text in texts for word in text.split()), default=0))
-
-
-def _is_word(cell: str) -> bool:
-    try:
-        float(cell.replace(",", ""))
-    except ValueError:
-        return any(sign.isalpha() for sign in cell)
-    return False
+def _is_text(cell: str) -> bool:
+    """Whether a cell is neither empty nor begins as a number or its sign does."""
+    return cell[:1].isalpha() and cell != "nan"
 
 
 def fixed(value: float, decimals: int = 2) -> str:
@@ -97,3 +147,14 @@ def number(value: float, digits: int = 4) -> str:
 def with_unit(value: float, unit: str) -> str:
     """Return a number with its unit, which may be empty."""
     return f"{number(value)} {unit}".rstrip()
+
+
+def numbers(values: Iterable[float], largest: float = 0.0) -> list[str]:
+    """Format a column of numbers, in which what is nothing but rounding is 0.
+
+    That is less than 1e-9 of the largest magnitude there, or of another, and less than 1e-12.
+    """
+    values = list(values)
+    sizes = [abs(value) for value in values if math.isfinite(value)]
+    least = max(1e-9 * max([*sizes, largest]), 1e-12)
+    return ["0" if abs(value) < least else number(value) for value in values]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from flexor.study.sentences import cautions, headline, of_model
 
 if TYPE_CHECKING:
     from flexor.study import Design, Verdict
+    from flexor.study.verdict import Kept
 
 
 def print_verdict(design: Design) -> None:
@@ -19,10 +21,15 @@ def print_verdict(design: Design) -> None:
     found = design.verdict
     if text := headline(found):
         say(text)
-    if found.constraints:
-        rows = [(each.text, each.value, each.state, each.place) for each in found.constraints]
+    print_constraints(found.constraints, found.bounds)
+
+
+def print_constraints(constraints: Sequence[Kept], bounds: Iterable[str] = ()) -> None:
+    """Print the worst value of each constraint, and the bounds that bind."""
+    if constraints:
+        rows = [(each.text, each.value, each.state, each.place) for each in constraints]
         show(("constraint", "worst", "", "where"), rows)
-    for bound in found.bounds:
+    for bound in bounds:
         say(f"{bound}, binds.")
 
 

@@ -124,7 +124,18 @@ def _is_in(document: Mapping[str, Any], field: str, gone: Sequence[list[str]]) -
 def _model(values: Mapping[str, object], model: Model, source: str) -> Model:
     from flexor.model import Model as Built
 
-    document: Mapping[str, Any] = model.file.to_document()
+    place = f"{source}: {named(values)}"
+    document = _document(model.file.to_document(), values, model, source)
+    written = model.written
+    if written is not None:
+        written = written.changed(lambda tables: _document(tables, values, model, source))
+    return Built(check(document, source=place), place, written)
+
+
+def _document(
+    document: Mapping[str, Any], values: Mapping[str, object], model: Model, source: str
+) -> dict[str, Any]:
+    """Return the tables of a model file with values of choices."""
     whole = document
     for field, value in values.items():
         if value in (WITH, WITHOUT):
@@ -133,12 +144,9 @@ def _model(values: Mapping[str, object], model: Model, source: str) -> Model:
             document = changed(document, field, value, source)
     for field in _gone(values):
         document = removed(document, field, source)
-    name = named(values)
     if document.get("design"):
         document = {**document, "design": _design(document["design"], values, whole)}
-    title = f"{model.title or model.name} ({name})"
-    file = check({**document, "title": title}, source=f"{source}: {name}")
-    return Built(file, f"{source}: {name}")
+    return {**document, "title": f"{model.title or model.name} ({named(values)})"}
 
 
 def _design(

@@ -75,7 +75,7 @@ def with_splines(model: Model, counts: Mapping[str, int]) -> Model:
     The same model if they are. Others become the spline through their values at the points where
     the control values act, which is the same size where it is constant or linear.
     """
-    from flexor.model import load
+    from flexor.model.loading import changed_model
 
     changes: dict[str, object] = {}
     for label, count in counts.items():
@@ -88,7 +88,7 @@ def with_splines(model: Model, counts: Mapping[str, int]) -> Model:
         # Of a linear size exactly, not to rounding.
         found = np.array([float(f"{value:.12g}") for value in found.tolist()])
         changes[label] = {SPLINE: [f"{value!r} m" for value in found.tolist()]}
-    return load(model.file, changes=changes) if changes else model
+    return changed_model(model, changes) if changes else model
 
 
 def recorded_splines(labels: Sequence[str], file: ModelFile) -> dict[str, int]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from math import comb
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,7 +299,7 @@ def refitted(
     u = 0.999 * _points(most + _CHECKS, len(fields), seed=1)
     points = like._middle + like._half * u
     probes = points[-2:]
-    found, before = (np.array([each.at(x) for x in probes]) for each in (mine, theirs))
+    found, before = np.array([mine.at(x) for x in probes]), _probed(like, theirs, probes)
     size = found.shape[1]
     if before.shape[1] != size or mine.ranges != theirs.ranges:
         return None
@@ -332,6 +333,19 @@ def refitted(
                 return None
             fits.append(_shifted(fit, ~new, shift[0, same]))
     return replace(like, _fits=tuple(fits))
+
+
+# By map: the parameters of the model that it is of, and those at its probes.
+_PROBED: WeakKeyDictionary[SlotMap, tuple[Array, Array]] = WeakKeyDictionary()
+
+
+def _probed(like: SlotMap, known: Lowered, probes: Array) -> Array:
+    """Return the parameters of a known model, which many others are compared with."""
+    own, found = _PROBED.get(like, (None, np.zeros(0)))
+    if own is not known.own:
+        found = np.array([known.at(x) for x in probes])
+        _PROBED[like] = known.own, found
+    return found
 
 
 def _shifted(fit: _Fit, chosen: NDArray[np.bool_], shift: Array) -> _Fit:

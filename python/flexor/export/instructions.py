@@ -13,6 +13,7 @@ from flexor.export.drawing import drawing, picture
 from flexor.export.masses import portions
 from flexor.export.mould import Mould
 from flexor.export.sheets import cast_material, sheets
+from flexor.export.silicone import silicone
 from flexor.export.solids import Solid
 from flexor.export.walls import thinnest
 
@@ -46,6 +47,7 @@ $drawing
 <div class="two">
 <div><h2>To be poured</h2>
 <table><tr><th>part<th>material<th class="n">mL<th class="n">g</tr>$poured</table>
+<p>$silicone</p>
 <p>$mix</p></div>
 <div><h2>To be cut (sheets.dxf)</h2>
 <table><tr><th>piece<th>material<th class="n">mm</tr>$cut</table></div>
@@ -88,6 +90,7 @@ def page(mould: Mould, path: Path | None) -> str:
             _row(each.name, each.material or "-", f"{1e6 * each.volume:.2f}", _grams(each.mass))
             for each in cast
         ),
+        silicone=escape(" ".join(silicone(body))),
         mix=f"{mix}: a fifth stays in the cup and in the holes.",
         cut="".join(
             _row(

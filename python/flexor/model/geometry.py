@@ -77,7 +77,9 @@ class DesignSpace:
     def of(cls, file: ModelFile) -> DesignSpace:
         """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
-            raise InputError(f'the model "{file.name}" has no [design] table.')
+            raise InputError(
+                f'the model "{file.name}" has no [design] table, which parameter sets need.'
+            )
         design = file.design
         if design.rod is None or design.length_bounds is None or design.radius_bounds is None:
             raise InputError(

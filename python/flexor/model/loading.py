@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 
 from flexor.errors import InputError
 from flexor.model.model import Model
-from flexor.model.reading import check, locate, read
+from flexor.model.reading import check, locate
 from flexor.model.schema import ModelFile
+from flexor.model.toml import read_text
 from flexor.model.tunnelling import warn_about_gaps
 from flexor.model.validation import describe
+from flexor.model.written import Written
 
 
 def load(
@@ -58,11 +61,25 @@ def load(
         loaded = Model(file)
     elif isinstance(model, (str, os.PathLike)):
         path = locate(model)
-        loaded = Model(read(path, use=use, changes=changes), source=str(path))
+        written = Written.of(read_text(path, "model file"), str(path))
+        file = check(written.document, use=use, changes=changes, source=str(path))
+        if use is not None:
+            written = replace(written, document={**written.document, "use": use})
+        changed = written.with_fields(changes) if changes else written
+        if use is None and not changes:
+            changed = replace(written, file=file)
+        loaded = Model(file, source=str(path), written=changed)
     else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
     warn_about_gaps(loaded)
     return loaded
+
+
+def changed_model(model: Model, changes: Mapping[str, object]) -> Model:
+    """Return a model with other values of fields, in the text of its file, too; see `load`."""
+    made = load(model.file, changes=changes)
+    made.written = None if model.written is None else model.written.with_fields(changes)
+    return made
 
 
 def require_model(model: Model | str | os.PathLike[str]) -> Model:

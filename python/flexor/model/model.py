@@ -26,6 +26,7 @@ from flexor.model.solver import solver_options
 from flexor.model.start import Start, coordinates, read_start
 from flexor.model.structure import Structure
 from flexor.model.validation import describe
+from flexor.model.written import Written
 
 Force = Forces | Mapping[str, Forces]
 
@@ -39,6 +40,8 @@ class Model(Displayed, Structure):
         The checked model file.
     source
         Where it came from, for messages.
+    written
+        The text of the file, as its author wrote it.
 
     Raises
     ------
@@ -46,8 +49,11 @@ class Model(Displayed, Structure):
         If the engine refuses the model.
     """
 
-    def __init__(self, file: ModelFile, source: str | None = None) -> None:
+    def __init__(
+        self, file: ModelFile, source: str | None = None, written: Written | None = None
+    ) -> None:
         super().__init__(file, source)
+        self.written = written
         try:
             self._start = Start(coordinates(file.start, self)) if file.start else None
             self._solver = solver_options(file.solver)
@@ -62,6 +68,14 @@ class Model(Displayed, Structure):
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.dof} degrees of freedom, {self.hash[:12]}>"
+
+    def to_toml(self) -> str:
+        """Return the model as a model file.
+
+        Where it was read from a file, this is the text of that file, comments and units included,
+        with what has changed in its place; otherwise every value, as ``file.to_toml()``.
+        """
+        return self.file.to_toml() if self.written is None else self.written.toml(self.file)
 
     @cached_property
     def hash(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 
 from pydantic_core import PydanticCustomError
 
@@ -19,6 +20,7 @@ _KINDS = (
     *(units.FORCE, units.DENSITY, units.CURVATURE, units.ACCELERATION, units.VOLUME),
     *(units.MOMENT, units.BENDING_STIFFNESS, units.LINE_DENSITY),
 )
+_MOST_DIGITS = 20
 _UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?P<unit>.*?)\s*")
 
 
@@ -39,6 +41,16 @@ class Unit:
     def exact(self, value: float) -> str | float:
         """Return an SI value for a model file, with all digits."""
         return f"{value!r} {self.si}" if self.si else value
+
+    def digits(self, value: float) -> str | float:
+        """Return an SI value in this unit for a model file, with as many digits as it has."""
+        size = Decimal(value) / Decimal(self.factor)
+        plain = self.si and 1e-6 <= abs(size) < 1e12
+        for count in range(1, _MOST_DIGITS if plain else 0):
+            text = f"{Decimal(f'{size:.{count}g}'):f} {self.text}"
+            if infer_quantity(text, "value")[0] == value:
+                return text
+        return self.exact(value)
 
 
 def parse_quantity(value: object, kind: Dimension | None, place: str) -> tuple[float, Unit]:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from flexor.model import common_units
 from flexor.model.validation import describe, field_error
 
 if TYPE_CHECKING:
@@ -137,6 +138,9 @@ def _registry() -> UnitRegistry[Any]:
 
 @cache
 def _factor(unit: str, si: str) -> Decimal | Literal["unknown", "other"]:
+    common = common_units.factor(unit, si)
+    if common is not None:
+        return common
     from pint import DimensionalityError
 
     try:

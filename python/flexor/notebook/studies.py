@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from flexor import plot
+from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.notebook.card import card, html, note, picture, table
 from flexor.study import Study
@@ -18,7 +19,10 @@ def _(study: Study) -> str:
         best = study.best
     except InputError as error:
         return card(title, subtitle, note(str(error)))
-    drawn = picture(plot.designs(study.start.path, best.path), "Start and best design, to scale")
+    chosen, model = problem.parameters, problem.model
+    first, last = (drawn_file(chosen, each.vector, model) for each in (study.start, best))
+    figure = plot.designs(study.start.path, best.path, files=(first, last))
+    drawn = picture(figure, "Start and best design, to scale")
     rows = [
         (
             f"{line.label} / {line.unit}".removesuffix(" / ").removesuffix(" / 1"),

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexor.model import Path
+    from flexor.model.schema import ModelFile
 
 MOST_SCENES = 12
 
@@ -43,9 +44,10 @@ def path(path: Path) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One column wide; bodies are coloured by load, arrows are contact forces. Where loads fall or
-        not all states are stable, a panel below shows the joint angles over the load, with arrows
-        along the path and dashes where it is not stable.
+        One column wide. Bodies are coloured by load: the last is filled, with arrows for contact
+        forces and heights below rods for the pressure on skins. Where loads fall or not all states
+        are stable, a panel below shows the joint angles over the load, with arrows along the path
+        and dashes where it is not stable.
     """
     history = read_history(path)
     steps = range(len(path))
@@ -63,7 +65,10 @@ def path(path: Path) -> Figure:
 
 
 def designs(
-    start_path: Path, best_path: Path, titles: tuple[str, str] = ("start", "best")
+    start_path: Path,
+    best_path: Path,
+    titles: tuple[str, str] = ("start", "best"),
+    files: tuple[ModelFile | None, ModelFile | None] = (None, None),
 ) -> Figure:
     """Draw two designs side by side to the same scale, each at its first and last load.
 
@@ -73,22 +78,25 @@ def designs(
         Equilibria of both designs.
     titles : tuple of str
         Titles of the panels.
+    files : tuple of ModelFile
+        Model files of the designs, whose sections are drawn; those of the model unless given.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One page wide; the titles state the sum of the joint angles at the last load.
+        One page wide; planar rods are cut lengthwise, arrows are contact forces, and heights below
+        rods the pressure on skins. The titles state the sum of the joint angles at the last load.
     """
     shown = start_path.model.show_loads
     panels = [
         Design(
             title=title,
-            first=read_scene(path, 0),
-            last=read_scene(path, -1),
+            first=read_scene(path, 0, file),
+            last=read_scene(path, -1, file),
             first_load=shown(path.loads[0]),
             last_load=shown(path.loads[-1]),
             bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
         )
-        for title, path in zip(titles, (start_path, best_path), strict=True)
+        for title, path, file in zip(titles, (start_path, best_path), files, strict=True)
     ]
     return draw_designs(panels, planar_model=start_path.model.planar)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexor.plot import planar, spatial
 from flexor.plot.path_figure import line_handles
-from flexor.plot.scene import Scene, arrow_scale
-from flexor.plot.style import EXOSUIT, LINE, PAGE, style
+from flexor.plot.scene import Scene, arrow_scale, pressure_scale
+from flexor.plot.style import EXOSUIT, LINE, PAGE, literal, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
-AT_REST = "#CBD2D8"
+AT_REST = "#8A949C"
 
 
 @dataclass(frozen=True)
@@ -37,18 +37,20 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
 
     scenes = [scene for design in designs for scene in (design.first, design.last)]
     cm_per_newton, key = arrow_scale([design.last for design in designs])
+    pressures = pressure_scale([design.last for design in designs])
     with style():
         figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
         for column, design in enumerate(designs, start=1):
             if planar_model:
                 axes = figure.add_subplot(1, len(designs), column)
-                planar.frame_axes(axes, scenes, with_key=key > 0.0)
+                planar.frame_axes(axes, scenes, keys=(key > 0.0) + (pressures[1] > 0.0))
                 figure.set_figheight(planar.height(axes, PAGE / len(designs) - 0.6) + 1.0)
-                planar.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5, depth=2.0)
-                planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0)
+                planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0, sections=True)
+                planar.draw_outlines(axes, design.first, colour=AT_REST, depth=6.0)
+                planar.draw_pressure(axes, design.last, cm_per_pascal=pressures[0])
                 planar.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
-                if key and column == 1:
-                    planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
+                if column == 1:
+                    planar.draw_keys(axes, (cm_per_newton, key), pressures)
             else:
                 axes = figure.add_subplot(
                     1, len(designs), column, projection="3d", computed_zorder=False
@@ -59,7 +61,10 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                 spatial.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
             axes.set_title(_title(design))
         figure.legend(
-            handles=_handles(designs), loc="outside upper center", ncols=4, handlelength=1.2
+            handles=_handles(designs, planar_model),
+            loc="outside upper center",
+            ncols=6,
+            handlelength=1.2,
         )
     return figure
 
@@ -71,13 +76,25 @@ def _title(design: Design) -> str:
     return f"{design.title}: bends {degrees:.0f}° ({design.bending:.2f} rad)"
 
 
-def _handles(designs: Sequence[Design]) -> list[Artist]:
+def _handles(designs: Sequence[Design], planar_model: bool) -> list[Artist]:
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     first = ", ".join(dict.fromkeys(design.first_load for design in designs))
     last = ", ".join(dict.fromkeys(design.last_load for design in designs))
-    return [
-        Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label=f"exosuit at {first}"),
-        Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label=f"at {last}"),
-        *line_handles([design.last for design in designs]),
-    ]
+    scenes = [design.last for design in designs]
+    edge: dict[str, Any] = {"edgecolor": LINE, "linewidth": 0.5}
+    at_rest: Artist = Patch(facecolor=AT_REST, **edge, label=f"exosuit at {first}")
+    materials = planar.material_colours(scenes) if planar_model else {}
+    if planar_model:
+        at_rest = Line2D([], [], color=AT_REST, linewidth=0.7, label=f"at {first}")
+    if not materials:
+        shown = [Patch(facecolor=EXOSUIT, **edge, label=f"at {last}")]
+    else:
+        labels = {name: literal(name) for name in materials}
+        labels[next(iter(labels))] += f", at {last}"
+        shown = [
+            Patch(facecolor=colour, **edge, label=labels[name])
+            for name, colour in materials.items()
+        ]
+    return [at_rest, *shown, *line_handles(scenes)]

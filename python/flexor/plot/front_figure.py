@@ -9,7 +9,6 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.plot.style import EXOSUIT, LINE, PAGE, literal, style
-from flexor.study.front import NUMBERED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +19,15 @@ OTHERS = "#C9CED3"
 # Of the parameters along the front, in Okabe and Ito's colours and three strokes.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 STROKES = ("-", "--", ":")
+# Points with numbers in the figure: so many; the size of a panel and the room of a number [pt]; and
+# where a number may be seen from its point, the nearest places first [pt].
+NUMBERS = 14
+PANEL, ROOM = np.array([235.0, 180.0]), np.array([8.0, 7.0])
+PLACES = [
+    (round(r * np.cos(a), 3), round(r * np.sin(a), 3))
+    for r in (9.0, 14.0, 20.0, 28.0)
+    for a in np.pi * np.array([0.25, 0.75, 1.25, 1.75, 0.5, 1.5, 0.0, 1.0])
+]
 # Share of the front's range that is shown of other designs beyond its ends.
 AROUND = 0.25
 
@@ -92,11 +100,6 @@ def _objectives(axes: Any, found: Front, others: dict[str, Array], across: int, 
         x, y, linestyle=stroke, marker="o", color=EXOSUIT, markersize=3.0, linewidth=0.8,
         markeredgecolor=LINE, markeredgewidth=0.4, zorder=3, label="front",
     )  # fmt: skip
-    for row in found.spread(NUMBERED):
-        axes.annotate(
-            str(row + 1), (x[row], y[row]), xytext=(4, 4), textcoords="offset points",
-            fontsize=6.5, zorder=5,
-        )  # fmt: skip
     for set_limits, values in ((axes.set_xlim, x), (axes.set_ylim, y)):
         around = AROUND * (np.ptp(values) or abs(values[0]) or 1.0)
         set_limits(values.min() - around, values.max() + around)
@@ -108,8 +111,30 @@ def _objectives(axes: Any, found: Front, others: dict[str, Array], across: int, 
             start[:, across], start[:, up], "D", color="white", markeredgecolor=LINE,
             markersize=5.0, zorder=4, label="start",
         )  # fmt: skip
+    _number(axes, found, x, y)
     axes.set_xlabel(literal(_better(found, across)))
     axes.set_ylabel(literal(_better(found, up)))
+
+
+def _number(axes: Any, found: Front, x: Array, y: Array) -> None:
+    """Write the numbers of points beside them, a line leading to each, where there is room."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    at = np.stack([(x - left) / (right - left), (y - bottom) / (top - bottom)], axis=1)
+    taken: list[Array] = []
+    for row in found.spread(NUMBERS):
+        for dx, dy in PLACES:
+            place = at[row] + np.array([dx, dy]) / PANEL
+            near = np.abs(np.concatenate([at, *taken]) - place) < ROOM / PANEL
+            if not near.all(axis=1).any():
+                break
+        else:
+            continue
+        taken.append(place[None])
+        axes.annotate(
+            str(row + 1), (x[row], y[row]), xytext=(dx, dy), textcoords="offset points",
+            ha="center", va="center", fontsize=6.5, zorder=5,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "shrinkA": 3.0, "shrinkB": 1.5},
+        )  # fmt: skip
 
 
 def _better(found: Front, index: int) -> str:

@@ -90,7 +90,7 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
         _draw_search(space, plan, landscape, path, path_style)
     if not landscape.failed.all():
         i, j = landscape.minimum_index
-        _set_view(space, x, y, (i, j))
+        _set_view(space, x, y, (i, j), _maximised(landscape))
         plan.plot(x[i], y[j], markersize=14, markeredgewidth=0.8, zorder=6.5, clip_on=False, **STAR)
         space.plot([x[i]], [y[j]], [value[j, i]], markersize=12, zorder=9, **STAR)
     place = plan.get_position(original=False)
@@ -134,10 +134,14 @@ def _surface(
     space.zaxis.labelpad = -1.0
 
 
-def _set_view(space: Any, x: Array, y: Array, index: tuple[int, int]) -> None:
-    """Turn the corner nearest to the minimum to the front, so that it is visible."""
+def _set_view(space: Any, x: Array, y: Array, index: tuple[int, int], highest: bool) -> None:
+    """Turn the corner nearest to a minimum to the front, or to a maximum to the back.
+
+    It is visible there, and the surface rises away from the eye rather than being seen edge-on.
+    """
+    near = -1.0 if highest else 1.0
     sides = [
-        1.0 if i > 0.5 * (len(axis) - 1) else -1.0 for i, axis in zip(index, (x, y), strict=True)
+        near if i > 0.5 * (len(axis) - 1) else -near for i, axis in zip(index, (x, y), strict=True)
     ]
     # Off the diagonal, so that the two horizontal axes are distinguishable.
     space.view_init(ELEVATION, np.degrees(np.arctan2(sides[1], sides[0])) + AZIMUTH)

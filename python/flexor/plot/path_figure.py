@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from flexor.arrays import Array
 from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
-from flexor.plot.scene import Scene, arrow_scale
+from flexor.plot.scene import Scene, arrow_scale, pressure_scale
 from flexor.plot.style import COLUMN, LINE, MARK, shades, style
 
 if TYPE_CHECKING:
@@ -36,28 +37,33 @@ def draw_path(
     from matplotlib.figure import Figure
 
     colours = [tuple(shade) for shade in shades(len(scenes))]
-    cm_per_newton, key = arrow_scale(scenes)
+    cm_per_newton, key = arrow_scale(scenes[-1:])
+    pressures = pressure_scale(scenes[-1:])
     with style():
         figure = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
         grid = figure.add_gridspec(1 if history is None else 2, 1)
         place = grid[0]
         if planar_model:
             axes = figure.add_subplot(place)
-            planar.frame_axes(axes, scenes, with_key=key > 0.0)
+            planar.frame_axes(axes, scenes, keys=(key > 0.0) + (pressures[1] > 0.0))
             figure.set_figheight(planar.height(axes, COLUMN - 0.6) + 1.2)
             for step, (scene, colour) in enumerate(zip(scenes, colours, strict=True)):
-                planar.draw_scene(axes, scene, colour=colour, opacity=0.8, depth=2.0 + step)
-                planar.draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton, colour=colour)
-            if key:
-                planar.draw_key(axes, cm_per_newton=cm_per_newton, force=key)
+                # Outlines of the others over the last, which would hide them.
+                if scene is scenes[-1]:
+                    planar.draw_scene(axes, scene, colour=colour, opacity=0.6, depth=2.0)
+                else:
+                    planar.draw_outlines(axes, scene, colour=colour, depth=3.0 + step)
+            planar.draw_pressure(axes, scenes[-1], cm_per_pascal=pressures[0])
+            planar.draw_contact_forces(axes, scenes[-1], cm_per_newton=cm_per_newton)
+            planar.draw_keys(axes, (cm_per_newton, key), pressures)
         else:
             space = figure.add_subplot(place, projection="3d", computed_zorder=False)
             spatial.frame_axes(space, scenes)
             for scene, colour in zip(scenes, colours, strict=True):
-                spatial.draw_scene(space, scene, colour=colour, opacity=0.8)
-                spatial.draw_contact_forces(
-                    space, scene, cm_per_newton=cm_per_newton, colour=colour
-                )
+                last = scene is scenes[-1]
+                shown = scene if last else replace(scene, lines=[], marks=[])
+                spatial.draw_scene(space, shown, colour=colour, opacity=0.8 if last else 0.3)
+            spatial.draw_contact_forces(space, scenes[-1], cm_per_newton=cm_per_newton)
         if history is not None:
             draw_history(figure.add_subplot(grid[1]), history)
             height = figure.get_figheight()
@@ -68,7 +74,9 @@ def draw_path(
 
 
 def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
-    columns = -(-len(loads) // -(-len(loads) // MAX_LEGEND_COLUMNS))
+    long = max(len(str(load.get_label())) for load in loads) > 5
+    most = MAX_LEGEND_COLUMNS - 2 if long else MAX_LEGEND_COLUMNS
+    columns = -(-len(loads) // -(-len(loads) // most))
     # Matplotlib fills legends by column; order the entries by row.
     by_column = [handle for column in range(columns) for handle in loads[column::columns]]
     figure.legend(

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.plot.lengthwise import CAVITY
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene
-from flexor.plot.style import EXOSUIT, FINGER, FORCE, LINE, MARK
+from flexor.plot.style import AIR, EXOSUIT, FINGER, FORCE, LAYERS, LINE, MARK
+from flexor.plot.surroundings import SPRING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,8 +32,12 @@ def draw_scene(
     colour: ColorType = EXOSUIT,
     opacity: float = 1.0,
     depth: float = 1.0,
+    sections: bool = False,
 ) -> None:
-    """Draw the bodies and lines of a scene, in centimetres."""
+    """Draw the bodies and lines of a scene, in centimetres.
+
+    With ``sections``, rods are cut lengthwise: their first material has the colour.
+    """
     for link in scene.links:
         outline = capsule(
             _in_plane(link.base), _in_plane(link.tip), link.radius_base, link.radius_tip
@@ -48,9 +54,18 @@ def draw_scene(
             )
     for rod in scene.rods:
         centre, normal = _in_plane(rod.frames[:, :3, 3]), _in_plane(rod.frames[:, :3, 2])
+        cut = rod.bands if sections else []
+        colours = material_colours([scene], colour)
+        for each in cut:
+            there = np.isfinite(each.low)
+            edges = [centre + end[:, None] * normal for end in (each.low, each.high)]
+            whole = np.concatenate([edges[0][there], edges[1][there][::-1]])
+            axes.fill(
+                *(CM * whole.T), facecolor=colours[each.name], linewidth=0.0, zorder=depth + 0.25
+            )
         axes.fill(
             *(CM * band(centre, normal, rod.half_height).T),
-            facecolor=_fade(colour, 0.9 * opacity),
+            facecolor="none" if cut else _fade(colour, 0.9 * opacity),
             edgecolor=LINE,
             linewidth=0.5,
             zorder=depth + 0.3,
@@ -61,6 +76,43 @@ def draw_scene(
         )
     for mark in scene.marks:
         axes.plot(*(CM * _in_plane(mark.point)), mark.symbol, **MARK, zorder=60.0)
+
+
+def material_colours(scenes: Sequence[Scene], colour: ColorType = EXOSUIT) -> dict[str, ColorType]:
+    """Return the colour of each material and of cavities in rods that are cut lengthwise."""
+    names = dict.fromkeys(each.name for scene in scenes for rod in scene.rods for each in rod.bands)
+    solid = [name for name in names if name != CAVITY]
+    shades = (colour, *LAYERS)
+    found = {name: shades[i % len(shades)] for i, name in enumerate(solid)}
+    return found | {CAVITY: AIR} if CAVITY in names else found
+
+
+def draw_pressure(axes: Axes, scene: Scene, *, cm_per_pascal: float) -> None:
+    """Draw the pressure of contact as heights below the rods' undersides."""
+    for each in scene.pressures:
+        line, down = CM * _in_plane(each.points), _in_plane(each.down)
+        foot = line + cm_per_pascal * each.values[:, None] * down
+        touched = np.flatnonzero(each.values)
+        # From the last point before to the first after those that touch.
+        rows = slice(max(touched[0] - 1, 0), touched[-1] + 2)
+        outline = np.concatenate([line[rows], foot[rows][::-1]])
+        axes.fill(
+            *outline.T, facecolor=_fade(FORCE, 0.45), edgecolor=FORCE, linewidth=0.6, zorder=40.0
+        )
+
+
+def draw_outlines(axes: Axes, scene: Scene, *, colour: ColorType, depth: float = 1.0) -> None:
+    """Draw only the outlines of the bodies of a scene, and its springs, in centimetres."""
+    outlines = [
+        (capsule(_in_plane(each.base), _in_plane(each.tip), each.radius_base, each.radius_tip), 0.4)
+        for each in scene.links
+    ]
+    for rod in scene.rods:
+        centre, normal = _in_plane(rod.frames[:, :3, 3]), _in_plane(rod.frames[:, :3, 2])
+        outlines.append((band(centre, normal, rod.half_height), 0.8))
+    outlines += [(_in_plane(each.points), 0.5) for each in scene.lines if each.colour == SPRING]
+    for line, width in outlines:
+        axes.plot(*(CM * line.T), color=colour, linewidth=width, zorder=depth)
 
 
 def draw_contact_forces(
@@ -88,11 +140,26 @@ def draw_contact_forces(
     )
 
 
-def draw_key(axes: Axes, *, cm_per_newton: float, force: float) -> None:
-    """Draw the key of the contact forces in the lower left corner."""
+def draw_keys(
+    axes: Axes, forces: tuple[float, float], pressures: tuple[float, float] = (0.0, 0.0)
+) -> None:
+    """Draw the keys of contact forces and pressures, each of a scale and a value, at lower left."""
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
     x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
+    if forces[1]:
+        _draw_force_key(axes, x, y, *forces)
+    if pressures[1]:
+        scale, value = pressures
+        y += KEY_MARGIN if forces[1] else 0.0
+        axes.plot([x, x], [y - 0.5 * scale * value, y + 0.5 * scale * value], color=FORCE)
+        axes.annotate(
+            f"contact pressure {value / 1e3:g} kPa", (x, y), xytext=(4, 0),
+            textcoords="offset points", va="center", fontsize=7,
+        )  # fmt: skip
+
+
+def _draw_force_key(axes: Axes, x: float, y: float, cm_per_newton: float, force: float) -> None:
     tip = np.array([x + cm_per_newton * force, 0.0, y]) / CM
     arrow = ContactArrow(tip, np.array([force, 0.0, 0.0]))
     scene = Scene(contact_arrows=[arrow])
@@ -107,13 +174,13 @@ def draw_key(axes: Axes, *, cm_per_newton: float, force: float) -> None:
     )
 
 
-def frame_axes(axes: Axes, scenes: Sequence[Scene], *, with_key: bool = False) -> None:
-    """Set equal scales in centimetres and limits that include every scene."""
+def frame_axes(axes: Axes, scenes: Sequence[Scene], *, keys: int = 0) -> None:
+    """Set equal scales in centimetres and limits that include every scene and some keys."""
     corners = [scene.extent() for scene in scenes]
     low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - MARGIN
     high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + MARGIN
-    if with_key:
-        low[1] -= KEY_MARGIN - MARGIN
+    if keys:
+        low[1] -= keys * KEY_MARGIN - MARGIN
     # A model that is much higher than wide gets room beside it, not a figure of many pages.
     room = max(0.0, (high[1] - low[1]) / MAX_ASPECT - (high[0] - low[0]))
     low[0], high[0] = low[0] - 0.5 * room, high[0] + 0.5 * room

@@ -10,12 +10,13 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
-from flexor.plot.scene import ContactArrow, Line, Link, Mark, Rod, Scene
+from flexor.plot.scene import ContactArrow, Line, Link, Mark, Pressure, Rod, Scene
 from flexor.plot.style import STRAP
 from flexor.plot.surroundings import planes, springs
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
+    from flexor.model.schema import ModelFile
     from flexor.model.schema.actuator import Actuator
 
 # Of each quantity: symbol, side of the body that it is marked on, unit and label.
@@ -25,11 +26,16 @@ MARKS = {
 }
 
 
-def read_scene(path: Path, step: int = -1) -> Scene:
-    """Return the bodies, lines and contact forces of a model at one load step."""
+def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Scene:
+    """Return the bodies, lines and contact forces of a model at one load step.
+
+    Sections are those of the file, or else of the model.
+    """
     from flexor.model.schema.section_geometry import half_width
+    from flexor.plot.lengthwise import bands
 
     model, frames = path.model, path.frames(step)
+    materials = (file or model.file).materials
     rods: dict[str, Rod] = {}
     stations: dict[str, Array] = {}
     links: list[Link] = []
@@ -37,8 +43,10 @@ def read_scene(path: Path, step: int = -1) -> Scene:
         if body.kind == "rod":
             fine, station = refine(frames[name])
             height = _at(station, model.slot(f"{name}.radius", path.parameters))
-            width = half_width(body, model.file.materials, height, _at(station, body.sample_points))
-            rods[name] = Rod(name, fine, height, width)
+            shown = body if file is None else file.rod(name)
+            x = _at(station, body.sample_points)
+            width = half_width(shown, materials, height, x)
+            rods[name] = Rod(name, fine, height, width, bands(shown, materials, x, height))
             stations[name] = station
         else:
             base, tip = frames[name][0, :3, 3], frames[name][-1, :3, 3]
@@ -55,8 +63,10 @@ def read_scene(path: Path, step: int = -1) -> Scene:
     ]
     lines += [_strap(path, name, frames) for name in model.file.straps]
     lines += springs(path, frames)
-    arrows = _contact_arrows(path.contact_forces(step))
-    scene = Scene(list(rods.values()), links, lines, arrows)
+    contacts = path.contact_forces(step)
+    arrows = _contact_arrows(path, contacts)
+    pressures = _pressures(path, contacts, frames)
+    scene = Scene(list(rods.values()), links, lines, arrows, pressures=pressures)
     return replace(scene, lines=[*lines, *planes(path, *scene.extent())])
 
 
@@ -123,10 +133,38 @@ def _at(station: Array, samples: Array) -> Array:
     return np.interp(station, np.arange(len(samples)), samples)
 
 
-def _contact_arrows(contacts: ContactForces) -> list[ContactArrow]:
+def _pressures(path: Path, contacts: ContactForces, frames: dict[str, Array]) -> list[Pressure]:
+    """Return the largest pressure across at each sample point of each rod that has a skin."""
+    touching = np.flatnonzero(np.isfinite(contacts.pressure))
+    if not touching.size:
+        return []
+    model, values = path.model, dict[str, Array]()
+    starts = {name: start for name, (start, _) in model.engine.sphere_groups.items()}
+    for index in touching.tolist():
+        first = int(contacts.first[index])
+        rod = model.sphere_places[first][0]
+        if not isinstance(model.file.bodies.get(rod), RodTable):
+            continue
+        found = values.setdefault(rod, np.zeros(len(frames[rod])))
+        place = first - starts[f"{rod}.skin"]
+        found[place] = max(found[place], float(contacts.pressure[index]))
+    made = []
+    for rod, found in values.items():
+        half = model.slot(f"{rod}.radius", path.parameters)[:, None]
+        down = -frames[rod][:, :3, 2]
+        made.append(Pressure(frames[rod][:, :3, 3] + half * down, down, found))
+    return made
+
+
+def _contact_arrows(path: Path, contacts: ContactForces) -> list[ContactArrow]:
     contact_arrows = []
-    # Sum the forces on each sphere of the limb; on round cones show each contact point.
+    # Sum the forces on each sphere of the limb, and those through the skin of each link; on other
+    # round cones show each contact point.
     places = np.where(contacts.cone, -1 - contacts.first.astype(np.int64), contacts.second)
+    spheres = path.model.sphere_places if np.isfinite(contacts.pressure).any() else ()
+    names = list(dict.fromkeys(name for name, _ in spheres))
+    for index in np.flatnonzero(np.isfinite(contacts.pressure)).tolist():
+        places[index] = len(spheres) + names.index(spheres[int(contacts.second[index])][0])
     for place in np.unique(places):
         selected = places == place
         force = -contacts.force[selected]

@@ -12,6 +12,25 @@ from flexor.arrays import Array
 from flexor.plot.style import CHAMBER
 
 LONGEST_ARROW = 1.8  # cm
+HIGHEST = 0.9  # cm, of pressures
+
+
+@dataclass(frozen=True)
+class Band:
+    """A part of a rod, or a cavity, in its plane."""
+
+    name: str  # of the material, or that it is a cavity
+    low: Array  # (m,): where it begins above the axis [m]; NaN where it is not
+    high: Array  # (m,): where it ends
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """The pressure of contact along the underside of a rod."""
+
+    points: Array  # (m, 3) [m]
+    down: Array  # (m, 3): the direction in which it acts
+    values: Array  # (m,) [Pa]
 
 
 @dataclass(frozen=True)
@@ -22,6 +41,7 @@ class Rod:
     frames: Array  # (m, 4, 4): frames, base to tip; x along the rod, z dorsal [m]
     half_height: Array  # (m,): half-dimension of the section along z [m]
     half_width: Array  # (m,): along y [m]
+    bands: list[Band] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -72,6 +92,7 @@ class Scene:
     lines: list[Line] = field(default_factory=list)
     contact_arrows: list[ContactArrow] = field(default_factory=list)
     marks: list[Mark] = field(default_factory=list)
+    pressures: list[Pressure] = field(default_factory=list)
 
     def extent(self) -> tuple[Array, Array]:
         """Return the corners of the bounding box of all bodies and lines, each (3,) [m]."""
@@ -103,6 +124,13 @@ def arrow_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
     if largest <= 0.0:
         return 0.0, 0.0
     return LONGEST_ARROW / largest, _round_down(largest)
+
+
+def pressure_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
+    """Return the height of a pressure [cm/Pa] and a round pressure for the key [Pa]."""
+    values = [float(each.values.max()) for scene in scenes for each in scene.pressures]
+    largest = max(values, default=0.0)
+    return (HIGHEST / largest, _round_down(largest)) if largest > 0.0 else (0.0, 0.0)
 
 
 def _round_down(value: float) -> float:

@@ -27,6 +27,8 @@ LINE = "#30363B"
 FORCE = "#0072B2"
 CHAMBER = "#D55E00"
 STRAP = "#CC79A7"
+AIR = "#BFE3F7"
+LAYERS = ("#6B4F1D", "#B5651D", "#C9B18A")
 
 # How places of extremes are marked.
 MARK: dict[str, Any] = {"color": "white", "markeredgecolor": "black", "markersize": 4.5}

@@ -16,6 +16,7 @@ from flexor.scene.links import link_objects
 from flexor.scene.objects import Attached, Free, Object
 from flexor.scene.rods import Swept, chambers, lines, rod_objects
 from flexor.scene.scale import Scale
+from flexor.scene.springs import spring_objects
 from flexor.scene.straps import strap_objects
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Scene:
     path : Path
         The equilibria.
     objects : list of Object
-        Meshes of rods, links, chambers, straps and obstacles, each at every step.
+        Meshes of rods, links, chambers, straps, springs and obstacles, each at every step.
     scales : dict of Scale
         Colour scale of each field that there is, the same at every step.
     """
@@ -47,12 +48,14 @@ class Scene:
     scales: dict[str, Scale]
 
     def extent(self) -> tuple[Array, Array]:
-        """Return the corners of a box with rods and links over all steps, each (3,) [m].
+        """Return the corners of a box with rods, links and springs over all steps, each (3,) [m].
 
         It is that of some vertices, for looking at.
         """
         solid = [each for each in self.objects if isinstance(each, Attached)]
         points = [each.sampled(31).reshape(-1, 3) for each in solid if each.kind in ("rod", "link")]
+        springs = [each for each in self.objects if isinstance(each, Free)]
+        points += [each.positions.reshape(-1, 3) for each in springs if each.kind == "spring"]
         every = np.concatenate(points) if points else np.zeros((1, 3))
         return every.min(axis=0), every.max(axis=0)
 
@@ -94,6 +97,7 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
         else:
             objects += _link(path, name, frames[name], prints, shown)
     objects += strap_objects(path, rods, frames, shown)
+    objects += spring_objects(path, frames, shown)
     objects += _obstacles(path, objects, shown)
     scales = {}
     for name, (label, unit, signed) in _FIELDS.items():

@@ -10,6 +10,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.model.schema import ModelFile
 from flexor.model.schema.strap import Strap
+from flexor.scene.links import profile
 from flexor.scene.objects import Free, grid_faces
 from flexor.scene.rods import Swept
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 # Directions in which a strap is pulled taut, and points around what it encloses.
 DIRECTIONS, AROUND = 60, 48
+# Sections across its width, so that it lies on tapered bodies.
+ROWS = 5
 # Where the file gives no width; and how far it is drawn above the surface [m].
 WIDTH, ABOVE = 6e-3, 2.5e-4
 
@@ -39,59 +42,61 @@ def strap_objects(
         The model file of the design.
     """
     for name, strap in file.straps.items():
+        half = 0.5 * (WIDTH if strap.width is None else float(strap.width))
         rod = rods[strap.rod]
-        first, first_along = _rod_section(rod, strap.at)
-        if strap.to.body in rods:
-            second, second_along = _rod_section(rods[strap.to.body], strap.fraction(file))
-        else:
-            second, second_along = _link_section(path, strap, frames, file, first.mean(axis=1))
-        points = np.concatenate([first, second], axis=1)
-        along = np.concatenate(
-            [
-                np.broadcast_to(first_along[:, None], first.shape),
-                np.broadcast_to(second_along[:, None], second.shape),
-            ],
-            axis=1,
+        held = _rod_section(rod, strap.at, 0.0)
+        middle = held.mean(axis=1)
+        rows: list[Array] = []
+        for offset in np.linspace(-half, half, ROWS).tolist():
+            if strap.to.body in rods:
+                other = _rod_section(rods[strap.to.body], strap.fraction(file), offset)
+            else:
+                other = _link_section(path, strap, frames, file, middle, offset)
+            rows.append(np.concatenate([_rod_section(rod, strap.at, offset), other], axis=1))
+        centre = np.mean([row[:, held.shape[1] :].mean(axis=1) for row in rows], axis=0)
+        station = int(np.argmin(np.abs(rod.x - strap.at)))
+        direction = _directions(rod.frames[:, station, :3, 1], middle - centre)
+        yield Free(
+            name=name,
+            kind="strap",
+            part="",
+            faces=grid_faces(ROWS, DIRECTIONS, closed=True),
+            positions=np.concatenate([_hull(row, direction) for row in rows], axis=1),
         )
-        yield _ribbon(name, points, along, first.mean(axis=1), second.mean(axis=1), rod, strap)
 
 
-def _ribbon(
-    name: str, points: Array, along: Array, first: Array, second: Array, rod: Swept, strap: Strap
-) -> Free:
-    """Return the hull of points (s, n, 3) around the line between two centres (s, 3)."""
-    station = int(np.argmin(np.abs(rod.x - strap.at)))
-    lateral = rod.frames[:, station, :3, 1]
-    up = first - second
+def _directions(lateral: Array, up: Array) -> Array:
+    """Return directions around a line between centres, in its plane with the lateral (s, n, 3)."""
     up = up - np.einsum("si,si->s", up, lateral)[:, None] * lateral
     up = up / np.maximum(np.linalg.norm(up, axis=1), 1e-12)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
-    direction = np.cos(angle)[:, None] * lateral[:, None] + np.sin(angle)[:, None] * up[:, None]
+    return np.cos(angle)[:, None] * lateral[:, None] + np.sin(angle)[:, None] * up[:, None]
+
+
+def _hull(points: Array, direction: Array) -> Array:
+    """Return which of points (s, n, 3) is farthest in each direction, a little further out."""
     farthest = np.argmax(direction @ points.transpose(0, 2, 1), axis=2)
-    taken = np.take_along_axis(points, farthest[..., None], axis=1) + ABOVE * direction
-    half = 0.5 * (WIDTH if strap.width is None else float(strap.width))
-    side = half * np.take_along_axis(along, farthest[..., None], axis=1)
-    return Free(
-        name=name,
-        kind="strap",
-        part="",
-        faces=grid_faces(2, DIRECTIONS, closed=True),
-        positions=np.concatenate([taken - side, taken + side], axis=1),
-    )
+    return np.take_along_axis(points, farthest[..., None], axis=1) + ABOVE * direction
 
 
-def _rod_section(rod: Swept, at: float) -> tuple[Array, Array]:
-    """Return points around a rod's section (s, n, 3) and the direction of its axis (s, 3)."""
-    station = int(np.argmin(np.abs(rod.x - at)))
+def _rod_section(rod: Swept, at: float, offset: float) -> Array:
+    """Return points around a rod's section (s, n, 3), so far along its axis from a station."""
+    length = float(np.linalg.norm(np.diff(rod.frames[0, :, :3, 3], axis=0), axis=1).sum())
+    station = int(np.argmin(np.abs(rod.x - (at + offset / length))))
     frame = rod.frames[:, station]
     across = rod.around(station)
-    return frame[:, None, :3, 3] + across @ frame[:, :3, 1:3].transpose(0, 2, 1), frame[:, :3, 0]
+    return np.asarray(frame[:, None, :3, 3] + across @ frame[:, :3, 1:3].transpose(0, 2, 1))
 
 
 def _link_section(
-    path: Path, strap: Strap, frames: Mapping[str, Array], file: ModelFile, held: Array
-) -> tuple[Array, Array]:
-    """Return points around a link (s, n, 3) where the strap is, and the link's axis (s, 3)."""
+    path: Path,
+    strap: Strap,
+    frames: Mapping[str, Array],
+    file: ModelFile,
+    held: Array,
+    offset: float,
+) -> Array:
+    """Return points around a link (s, n, 3), so far along its axis from where the strap is."""
     body = strap.to.body
     base, tip = frames[body][:, 0, :3, 3], frames[body][:, -1, :3, 3]
     axis = tip - base
@@ -104,10 +109,12 @@ def _link_section(
         float(path.model.slot(f"{body}.radius_{end}", path.parameters)[0])
         for end in ("base", "tip")
     ]
-    radius = ends[0] + share * (ends[1] - ends[0])
+    length = float(np.linalg.norm(axis[0]))
+    along, radii = profile(length, *ends)
+    x = np.clip(share * length + offset, along[0], along[-1])
+    radius = np.interp(x, along, radii)
     angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    frame = frames[body][:, 0]
-    around = circle @ frame[:, :3, 1:3].transpose(0, 2, 1)
-    points = (base + share[:, None] * axis)[:, None] + radius[:, None, None] * around
-    return points, frame[:, :3, 0]
+    around = circle @ frames[body][:, 0, :3, 1:3].transpose(0, 2, 1)
+    centre = base + (x / length)[:, None] * axis
+    return np.asarray(centre[:, None] + radius[:, None, None] * around)

@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from flexor.errors import InputError
+from flexor.model.toml import check_depth
 from flexor.studio.search import methods, search
 from flexor.studio.workbench import Workbench
 from flexor.viewer.page import page
@@ -151,7 +152,7 @@ class _Handler(BaseHTTPRequestHandler):
         except InputError as error:
             self._send_json(400, {"error": str(error)})
             return
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             self._send_json(400, {"error": f"the request is incomplete: {error!r}."})
             return
         if isinstance(found, dict):
@@ -168,14 +169,20 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _request(self) -> dict[str, Any]:
         """Read the body; only what a page of another site cannot send unasked."""
+        length = self.headers.get("Content-Length") or "0"
+        if not length.isdecimal() or not 0 < int(length) <= MAX_REQUEST:
+            self.close_connection = True  # with what has not been read
+            raise InputError(f"a request has at least 1 byte and at most {MAX_REQUEST:,}.")
+        body = self.rfile.read(int(length))
         if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
             raise InputError("a request is JSON.")
-        length = int(self.headers.get("Content-Length") or 0)
-        if not 0 < length <= MAX_REQUEST:
-            raise InputError(f"a request has at most {MAX_REQUEST:,} bytes.")
-        found = json.loads(self.rfile.read(length))
+        try:
+            found = json.loads(body)
+        except (ValueError, RecursionError):
+            raise InputError("the request is not valid JSON, or nested too deeply.") from None
         if not isinstance(found, dict):
             raise InputError("a request is a JSON object.")
+        check_depth(found, "the request")
         return found
 
     def _is_allowed(self) -> bool:

@@ -185,8 +185,8 @@ class Workbench:
     def model_file(self, values: Sequence[float]) -> str:
         """Return the model file of a design."""
         if self.problem is None:
-            return self.model.file.to_toml()
-        return designed_model(self.problem, self.vector(values)).file.to_toml()
+            return self.model.to_toml()
+        return designed_model(self.problem, self.vector(values)).to_toml()
 
     def results(self, values: Sequence[float], loads: Sequence[float]) -> dict[str, Any]:
         """Return the path of a design as ``flexor simulate --json`` prints it."""

@@ -22,6 +22,7 @@ from flexor.optimizers import method as named_method
 from flexor.store import SETTINGS, check_regular, write_text
 from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import optimize
+from flexor.study.settings import model_files, recorded_model
 from flexor.study.study import Study, StudyCallback
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 # Designs that all combinations have together.
 BUDGET = 3000
-FILE, MODEL, BEST = "choices.json", "model.toml", "best.toml"
+FILE, BEST = "choices.json", "best.toml"
 _FORMAT = 1
 
 
@@ -192,7 +193,7 @@ def choices(
     ordered = tuple(sorted(tried.values(), key=lambda each: (-each.rounds, each.rank)))
     found = Choices(ordered, rounds, None if kept is not None else place, kept)
     if kept is None and isfinite(found.tried[0].rank[1]):
-        write_text(place / BEST, found.best.best.model.file.to_toml())
+        write_text(place / BEST, found.best.best.model.to_toml())
     return found
 
 
@@ -207,8 +208,6 @@ def resume_choices(
     InputError if the folder has none, or they were stated with objects, such as a user's function:
     call `choices` again, with ``resume=True``.
     """
-    from flexor.model import load
-
     place = Path(folder)
     if not is_choices(place):
         raise InputError(f'"{place}" has no {FILE}: it holds no choices.')
@@ -224,8 +223,7 @@ def resume_choices(
             f'the choices in "{place}" were stated with objects of Python: call '
             "flexor.study.choices again, with resume=True."
         )
-    check_regular(place / MODEL)
-    made = load(place / MODEL)
+    made = recorded_model(place)
     return choices(
         made, folder=place, resume=True, progress=progress, executor=executor, **statement
     )
@@ -252,7 +250,8 @@ def _begin(place: Path, model: Model, statement: Mapping[str, Any]) -> None:
     if place.exists() and (not place.is_dir() or any(place.iterdir())):
         raise InputError(f'"{place}" is not an empty folder: choose another, or resume it.')
     place.mkdir(parents=True, exist_ok=True)
-    write_text(place / MODEL, model.file.to_toml())
+    for name, text in model_files(model).items():
+        write_text(place / name, text)
     try:
         plain = json.loads(json.dumps(statement))
     except TypeError:

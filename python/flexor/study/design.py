@@ -70,7 +70,7 @@ class Design:
 
     @cached_property
     def model(self) -> Model:
-        """The model with this design in place of its own; ``model.file.to_toml()`` is its file."""
+        """The model with this design in place of its own; ``model.to_toml()`` is its file."""
         return designed_model(self.problem, self.vector)
 
     @cached_property

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexor.design import Variables
 from flexor.errors import InputError
+from flexor.model.loading import changed_model
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
@@ -23,11 +24,9 @@ def designed_model(problem: Problem, design: FloatArray) -> Model:
     Fields take their values. Of a parameter set the rod gets the length and the radius, which is
     written as base and tip if it is linear and as equally spaced samples otherwise.
     """
-    from flexor.model import load
-
     chosen, model = problem.parameters, problem.model
     if isinstance(chosen, Variables):
-        return load(model.file, changes=chosen.changes(design))
+        return changed_model(model, chosen.changes(design))
     space = model.file.design
     if space is None or space.rod is None:
         raise InputError(f"{model.name}: design.rod does not say whose length and radius it is.")
@@ -39,4 +38,4 @@ def designed_model(problem: Problem, design: FloatArray) -> Model:
     shape = {"base": ends[0], "tip": ends[-1]} if straight else ends
     name = f"bodies.{space.rod}"
     changes = {f"{name}.length": f"{float(found.length[0])!r} m", f"{name}.radius": shape}
-    return load(model.file, changes=changes)
+    return changed_model(model, changes)

@@ -38,7 +38,14 @@ from flexor.study.problem import FloatArray, Problem
 from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.rounds import run_rounds
 from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
-from flexor.study.settings import MODEL, STUDY, Settings, reopened, study_record, study_settings
+from flexor.study.settings import (
+    STUDY,
+    Settings,
+    model_files,
+    reopened,
+    study_record,
+    study_settings,
+)
 from flexor.study.study import Study, StudyCallback, StudyProgress
 
 if TYPE_CHECKING:
@@ -302,7 +309,7 @@ def run_search(
     check_callable("finish", finish)
     first = _start(problem.parameters, start)
     values = study_settings(problem, search, first, seed, limit)
-    files, notes = {MODEL: problem.model.file.to_toml()}, {"sizes": problem.sizes}
+    files, notes = model_files(problem.model), {"sizes": problem.sizes}
     packages = getattr(search, "packages", ())
     with (
         chosen_executor(executor) as where,

@@ -33,6 +33,7 @@ from flexor.scenarios import (
 from flexor.scenarios.scenario import Given
 from flexor.scenarios.tolerance import samples
 from flexor.study.problem import FloatArray, Problem
+from flexor.study.together import Together, together
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -151,7 +152,8 @@ class ScenarioProblem(Problem):
     def with_corners(self, corners: FloatArray) -> ScenarioProblem:
         """Return the problem with other errors for which constraints have to hold."""
         made = replace(self, corners=np.asarray(corners, dtype=np.float64))
-        made.__dict__["cases"] = self.cases  # models and maps stay
+        for name in ("models", "cases", "_extra", "_values", "_extended", "_together"):
+            made.__dict__[name] = getattr(self, name)  # models and maps stay
         return made
 
     @cached_property
@@ -228,11 +230,19 @@ class ScenarioProblem(Problem):
         list of Paths
             Of each scenario: n e paths, those of the first design first.
         """
+        placed = [self._placed(designs, errors, index) for index in range(len(self.cases))]
+        if self._together is not None:
+            return self._together.evaluate(placed, threads, gradient)
         work = [
-            partial(case.evaluate, self._placed(designs, errors, index), gradient=gradient)
-            for index, case in enumerate(self.cases)
+            partial(case.evaluate, each, gradient=gradient)
+            for case, each in zip(self.cases, placed, strict=True)
         ]
         return _all_of(work, threads)
+
+    @cached_property
+    def _together(self) -> Together | None:
+        """All cases as one problem, if they are of one model but for its parameters."""
+        return together(self.cases, self.scenarios)
 
     def path_of(self, design: FloatArray, error: FloatArray, scenario: int = 0) -> Path:
         """Follow the path of a design (k,) with an error (m,) in one of the scenarios."""

@@ -86,7 +86,8 @@ def _fragilities(design: Design) -> Iterator[str]:
             much = f"{100.0 * each.change:.0f} %"
             yield f"FRAGILE: 1 % of {each.name} moves {quantity} by {much}."
     if found.snaps:
-        yield f"FRAGILE: the design is reached through {found.snaps} snap(s)."
+        snaps = "a snap" if found.snaps == 1 else f"{found.snaps} snaps"
+        yield f"FRAGILE: the design is reached through {snaps}."
     if found.snap_margin is not None and math.isfinite(found.snap_margin):
         beyond = found.snap_margin < REACH - 1.0
         where = f"{found.snap_margin:.0%} beyond" if beyond else f"none up to {REACH:g} times"

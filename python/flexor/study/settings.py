@@ -15,6 +15,8 @@ from flexor.design.variables import NAME as FIELDS
 from flexor.design.variables import recorded_variables
 from flexor.errors import InputError, shortened
 from flexor.model.loads import loads
+from flexor.model.toml import read_text
+from flexor.model.written import Written
 from flexor.objectives import Objective
 from flexor.objectives import objective as named_objective
 from flexor.optimizers import Budget, Search
@@ -27,7 +29,7 @@ from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
 if TYPE_CHECKING:
     from flexor.model import Model
 
-MODEL = "model.toml"
+MODEL, SOURCE = "model.toml", "source.toml"
 
 
 class _Table(BaseModel):
@@ -306,7 +308,18 @@ def recorded_model(folder: Path) -> Model:
     from flexor.model import load
 
     check_regular(folder / MODEL)
-    return load(folder / MODEL)
+    model = load(folder / MODEL)
+    if check_regular(folder / SOURCE):
+        model.written = Written.of(read_text(folder / SOURCE, "model file"), str(folder / SOURCE))
+    return model
+
+
+def model_files(model: Model) -> dict[str, str]:
+    """Return the files of a folder that hold its model: every value, and its author's text."""
+    files = {MODEL: model.file.to_toml()}
+    if getattr(model, "written", None) is not None:
+        files[SOURCE] = model.to_toml()
+    return files
 
 
 def study_record(

@@ -21,6 +21,7 @@ from flexor.scenarios import Scenario
 from flexor.scenarios.aggregate import SHORTFALL
 from flexor.scenarios.scenario import Given
 from flexor.study.dependence import check_dependence
+from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor
 from flexor.study.optimization import run_search
 from flexor.study.problem import FloatArray, Problem
@@ -59,6 +60,19 @@ class Sizes:
     def members(self, size: int) -> tuple[Scenario, ...]:
         """Return the wearers whom a size serves."""
         return tuple(self.wearers[i] for i in np.flatnonzero(self.size == size))
+
+    def design(self, size: int) -> Design | None:
+        """Return a size as the design of those whom it serves; None if that is no one."""
+        chosen = self.size == size
+        if not chosen.any():
+            return None
+        problem, vector = _only(self.problem, chosen), self.studies[size].best.vector
+        return Design.of(problem, vector, problem.evaluate(vector[None, :]))
+
+    def close(self) -> None:
+        """Close the records."""
+        for study in self.studies:
+            study.close()
 
 
 def sizes(

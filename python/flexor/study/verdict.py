@@ -142,7 +142,7 @@ class Verdict:
         finer, k = _finer(problem, x), chosen.size
         return cls(
             constraints=constraints,
-            bounds=tuple(_binding(problem, x)),
+            bounds=tuple(binding(problem, x)),
             steps=tuple(_stated(problem, i, size) for i, size in enumerate(step.tolist())),
             stated=tuple(_tolerance(problem, i) is not None for i in range(k)),
             off=off.shown[1:].reshape(2, k).T,
@@ -292,7 +292,8 @@ def _error(value: float, unit: str) -> float:
     return SHARE * abs(value) or SHARE
 
 
-def _binding(problem: Problem, x: FloatArray) -> list[str]:
+def binding(problem: Problem, x: FloatArray) -> list[str]:
+    """Return which parameters of a design (k,) are at a bound, SI."""
     chosen = problem.parameters
     rows = zip(
         chosen.labels, chosen.units, chosen.scale, x, chosen.lower, chosen.upper, strict=True

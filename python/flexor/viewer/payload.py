@@ -173,32 +173,29 @@ def _plots(
         names = [name for name in found if name.split(".")[0] in kinds and "." in name]
         names = [k for k in kinds if k in found and not _members(k, found)] + names
         drawn = [name for name in names if np.isfinite(values[name]).any()]
-        if not drawn:
-            continue
-        size, unit = found[drawn[0]].unit
-        plots.append(
-            {
-                "title": title,
-                "unit": "%" if not unit and title == "Strain" else unit,
-                "series": [
-                    {"name": name, "values": _plain(values[name] / _shown(size, unit, title))}
-                    for name in drawn
-                ],
-                "bounds": [
-                    {
-                        "text": f"{each.sense} {found[each.name].shown(each.bound)}",
-                        "value": each.bound / _shown(size, unit, title),
-                    }
-                    for each in bounds
-                    if each.name in drawn
-                ],
-            }
-        )
+        # Joints that slide have another unit than those that turn.
+        for size, unit in dict.fromkeys(found[name].unit for name in drawn):
+            percent = not unit and title == "Strain"
+            size = 0.01 if percent else size
+            alike = [name for name in drawn if found[name].unit[1] == unit]
+            plots.append(
+                {
+                    "title": "Displacements" if title == "Angles" and unit == "mm" else title,
+                    "unit": "%" if percent else unit,
+                    "series": [
+                        {"name": name, "values": _plain(values[name] / size)} for name in alike
+                    ],
+                    "bounds": [
+                        {
+                            "text": f"{each.sense} {found[each.name].shown(each.bound)}",
+                            "value": each.bound / size,
+                        }
+                        for each in bounds
+                        if each.name in alike
+                    ],
+                }
+            )
     return plots
-
-
-def _shown(size: float, unit: str, title: str) -> float:
-    return 0.01 if not unit and title == "Strain" else size
 
 
 def _members(kind: str, found: Mapping[str, Observable]) -> bool:

@@ -93,15 +93,16 @@ class MethodComparison:
 
         The gain of a design is how far its value lies below that of the set's own start. Success
         is all but ``within`` of the gain of the best known design: f0 - (1 - within) (f0 - f*),
-        the convergence test of Moré and Wild (2009) with one f0 for all. If that start fails, f0
-        is the highest of the first values of all searches; if it is infeasible and the best known
-        is not, of their first feasible ones.
+        the convergence test of Moré and Wild (2009) with one f0 for all. If that start fails or is
+        infeasible, f0 is the highest of the first feasible values of all searches. Where no
+        feasible design is known, nothing is a success: -inf.
         """
         first, best = self.reference[parameters], self.best_known(parameters)
-        feasible = best < INFEASIBLE
-        if not np.isfinite(first) or (feasible and first >= INFEASIBLE):
+        if not best < INFEASIBLE:
+            return -np.inf
+        if not first < INFEASIBLE:
             values = [run.result.improvement_values for run in self.of(parameters)]
-            begun = [found[(found < INFEASIBLE) == feasible][:1] for found in values]
+            begun = [found[found < INFEASIBLE][:1] for found in values]
             first = float(np.max(np.concatenate(begun), initial=best))
         return max(best, first - (1.0 - within) * (first - best))
 

@@ -22,10 +22,10 @@ from flexor.study.comparison.work import ComparisonCallback, Plan, carry_out
 from flexor.study.executors import AnyExecutor, Threads, chosen_executor
 from flexor.study.problem import Problem
 from flexor.study.settings import (
-    MODEL,
     at_loads,
     common_settings,
     method_table,
+    model_files,
     recorded_constraints,
     recorded_model,
     recorded_set,
@@ -133,7 +133,7 @@ def _compare(
     check_callable("progress", progress)
     check_callable("finish", finish)
     plan.check()
-    files = {MODEL: plan.problem.model.file.to_toml()}
+    files = model_files(plan.problem.model)
     with (
         chosen_executor(executor if executor is not None else Threads(1)) as where,
         Workspace(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import re
 import time
@@ -207,6 +206,7 @@ def _library() -> Any:
 
 def _server_kind(distributed: Any, address: str) -> str:
     """Ask what answers at an address, with a timeout, which a client does not have."""
+    import asyncio  # deferred, as it is not needed without a cluster
 
     async def ask() -> str:
         options = distributed.Security().get_connection_args("client")

@@ -7,7 +7,6 @@ import signal
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from multiprocessing import active_children
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -25,7 +24,7 @@ class LocalCluster:
     def __init__(self, distributed: Any, workers: int) -> None:
         import dask
 
-        self._others = set(active_children())
+        self._others = _processes()
         self._scratch = TemporaryDirectory(prefix="flexor-", ignore_cleanup_errors=True)
         self._loop = distributed.utils.LoopRunner()
         # Known before it has started, so that it can be stopped while it does.
@@ -60,7 +59,7 @@ class LocalCluster:
         self._cluster.shutdown_on_close = False
         for nanny in getattr(self._cluster, "workers", {}).values():
             nanny.auto_restart = False
-        for process in set(active_children()) - self._others:
+        for process in _processes() - self._others:
             process.kill()
 
     def close(self, timeout: float) -> None:
@@ -70,6 +69,12 @@ class LocalCluster:
         with suppress(TimeoutError):
             self._loop.stop(timeout=timeout)
         self._scratch.cleanup()
+
+
+def _processes() -> set[Any]:
+    from multiprocessing import active_children  # deferred: takes a twentieth of a second
+
+    return set(active_children())
 
 
 @contextmanager

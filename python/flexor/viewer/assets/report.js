@@ -28,7 +28,7 @@ Flexor.verdict = (design) => {
       h("td", {}, row.place),
     ),
   );
-  const snaps = verdict.snaps ? h("p", { class: "broken" }, `The path snaps ${verdict.snaps} time(s).`) : null;
+  const snaps = verdict.snaps ? h("p", { class: "broken" }, `The path snaps ${verdict.snaps === 1 ? "once" : `${verdict.snaps} times`}.`) : null;
   return h(
     "div",
     { class: "verdict" },
@@ -152,6 +152,7 @@ Flexor.viewControls = (view, legend, current) => {
     if (scale) legend.append(Flexor.legend(scale, view.arrays.get(scale.colours)));
   };
   fields.addEventListener("change", pick);
+  const colour = h("label", {}, "Colour ", fields);
   const through = h("input", { type: "checkbox", id: "through", onchange: () => view.setSeeThrough(through.checked) });
   const cameras = ["oblique", "side", "top", "front"].map((name) =>
     h("button", { type: "button", class: "camera", "data-from": name, onclick: () => view.look(name) }, name),
@@ -159,12 +160,13 @@ Flexor.viewControls = (view, legend, current) => {
   const made = h(
     "div",
     { class: "viewcontrols" },
-    h("label", {}, "Colour ", fields),
+    colour,
     h("label", {}, through, " See through"),
     h("span", { role: "group", "aria-label": "camera" }, ...cameras),
   );
   made.refresh = () => {
     const before = fields.value, scales = Object.entries(current().scene.scales);
+    colour.hidden = !scales.length;
     const wanted = ["", ...scales.map(([name]) => name)];
     if ([...fields.options].map((o) => o.value).join() !== wanted.join()) {
       fields.replaceChildren(h("option", { value: "" }, "by part"), ...scales.map(([name]) => h("option", { value: name }, name)));

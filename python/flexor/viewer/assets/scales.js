@@ -9,6 +9,7 @@ Flexor.colours = {
   chamber: "#56b4e9",
   line: "#d55e00",
   strap: "#cc79a7",
+  spring: "#009e73",
   obstacle: "#8f979e",
 };
 // Series of plots (Okabe and Ito); the page's style has darker and lighter ones of the same hue.
