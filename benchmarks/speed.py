@@ -159,11 +159,10 @@ def measure(designs: int, runs: int) -> Section:
     section = Section("Speed", "./dev bench speed")
     section.parts += [
         f"{designs:,} random designs (a quarter of these of the problem that the pneumatic finger "
-        "states, 0 to 60 kPa in steps of 12 kPa; a tenth for the spatial rod), forces from 0 to 5 N "
-        f"in steps of 1 N and of 5 N; medians of {runs} runs. Designs per second are wall time, the time of an "
-        "iteration is processor time of one thread; *undisturbed* uses the best time of each "
-        "batch "
-        f"of {PART} designs.",
+        "states, 0 to 60 kPa in steps of 12 kPa; a tenth for the spatial rod), forces from 0 to "
+        f"5 N in steps of 1 N and of 5 N; medians of {runs} runs. Designs per second are wall "
+        "time, the time of an iteration is processor time of one thread; *undisturbed* uses the "
+        f"best time of each batch of {PART} designs.",
         speeds,
         f"Speed-up with two threads, steps of 1 N: {'; '.join(ratios)}.",
         "Iterations (evaluations of the tangent) per design:",
