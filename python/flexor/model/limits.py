@@ -1,4 +1,4 @@
-"""Whether materials, skins, straps, cavities and joints exceed their limits."""
+"""Whether materials, skins, straps, cavities, joints and solid rods exceed their limits."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model.folding import least_stretches
 from flexor.model.hoop import LIMIT, hoop_strains
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
@@ -146,6 +147,22 @@ def ballooning_cavities(path: Path) -> list[str]:
                 f"{100.0 * np.nanmax(strains):.3g} % at X = {at:.3g}, from "
                 f"{pressure / 1e3:.4g} kPa on beyond the {100.0 * LIMIT:g} % up to which a section "
                 "keeps its shape: wind it"
+            )
+    return found
+
+
+def folded_rods(path: Path) -> list[str]:
+    """List the solid rods pressed or bent through themselves; see `materials_exceeded`."""
+    found = []
+    for name, stretch in least_stretches(path):
+        least = stretch.min(axis=1)
+        if (least <= 0.0).any():
+            at = np.nanmin(stretch, axis=0).argmin()
+            x = path.model.file.rod(name).sample_points[at]
+            found.append(
+                f'"{name}" is pressed or bent through itself at X = {x:.3g}, from '
+                f"{_first_load(path, least <= 0.0)} on: the least stretch of its outline is "
+                f"{np.nanmin(stretch):.3g}, which has to stay above 0"
             )
     return found
 

@@ -20,6 +20,7 @@ from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
 from flexor.model.limits import (
     ballooning_cavities,
+    folded_rods,
     joints_exceeded,
     materials_exceeded,
     skins_exceeded,
@@ -486,13 +487,14 @@ class Path(Displayed, Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, skins, straps, joints and hoop strains beyond limits, one sentence each."""
+        """Materials, skins, straps, joints, cavities and rods beyond limits, a sentence each."""
         checks = (
             materials_exceeded,
             skins_exceeded,
             straps_exceeded,
             joints_exceeded,
             ballooning_cavities,
+            folded_rods,
         )
         return [sentence for check in checks for sentence in check(self)]
 
