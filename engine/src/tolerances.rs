@@ -18,6 +18,8 @@ pub(crate) const DRIFT_EIGENVALUE: f64 = 1e-6;
 pub(crate) const REAL_EIGENVALUE: f64 = 1e-6;
 /// Ratio of pivots above which a tangent is positive definite beyond doubt.
 pub(crate) const REGULAR_PIVOTS: f64 = 1e-7;
+/// Ratio of pivots below which a structure may lose its stability over the last step of a corrector.
+pub(crate) const SOFT_PIVOTS: f64 = 1e-3;
 /// Ratio of pivots below which a tangent counts as singular for derivatives.
 pub(crate) const SINGULAR_PIVOTS: f64 = 1e-9;
 

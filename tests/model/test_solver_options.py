@@ -19,7 +19,7 @@ from flexor.errors import InputError
             {"tolerence": 1e-9},
             'unknown solver option "tolerence" (did you mean "tolerance"?): expected one of '
             '"tolerance", "max_iterations", "max_seconds", "min_step", "max_displacement", '
-            '"max_displacement_with_contact".',
+            '"max_displacement_with_contact", "max_displacement_with_springs".',
         ),
         ({"tolerance": 0.0}, "solver option tolerance is 0.0: it must be above 0 and at most 1."),
         (
@@ -62,6 +62,7 @@ def test_the_engine_says_what_its_options_are() -> None:
         "min_step",
         "max_displacement",
         "max_displacement_with_contact",
+        "max_displacement_with_springs",
     ]
     for option in _engine.SOLVER_OPTIONS.values():
         assert option["minimum"] <= option["default"] <= option["maximum"]

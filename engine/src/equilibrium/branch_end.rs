@@ -177,9 +177,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         // A state from which the branch is followed further need not be exact.
         let rough = BorderedTarget { tolerance: self.residual_between(failed - from), ..target };
         let mut exact = false;
+        // Whether the load falls at once, as where the ends of a compressed spring pass each other.
+        let mut falls = false;
         let mut reach = ((failed - from) * speed).max(options.corner).min(options.longest);
         let high = loop {
-            if self.system.budget.exhausted().is_some() || !(reach > options.shortest) {
+            if self.system.budget.exhausted().is_some() {
+                return BranchAhead::Unknown;
+            }
+            if !(reach > options.shortest) {
+                if falls {
+                    self.system.set_state(&low.q);
+                    return BranchAhead::LimitPoint(low.load);
+                }
                 return BranchAhead::Unknown;
             }
             match planes.solve(&mut self.system, &low, reach, if exact { target } else { rough }) {
@@ -190,6 +199,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                     }
                     if point.load > from.max(low.load) && point.load < 1.0 {
                         return BranchAhead::Continues(point.load);
+                    }
+                    if exact && point.load < low.load {
+                        falls = true;
+                        reach *= options.shrinkage;
+                        continue;
                     }
                     if exact {
                         planes.set_origin(&self.system, &mut point);

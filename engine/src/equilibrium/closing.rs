@@ -123,7 +123,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// does not lead to a stable equilibrium nearby.
     fn close_exactly(&mut self, size: f64, tangent_reuse: f64) -> bool {
         let start = self.system.state().to_vec();
-        let accuracy = CorrectorTolerance { residual: self.options.tolerance, tangent_reuse };
+        let residual = self.options.tolerance;
+        let accuracy = CorrectorTolerance { residual, tangent_reuse, least_pivots: 0.0 };
         let closed = self.corrector.iterate(&mut self.system, size, self.options.closing.reach, accuracy);
         if !closed {
             self.system.set_state(&start);

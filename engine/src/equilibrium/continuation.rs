@@ -17,7 +17,7 @@ use super::trust_region::{Target, TrustRegion};
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
-use crate::tolerances::{PARALLEL, ZERO_EIGENVALUE};
+use crate::tolerances::{PARALLEL, SOFT_PIVOTS, ZERO_EIGENVALUE};
 
 /// Finds and follows equilibria; owns all memory it needs.
 #[derive(Clone, Debug)]
@@ -168,10 +168,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if max_norm(&self.rate) == 0.0 {
             return if self.unstable { Status::Unstable } else { Status::Converged };
         }
-        let max_displacement = if !self.system.model().has_switches() {
-            self.options.max_displacement
-        } else {
+        let max_displacement = if self.is_sprung() {
+            self.options.max_displacement_with_springs
+        } else if self.system.model().has_switches() {
             self.options.max_displacement_with_contact
+        } else {
+            self.options.max_displacement
         };
         let min_step = (self.options.min_step * self.span()).min(1.0);
         let end_distance = self.options.locate.end_distance * self.span();
@@ -315,14 +317,21 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
     }
 
+    /// Whether springs without contact make the tangent change fast with the state.
+    fn is_sprung(&self) -> bool {
+        let model = self.system.model();
+        model.has_springs() && !model.has_switches()
+    }
+
     /// The accuracy required of a sub-step of `h` that ends at `lambda`; at 1 the load is a listed one.
     fn tolerance_at(&self, lambda: f64, h: f64, step: LoadStep) -> CorrectorTolerance {
         if lambda == 1.0 {
             let tolerance = self.options.tolerance;
-            return CorrectorTolerance { residual: tolerance, tangent_reuse: step.tangent_reuse };
+            let tangent_reuse = if self.is_sprung() { 0.0 } else { step.tangent_reuse };
+            return CorrectorTolerance { residual: tolerance, tangent_reuse, least_pivots: SOFT_PIVOTS };
         }
-        let tangent_reuse = self.options.accuracy.tangent_reuse;
-        CorrectorTolerance { residual: self.residual_between(h), tangent_reuse }
+        let tangent_reuse = if self.is_sprung() { 0.0 } else { self.options.accuracy.tangent_reuse };
+        CorrectorTolerance { residual: self.residual_between(h), tangent_reuse, least_pivots: 0.0 }
     }
 
     /// The largest residual allowed after a sub-step of `h` that ends between the listed loads.

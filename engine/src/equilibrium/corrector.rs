@@ -18,6 +18,8 @@ pub(super) struct CorrectorTolerance {
     /// The tangent of the last step is reused for the final state if that step reduced the residual to less
     /// than this fraction.
     pub tangent_reuse: f64,
+    /// It is reused only if its ratio of pivots is larger: a soft structure may have become unstable.
+    pub least_pivots: f64,
 }
 
 /// Newton's method with full steps; fails where it seems to converge to another branch.
@@ -142,7 +144,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             }
             let left =
                 chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
-            if left < tolerance.tangent_reuse && system.has_converged(size, tolerance.residual) {
+            let reusable = left < tolerance.tangent_reuse && system.pivot_ratio() > tolerance.least_pivots;
+            if reusable && system.has_converged(size, tolerance.residual) {
                 return true;
             }
         }

@@ -86,6 +86,8 @@ options! {
         max_displacement: f64 = 30.0, Interval::above(0.0).to(1e6);
         /// Longest predicted displacement of one sub-step in models with contact, likewise.
         max_displacement_with_contact: f64 = 4.0, Interval::above(0.0).to(1e6);
+        /// Longest predicted displacement of one sub-step in models with springs but no contact, likewise.
+        max_displacement_with_springs: f64 = 1.0, Interval::above(0.0).to(1e6);
     }
     parts {
         /// Accuracy required of residual and tangent at the end of a sub-step.
@@ -249,7 +251,7 @@ options! {
         max_velocity_change: f64 = 2.5, Interval::from(0.0).to(1e3);
         /// Largest difference of the displacement from the mean of both velocities, as a fraction of their
         /// change.
-        mean_velocity_error: f64 = 0.6, Interval::from(0.0).to(10.0);
+        mean_velocity_error: f64 = 0.5, Interval::from(0.0).to(10.0);
         /// Term added to this difference: a fraction of the size of the velocities.
         relative_error: f64 = 0.05, Interval::from(0.0).to(10.0);
         /// Term added to this difference (dimensionless).

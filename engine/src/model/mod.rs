@@ -119,6 +119,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.forces.have_switches::<G, D>()
     }
 
+    /// Whether there are springs.
+    pub(crate) fn has_springs(&self) -> bool {
+        self.forces.springs.count() > 0
+    }
+
     /// Whether all parameters are finite, lengths, radii and moduli positive, and stiffnesses and
     /// densities not negative.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
