@@ -120,10 +120,12 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             // Along a neutral motion, as that of a buckled round column about its axis, the computed stiffness
             // is of the size of the residual.
             let most = tolerance.residual.min(self.options.soft_residual);
-            if !(system.factorise(0.0) || size <= most && system.factorise(size + ZERO_EIGENVALUE)) {
+            let definite = system.factorise(0.0);
+            if !(definite || size <= most && system.factorise(size + ZERO_EIGENVALUE)) {
                 return false;
             }
-            if system.has_converged(size, tolerance.residual) {
+            let accurate = definite || size <= self.options.neutral_residual;
+            if accurate && system.has_converged(size, tolerance.residual) {
                 return true;
             }
             system.newton_step(&mut self.step);

@@ -228,6 +228,9 @@ options! {
         /// With a dimensionless residual below this, a negative stiffness of at most the same size counts
         /// as zero.
         soft_residual: f64 = 1e-2, Interval::from(0.0).to(1.0);
+        /// Dimensionless residual of a state with a stiffness that counts as zero in this way: the stiffness is
+        /// known as well.
+        neutral_residual: f64 = 1e-7, Interval::from(0.0).to(1.0);
         /// Largest number of Newton steps; more are rarely needed unless another branch attracts.
         max_iterations: usize = 7, Interval::from(1.0).to(1e6);
         /// Largest correction in total, as a fraction of the predicted displacement.
