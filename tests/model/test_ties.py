@@ -304,8 +304,8 @@ def test_redundant_ties_are_closed_one_after_another() -> None:
     tips = [path.frames()[f"r{i}"][-1, :3, 3] for i in range(3)]
     np.testing.assert_allclose(tips[1:], [tips[0]] * 2, atol=1e-10)
     assert path.tie_redundancy[0].tolist() == [0.0, 0.0, 2.0]
-    # The middle rod stays straight, by symmetry.
-    assert path.rod_bending[0, 1] == pytest.approx(0.0, abs=1e-9)
+    two = solved(model(*rods, *pins[:2]), [0.0])
+    np.testing.assert_allclose(path.q, two.q, atol=1e-8)
 
 
 def test_contradictory_ties_are_named() -> None:

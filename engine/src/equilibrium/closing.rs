@@ -37,8 +37,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         } else {
             self.range[progress] = 1.0;
             let start = self.system.state().to_vec();
+            self.system.budget.limit((count > 1).then_some(self.options.closing.together));
             let mut status = self.close_some(0..count, target, step, sink);
-            if matches!(status, Status::Stalled | Status::Diverged) && count > 1 {
+            self.system.budget.limit(None);
+            let failed = matches!(status, Status::Stalled | Status::Diverged | Status::IterationLimit);
+            if failed && count > 1 {
                 // Ties of which some follow from others cannot all be half closed.
                 self.system.set_state(&start);
                 for tie in 0..count {
