@@ -121,10 +121,11 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             // is of the size of the residual.
             let most = tolerance.residual.min(self.options.soft_residual);
             let definite = system.factorise(0.0);
-            if !(definite || size <= most && system.factorise(size + ZERO_EIGENVALUE)) {
+            let neutral = self.options.neutral_residual.min(tolerance.residual);
+            if !(definite || size <= most && system.factorise(size.max(neutral) + ZERO_EIGENVALUE)) {
                 return false;
             }
-            let accurate = definite || size <= self.options.neutral_residual;
+            let accurate = definite || size <= neutral;
             if accurate && system.has_converged(size, tolerance.residual) {
                 return true;
             }
