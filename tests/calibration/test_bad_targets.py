@@ -140,8 +140,8 @@ def test_a_bad_targets_file_gets_one_sentence(flexor, targets, tmp_path, text, w
         (["finger", "."], "is a directory"),
         (["fingr", "made-targets.toml"], 'did you mean "finger"'),
         (["finger"], "TARGETS"),
-        (["finger", "made-targets.toml", "--resume"], "needs --out"),
-        (["finger", "made-targets.toml", "--resume", "--out", "nothing"], "is not a calibration"),
+        (["finger", "made-targets.toml", "--resume", "a", "--out", "b"], "omit --out"),
+        (["finger", "made-targets.toml", "--resume", "nothing"], "is not a calibration"),
         (["finger", "made-targets.toml", "--seed", "-1"], "--seed"),
         (["finger", "made-targets.toml", "--samples", "0"], "--samples"),
         (["finger", "made-targets.toml", "--name", "a b"], "letters, digits"),
@@ -157,6 +157,15 @@ def test_bad_use_gets_one_sentence(flexor, targets, tmp_path, arguments, words) 
     assert ran.err.count("\n") == 1
     assert words in ran.err
     assert [place.name for place in tmp_path.iterdir()] == ["made-targets.toml"]
+
+
+@pytest.mark.parametrize("words", [["--out", "s", "--resume"], ["--resume", "--out", "s"]])
+def test_resuming_as_in_the_first_version_is_deprecated(flexor, targets, words) -> None:
+    ran = flexor("calibrate", "finger", targets().name, *words)
+    assert ran.code == 2
+    first, second = ran.err.splitlines()
+    assert first == "deprecated: --out FOLDER --resume is now --resume FOLDER."
+    assert second == 'error: "s" is not a calibration: there is no such folder.'
 
 
 def test_a_taken_folder_is_left_alone(flexor, targets, tmp_path) -> None:

@@ -101,17 +101,17 @@ def test_all_is_replayed_and_nothing_evaluated_again(file, coarse, tmp_path, who
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGKILL")
 def test_killed_and_resumed_it_ends_in_the_same_report(file, tmp_path) -> None:
-    def started(folder: str, *more: str) -> subprocess.Popen[bytes]:
-        words = ["finger", file.name, "--out", folder, *COARSE, *more]
+    def started(option: str, folder: str) -> subprocess.Popen[bytes]:
+        words = ["finger", file.name, option, folder, *COARSE]
         return subprocess.Popen(
             [*COMMAND, *words], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
         )
 
-    undisturbed = started("whole")
+    undisturbed = started("--out", "whole")
     assert undisturbed.wait(timeout=300) == 0
     rows, turn = 0, 0
     while True:
-        process = started("parts", *(["--resume"] if turn else []))
+        process = started("--resume" if turn else "--out", "parts")
         record = tmp_path / "parts" / "record.sqlite"
         until = time.monotonic() + 300.0
         # Killed as soon as there is something new, each time a little later.
@@ -160,7 +160,7 @@ def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
     assert process.returncode == 130
     assert out == "" and "Traceback" not in err
     assert err.splitlines()[-1].strip() == (
-        "flexor calibrate finger made-targets.toml --samples 4096 --resume --out 'my folder'"
+        "flexor calibrate finger made-targets.toml --samples 4096 --resume 'my folder'"
     )
 
 
@@ -171,7 +171,7 @@ def folder(file, coarse, tmp_path):
 
 
 def test_other_settings_are_refused(flexor, folder, file) -> None:
-    words = ("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    words = ("calibrate", "finger", file, "--resume", folder, *COARSE)
     for more, changed in (
         (["--seed", "3"], "seed = 0, not 3"),
         (["--samples", "9"], "samples = 256, not 9"),
@@ -192,7 +192,7 @@ def test_a_folder_is_not_written_over(flexor, folder, file) -> None:
 
 
 def test_a_damaged_folder_is_refused(flexor, folder, file) -> None:
-    words = ("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    words = ("calibrate", "finger", file, "--resume", folder, *COARSE)
     settings = (folder / "settings.json").read_text()
     (folder / "settings.json").write_text("{")
     assert "is damaged" in flexor(*words).err
@@ -214,7 +214,7 @@ def test_a_record_that_no_longer_holds_is_refused(flexor, folder, file) -> None:
         sql.execute(
             "UPDATE evaluations SET observed = zeroblob(length(observed)) WHERE screening = 0"
         )
-    ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+    ran = flexor("calibrate", "finger", file, "--resume", folder, *COARSE)
     assert ran.code == 2
     assert "no longer reproduces" in ran.err
 
@@ -224,7 +224,7 @@ def test_only_one_process_at_a_time(flexor, folder, file) -> None:
 
     lock = Lock(folder, "calibration")
     try:
-        ran = flexor("calibrate", "finger", file, "--out", folder, "--resume", *COARSE)
+        ran = flexor("calibrate", "finger", file, "--resume", folder, *COARSE)
     finally:
         lock.release()
     assert ran.code == 2

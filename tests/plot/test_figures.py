@@ -123,3 +123,23 @@ def test_drawing_does_not_change_matplotlib_settings() -> None:
     before = dict(matplotlib.rcParams)
     draw_path(SCENES, range(6), planar_model=True)
     assert dict(matplotlib.rcParams) == before
+
+
+def test_designs_in_three_dimensions_have_their_sections() -> None:
+    """Every triangle of the meshes is drawn, to the same scale as the rest."""
+    import flexor
+    from flexor import plot
+    from flexor.scene import scene as solid_scene
+
+    path = flexor.load("tendon-arm").equilibrium([0.0, 2.0])
+    figure = plot.designs(path, path)
+    objects = solid_scene(path).objects
+    drawn = [each for each in objects if each.kind not in ("chamber", "line", "obstacle")]
+    count = sum(len(each.faces) for each in drawn if each.part != "bone")
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        sizes = [len(each.get_paths()) for each in axes.collections if each.get_rasterized()]
+        assert sizes == [count]
+        low, high = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()]).T
+        vertices = np.concatenate([each.vertices() for each in drawn])
+        assert (100.0 * vertices > low).all() and (100.0 * vertices < high).all()

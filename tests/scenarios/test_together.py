@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,16 @@ def test_one_batch_has_the_results_of_each_model(nominal: Problem, tolerance) ->
     for name in ("value", "violation", "constraint_values", "value_gradient"):
         np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
     np.testing.assert_array_equal(mine.constraint_gradients, theirs.constraint_gradients)
+
+
+def test_another_process_finds_the_same_bits(nominal: Problem) -> None:
+    """A pickled problem is that of a worker of a cluster."""
+    problem = ScenarioProblem.over(nominal, Uncertainty(wearers=3))
+    design = np.array([[0.0971, 2.31e-3]])
+    here = problem.evaluate(design, gradient=True)
+    there = pickle.loads(pickle.dumps(problem)).evaluate(design, gradient=True)
+    for name in ("value", "constraint_values", "value_gradient", "constraint_gradients"):
+        assert getattr(here, name).tobytes() == getattr(there, name).tobytes()
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ KINDS: dict[str, tuple[list[str], list[str], list[str]]] = {
     ),
     "calibration": (
         ["calibrate", "finger", "targets.toml", "--out", "s"],
-        ["calibrate", "finger", "targets.toml", "--out", "s", "--resume"],
+        ["calibrate", "finger", "targets.toml", "--resume", "s"],
         ["constants.toml", "targets.csv", "calibration.json", "calibration.png"],
     ),
 }

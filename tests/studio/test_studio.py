@@ -147,6 +147,19 @@ def test_a_model_without_design_has_loads_only() -> None:
         bench.problem_at(loads)
 
 
+def test_a_design_that_snaps_is_shown_with_its_snap() -> None:
+    """Its plot is that of a joint that slides, and its largest value the one furthest away."""
+    bench = workbench(flexor.load("truss"))
+    shown = bench.solve([], [0.4])["design"]
+    assert [event["text"] for event in shown["events"]] == ["snap at 0.3019 N"]
+    assert shown["verdict"]["snaps"] == 1
+    (plot,) = shown["plots"]
+    assert (plot["title"], plot["unit"]) == ("Displacements", "mm")
+    (row,) = [each for each in shown["table"] if each["name"] == "angle.apex"]
+    assert row["largest"] == row["values"][-1] == "-43.99 mm"
+    assert bench.solve([], [0.3])["design"]["verdict"]["snaps"] == 0
+
+
 def test_bad_requests_are_one_sentence(running) -> None:
     for name, body, words in [
         ("solve", {"values": [2.0, 10.0]}, "incomplete"),

@@ -53,6 +53,11 @@ fn actuator(planar: bool, random: &[f64]) -> Description {
                 area: [draw(1e-6, 5e-6), draw(0.0, 1e-3), draw(0.0, 0.1)],
                 stretch: draw(0.9, 1.2),
                 winding: [draw(4e-3, 5e-3), draw(0.5, 0.55), draw(4e-3, 5e-3), draw(0.4, 0.5)],
+                centre: if planar {
+                    [0.0, 0.0, draw(-2e-3, 2e-3), draw(-0.3, 0.3)]
+                } else {
+                    std::array::from_fn(|k| if k % 2 == 0 { draw(-2e-3, 2e-3) } else { draw(-0.3, 0.3) })
+                },
             })
             .collect(),
         torsion: draw(0.5, 1.0),

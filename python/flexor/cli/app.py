@@ -27,7 +27,7 @@ from flexor.cli import (
     simulate,
     studio,
 )
-from flexor.cli.console import print_error, print_warnings, replace_unencodable_characters
+from flexor.cli.console import note, print_error, print_warnings, replace_unencodable_characters
 from flexor.cli.folders import INTERRUPTED, LOST
 from flexor.cli.interruption import interruptions_not_ignored
 from flexor.errors import ClusterError, InputError
@@ -63,6 +63,20 @@ class Command(TyperCommand):
         return super().parse_args(ctx, args)
 
 
+class Calibrate(Command):
+    """`flexor calibrate`, which takes `--out FOLDER --resume` as well, as it was until 0.1."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the older form as `--resume FOLDER`."""
+        at = args.index("--resume") if "--resume" in args else len(args)
+        alone = at == len(args) - 1 or (at < len(args) and args[at + 1].startswith("-"))
+        if alone and "--out" in args[:-1]:
+            note("deprecated: --out FOLDER --resume is now --resume FOLDER.")
+            args = [*args[:at], *args[at + 1 :]]
+            args[args.index("--out")] = "--resume"
+        return super().parse_args(ctx, args)
+
+
 app = typer.Typer(
     name="flexor",
     help="Design soft exosuits with the wearer in the loop.",
@@ -77,7 +91,7 @@ app.command("front", cls=Command)(front.front)
 app.command("landscape", cls=Command)(landscape.landscape)
 app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
-app.command("calibrate", cls=Command)(calibrate.calibrate)
+app.command("calibrate", cls=Calibrate)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
 app.command("bench", cls=Command)(bench.bench)
 app.command("materials", cls=Command)(materials.materials)

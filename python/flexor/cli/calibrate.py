@@ -45,8 +45,9 @@ def calibrate(
         typer.Option("--out", help="Output folder; by default a new one in `calibrations/`."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Resume the calibration in the folder of `--out`.")
-    ] = False,
+        FilePath | None,
+        typer.Option(help="Resume the calibration in this folder, of the same MODEL and TARGETS."),
+    ] = None,
     seed: options.Seed = 0,
     samples: Annotated[
         int | None,
@@ -72,13 +73,13 @@ def calibrate(
     TARGETS defines the fields of the model to fit, with their ranges, and the measured values:
     angles, forces, positions. The constants are written to the folder, ready to be pasted into the
     model file, with a table, a report and a figure. Every evaluation is recorded immediately, so a
-    calibration can be interrupted (Ctrl-C) and resumed with `--resume`.
+    calibration can be interrupted (Ctrl-C) and resumed with `--resume FOLDER`.
 
     Examples
     --------
     * `flexor calibrate finger examples/bench-targets.toml`
     * `flexor calibrate finger examples/bench-targets.toml --out bench`
-    * `flexor calibrate finger examples/bench-targets.toml --out bench --resume`
+    * `flexor calibrate finger examples/bench-targets.toml --resume bench`
     * `flexor calibrate specimen-1.csv specimen-2.csv --name silicone --strains 0:1.5`
 
     With CSV files of tensile tests instead of a model, one per specimen, hyperelastic laws are
@@ -101,9 +102,9 @@ def calibrate(
     if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
         raise InputError(f'--name is "{name}": letters, digits, _ and - are allowed.')
     loaded = load_changed(model, variant, changes)
-    if resume and folder is None:
-        raise InputError("--resume needs --out, the folder to resume.")
-    place = folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)
+    if resume is not None and folder is not None:
+        raise InputError("--resume takes the folder: omit --out.")
+    place = resume or folder or new_folder(loaded.name, FilePath(targets).stem, parent=CALIBRATIONS)
 
     def report(found: Calibration, seconds: float) -> int:
         files = reports.write(found, place, name)
@@ -122,13 +123,11 @@ def calibrate(
             samples=samples,
             starts=starts,
             folder=place,
-            resume=resume,
+            resume=resume is not None,
             **shared,
         )
 
-    again = shlex.join(
-        ["flexor", "calibrate", model, targets, *_given(context), "--resume", "--out"]
-    )
+    again = shlex.join(["flexor", "calibrate", model, targets, *_given(context), "--resume"])
     where = executor_for(threads, cluster)
     return carry_out(again, place, where, CalibrationBar(), work, report)
 

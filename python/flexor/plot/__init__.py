@@ -21,6 +21,7 @@ from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
 from flexor.plot.reading import marked, read_scene
 from flexor.plot.style import save, writable
+from flexor.scene import scene as solid_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,6 +97,7 @@ def designs(
             first_load=shown(path.loads[0]),
             last_load=shown(path.loads[-1]),
             bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
+            solid=None if path.model.planar else solid_scene(path, file),
         )
         for title, path, file in zip(titles, (start_path, best_path), files, strict=True)
     ]

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from flexor.plot import planar, spatial
 from flexor.plot.path_figure import line_handles
 from flexor.plot.scene import Scene, arrow_scale, pressure_scale
-from flexor.plot.style import EXOSUIT, LINE, PAGE, literal, style
+from flexor.plot.solid import draw_solid, largest_pressure, solid_colours
+from flexor.plot.style import CHAMBER, EXOSUIT, FORCE, LINE, PAGE, literal, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
+
+    from flexor.scene import Scene as SolidScene
 
 AT_REST = "#8A949C"
 
@@ -29,6 +32,7 @@ class Design:
     first_load: str
     last_load: str
     bending: float | None  # sum of the joint angles at the last load [rad]; None without joints
+    solid: SolidScene | None = None  # of a spatial model, with its sections
 
 
 def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
@@ -38,6 +42,8 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
     scenes = [scene for design in designs for scene in (design.first, design.last)]
     cm_per_newton, key = arrow_scale([design.last for design in designs])
     pressures = pressure_scale([design.last for design in designs])
+    solids = [design.solid for design in designs if design.solid is not None]
+    materials, pressure = solid_colours(solids), largest_pressure(solids)
     with style():
         figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
         for column, design in enumerate(designs, start=1):
@@ -56,8 +62,15 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                     1, len(designs), column, projection="3d", computed_zorder=False
                 )
                 spatial.frame_axes(axes, scenes)
-                spatial.draw_scene(axes, design.first, colour=AT_REST, opacity=0.5)
-                spatial.draw_scene(axes, design.last, colour=EXOSUIT)
+                at_rest = replace(design.first, lines=[])
+                spatial.draw_scene(axes, at_rest, colour=AT_REST, opacity=0.25)
+                if design.solid is None:
+                    spatial.draw_scene(axes, design.last, colour=EXOSUIT)
+                else:
+                    draw_solid(axes, design.solid, -1, materials, pressure)
+                    # Cables and chambers within a rod, over it.
+                    within = [each for each in design.last.lines if each.colour == CHAMBER]
+                    spatial.draw_scene(axes, Scene(lines=within))
                 spatial.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
             axes.set_title(_title(design))
         figure.legend(
@@ -85,7 +98,8 @@ def _handles(designs: Sequence[Design], planar_model: bool) -> list[Artist]:
     scenes = [design.last for design in designs]
     edge: dict[str, Any] = {"edgecolor": LINE, "linewidth": 0.5}
     at_rest: Artist = Patch(facecolor=AT_REST, **edge, label=f"exosuit at {first}")
-    materials = planar.material_colours(scenes) if planar_model else {}
+    solids = [design.solid for design in designs if design.solid is not None]
+    materials = planar.material_colours(scenes) if planar_model else solid_colours(solids)
     if planar_model:
         at_rest = Line2D([], [], color=AT_REST, linewidth=0.7, label=f"at {first}")
     if not materials:
@@ -97,4 +111,8 @@ def _handles(designs: Sequence[Design], planar_model: bool) -> list[Artist]:
             Patch(facecolor=colour, **edge, label=labels[name])
             for name, colour in materials.items()
         ]
+    pressure = largest_pressure(solids)
+    if pressure > 0.0:
+        label = f"contact pressure {pressure / 1e3:.3g} kPa"
+        shown.append(Patch(facecolor=FORCE, **edge, label=label))
     return [at_rest, *shown, *line_handles(scenes)]

@@ -28,8 +28,8 @@ class Part:
         Its stretch where the rod is in its reference state.
     winding
         Radius of the winding about the centre of the shape's arc, which keeps the section that it
-        encloses while the incompressible wall moves; zero where a wound material is outside of
-        its winding and free. Without, a wound material has hoop stretch 1.
+        encloses while the incompressible wall moves along its radii; zero where a wound material is
+        outside of its winding and free. Without, a wound material has hoop stretch 1 and stays.
     stiffening
         Whether it is no material but the resistance of some, to stretching.
     """
@@ -41,12 +41,18 @@ class Part:
     stiffening: bool = False
 
     def windings(self, cells: Cells) -> Array:
-        """Return the radius of the winding and that of each cell, (n, 4); 1 where there is none."""
+        """Return the radius of the winding and that of each cell, and their centre, (n, 8).
+
+        As coefficients of 1 and S: of the two radii, 1 where there is no winding, and of y and z,
+        those of the cell where it does not move.
+        """
         none = np.array([1.0, 0.0])
-        of_cells = none if self.winding is None or cells.radius is None else cells.radius
-        made = np.empty((len(cells.z), 4))
+        made = np.empty((len(cells.z), 8))
         made[:, :2] = none if self.winding is None else self.winding.coefficients
-        made[:, 2:] = of_cells
+        made[:, 2:4], made[:, 4:6], made[:, 6:] = none, cells.y, cells.z
+        if self.winding is not None and cells.radius is not None:
+            made[:, 2:4] = cells.radius
+            made[:, 4:6], made[:, 6:] = self.shape.y.coefficients, self.shape.z.coefficients
         return made
 
 
@@ -165,8 +171,9 @@ class Geometry:
         described: dict[object, dict[str, Any]] = {}
         for part in self.parts:
             cells = part.shape.cells(folded)
-            y = np.zeros_like(cells.z) if folded else cells.y
-            places = np.concatenate([y, cells.z, part.windings(cells)], axis=1)
+            places = np.concatenate([cells.y, cells.z, part.windings(cells)], axis=1)
+            if folded:
+                places[:, [0, 1, 8, 9]] = 0.0
             for place, area in zip(places.tolist(), cells.area, strict=True):
                 fibre = {
                     "material": materials[part.material],
@@ -174,7 +181,8 @@ class Geometry:
                     "z": place[2:4],
                     "area": np.zeros(3),
                     "stretch": part.stretch,
-                    "winding": place[4:],
+                    "winding": place[4:8],
+                    "centre": place[8:],
                 }
                 key = (part.material, part.stretch, *place)
                 described.setdefault(key, fibre)["area"] += area

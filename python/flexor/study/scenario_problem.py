@@ -120,6 +120,10 @@ class ScenarioProblem(Problem):
         made.cases  # noqa: B018 - a scenario that breaks the model is said at once
         return made
 
+    def __getstate__(self) -> dict[str, Any]:
+        # Another process makes models and maps in the same order, to the same bits.
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
     @cached_property
     def nominal(self) -> Problem:
         """The problem for the model as it is, without errors."""

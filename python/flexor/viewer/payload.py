@@ -205,11 +205,12 @@ def _members(kind: str, found: Mapping[str, Observable]) -> bool:
 
 def _row(each: Observable, values: Array) -> dict[str, Any]:
     finite = values[np.isfinite(values)]
+    largest = finite[np.argmax(np.abs(finite))] if len(finite) else np.nan
     return {
         "name": each.name,
         "text": each.text,
         "values": [each.shown(float(v)) if math.isfinite(v) else "" for v in values],
-        "largest": each.shown(float(finite.max())) if len(finite) else "",
+        "largest": each.shown(float(largest)) if len(finite) else "",
     }
 
 

@@ -1,10 +1,8 @@
-"""A half-round section in pure bending, whose fibres move as its wall thins.
+"""A half-round section in pure bending, with fibres that stay or that move as its wall thins.
 
-Flexor takes the stretch of a fibre at its place in the reference section. In the section that a
-winding keeps, the incompressible wall of a stretched fibre thins towards the winding, so that the
-fibre moves outwards, further from the floor, and is stretched more. To first order in the curvature
-this changes nothing; at large angles it stiffens. Here both are integrated, independently of the
-rod, for an inextensible layer at the underside.
+In the section that a winding keeps, the incompressible wall of a stretched fibre thins towards the
+winding, so that the fibre moves outwards, further from the floor, and is stretched more. Both are
+integrated here, independently of the rod, for an inextensible layer at the underside.
 """
 
 from __future__ import annotations
@@ -16,7 +14,7 @@ from .actuators import SHEAR, Actuator
 from .sections import Array
 
 POINTS = 8
-MOVES = 8  # the stretch converges by about a digit for each
+MOVES = 16  # the hoop stretch converges by about a digit for each
 
 
 def angle(actuator: Actuator, pressure: float, moved: bool) -> float:
@@ -49,19 +47,19 @@ def energy(actuator: Actuator, curvature: float, moved: bool) -> float:
     hoop = hoop_stretch(stretch, radius, outer)
     if moved:
         for _ in range(MOVES):
-            stretch = 1.0 + curvature * (floor + radius * hoop * up)
-            hoop = hoop_stretch(stretch, radius, outer)
+            # Mean stretch, by area, of the wall between the fibre and the winding.
+            place = radius * hoop
+            middle = (outer**2 + outer * place + place**2) * 2.0 / (3.0 * (outer + place))
+            hoop = hoop_stretch(1.0 + curvature * (floor + middle * up), radius, outer)
+        stretch = 1.0 + curvature * (floor + radius * hoop * up)
     total = (area * density(stretch, hoop)).sum()
     height = 0.5 * floor * (nodes + 1.0)
-    if moved:
-        # The floor thins towards its underside: dz'/dz = 1/(1 + k z').
-        height = (np.sqrt(1.0 + 2.0 * curvature * height) - 1.0) / curvature
     flat = density(1.0 + curvature * height, np.ones(POINTS))
     return float(total + (outer * floor * weights * flat).sum())
 
 
 def hoop_stretch(stretch: Array, radius: Array, outer: float) -> Array:
-    """Return by how much the wall widens that a winding of this radius encloses."""
+    """Return the hoop stretch at a radius of a wall that is stretched alike up to its winding."""
     return np.sqrt(outer**2 - (outer**2 - radius**2) / stretch) / radius
 
 

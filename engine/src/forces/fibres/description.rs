@@ -3,6 +3,7 @@
 use super::super::moments::MOMENTS;
 use super::axial::axial;
 use super::law::Law;
+use super::wall::Wall;
 use crate::lie::LieGroup;
 use crate::linalg::Matrix;
 use crate::tree::description::Section;
@@ -39,8 +40,11 @@ pub struct FibreDescription {
     pub area: [f64; 3],
     /// Stretch in the reference state.
     pub stretch: f64,
-    /// Radius of the winding and radius of the fibre: each a constant [m] and a multiple of S.
+    /// Of a wound material: radius of the winding and radius of the fibre, each a constant [m] and a
+    /// multiple of S; the same in flat walls.
     pub winding: [f64; 4],
+    /// Offset y, z of the centre of these radii, as the offset of the fibre; the same in flat walls.
+    pub centre: [f64; 4],
 }
 
 /// A cross-section.
@@ -81,8 +85,22 @@ pub(super) struct Material {
     pub constants: Range<usize>,
 }
 
+impl Material {
+    /// Whether its fibres move in curved walls, and are stretched along their circumference.
+    pub fn moves(&self) -> bool {
+        self.wound && self.law != Law::Linear
+    }
+
+    /// A fibre of a section with this S; one that does not move is its own centre.
+    #[inline]
+    pub fn fibre(&self, numbers: &[f64], s: f64) -> Fibre {
+        let fibre = Fibre::new(numbers, s);
+        if self.moves() { fibre } else { Fibre { ratio: 1.0, centre: [fibre.y, fibre.z], ..fibre } }
+    }
+}
+
 /// Numbers that describe a fibre, in the order of [`FibreDescription`].
-pub(super) const NUMBERS: usize = 12;
+pub(super) const NUMBERS: usize = 16;
 
 /// A section: the places of its parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,7 +142,20 @@ pub(super) struct Fibre {
     pub z: f64,
     pub area: f64,
     pub stretch: f64,
-    /// ϱ, the square of winding radius by fibre radius.
+    /// The radius of the winding over that of the fibre.
+    pub ratio: f64,
+    /// y and z of the centre of these.
+    pub centre: [f64; 2],
+}
+
+/// Derivatives with respect to what a fibre is described by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FibreDerivatives {
+    /// Its place, y and z.
+    pub place: [f64; 2],
+    pub centre: [f64; 2],
+    pub area: f64,
+    pub stretch: f64,
     pub ratio: f64,
 }
 
@@ -137,22 +168,44 @@ impl Fibre {
             z: n[2] + n[3] * s,
             area: n[4] + s * (n[5] + s * n[6]),
             stretch: n[7],
-            ratio: (winding / own) * (winding / own),
+            ratio: winding / own,
+            centre: [n[12] + n[13] * s, n[14] + n[15] * s],
         }
     }
 
-    /// Adds derivatives with respect to the numbers, and returns that with respect to S, given those with
-    /// respect to y, z, area, stretch and ϱ.
+    /// Its place from the centre, y and z.
     #[inline]
-    pub fn add_derivatives(
-        n: &[f64],
-        s: f64,
-        [y, z, area, stretch, ratio]: [f64; 5],
-        out: &mut [f64],
-    ) -> f64 {
+    pub fn arm(&self) -> [f64; 2] {
+        [self.y - self.centre[0], self.z - self.centre[1]]
+    }
+
+    /// Whether it stays in its place.
+    #[inline]
+    pub fn is_flat(&self) -> bool {
+        self.ratio == 1.0 && self.arm() == [0.0; 2]
+    }
+
+    /// a and b (see `wall.rs`) under ε, θ_y and θ_z.
+    #[inline]
+    pub fn stretches(&self, [axial, bend_y, bend_z]: [f64; 3], length: f64) -> [f64; 2] {
+        let bent = |[y, z]: [f64; 2]| (bend_y * z - bend_z * y) / length;
+        [self.stretch * (1.0 + axial + bent(self.centre)), self.stretch * bent(self.arm())]
+    }
+
+    /// It under ε, θ_y and θ_z.
+    #[inline]
+    pub fn wall(&self, strains: [f64; 3], length: f64) -> Wall {
+        let [a, b] = self.stretches(strains, length);
+        Wall::new(a, b, self.ratio)
+    }
+
+    /// Adds derivatives with respect to the numbers, and returns that with respect to S.
+    #[inline]
+    pub fn add_derivatives(n: &[f64], s: f64, by: FibreDerivatives, out: &mut [f64]) -> f64 {
+        let FibreDerivatives { place: [y, z], centre: [centre_y, centre_z], area, stretch, ratio } = by;
         let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
-        let by_winding = ratio * 2.0 * winding / (own * own);
-        let by_own = -ratio * 2.0 * winding * winding / (own * own * own);
+        let by_winding = ratio / own;
+        let by_own = -ratio * winding / (own * own);
         let derivatives = [
             y,
             y * s,
@@ -166,9 +219,19 @@ impl Fibre {
             by_winding * s,
             by_own,
             by_own * s,
+            centre_y,
+            centre_y * s,
+            centre_z,
+            centre_z * s,
         ];
         out.iter_mut().zip(derivatives).for_each(|(o, d)| *o += d);
-        y * n[1] + z * n[3] + area * (n[5] + 2.0 * s * n[6]) + by_winding * n[9] + by_own * n[11]
+        y * n[1]
+            + z * n[3]
+            + area * (n[5] + 2.0 * s * n[6])
+            + by_winding * n[9]
+            + by_own * n[11]
+            + centre_y * n[13]
+            + centre_z * n[15]
     }
 }
 
@@ -225,6 +288,7 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
             numbers.extend(fibre.y.iter().chain(&fibre.z).chain(&fibre.area));
             numbers.push(fibre.stretch);
             numbers.extend(fibre.winding);
+            numbers.extend(fibre.centre);
         }
         let mut slot =
             |part: &str, unit: Option<&'static str>, values: &[f64]| -> Result<Range<usize>, ModelError> {

@@ -4,7 +4,7 @@ use super::axial::PointForce;
 use super::description::Fibre;
 use super::law::Law;
 
-/// All fibres of a material that is not linear, ready for evaluation.
+/// Fibres of a material that is not linear, ready for evaluation: all but those in curved walls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fibres {
     /// Gauss points in order, each with the end of its fibres.
@@ -15,7 +15,6 @@ pub(super) struct Fibres {
     /// w L A.
     weight: Vec<f64>,
     stretch: Vec<f64>,
-    ratio: Vec<f64>,
 }
 
 /// w and its derivatives with respect to 1 + ε + κ_y z − κ_z y, fibre by fibre.
@@ -38,7 +37,7 @@ impl Energies {
 impl Fibres {
     pub fn clear(&mut self) {
         self.runs.clear();
-        for numbers in [&mut self.z, &mut self.y, &mut self.weight, &mut self.stretch, &mut self.ratio] {
+        for numbers in [&mut self.z, &mut self.y, &mut self.weight, &mut self.stretch] {
             numbers.clear();
         }
     }
@@ -53,7 +52,6 @@ impl Fibres {
         self.y.push(-fibre.y / length);
         self.weight.push(scale * fibre.area);
         self.stretch.push(fibre.stretch);
-        self.ratio.push(fibre.ratio);
         match self.runs.last_mut() {
             Some((last, end)) if *last == point => *end += 1,
             _ => self.runs.push((point, self.weight.len())),
@@ -81,9 +79,8 @@ impl Fibres {
             }
             first = *end;
         }
-        let exists = |(x, ratio): (&f64, &f64)| *x > 0.0 && (!wound || ratio * x - (ratio - 1.0) > 0.0);
-        let sound = out.stretch.iter().zip(&self.ratio).map(exists).fold(true, |all, one| all & one);
-        law.evaluate(constants, &self.stretch, wound.then_some(&self.ratio), out);
+        let sound = out.stretch.iter().fold(true, |all, x| all & (*x > 0.0));
+        law.evaluate(constants, &self.stretch, wound, out);
         sound
     }
 

@@ -40,15 +40,11 @@ pub(super) struct Constant {
     pub by_parameter: f64,
 }
 
-/// A function of a stretch and of a parameter s: first and second derivative with respect to the
-/// stretch, first with respect to s, and mixed.
+/// A function of stretches and its derivative with respect to a parameter s.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MixedJet {
-    pub value: f64,
-    pub first: f64,
-    pub second: f64,
-    pub by_parameter: f64,
-    pub mixed: f64,
+pub(super) struct MixedJet<T> {
+    pub value: T,
+    pub by_parameter: T,
 }
 
 impl Jet {
@@ -141,83 +137,60 @@ impl Number<f64> for Jet {
     }
 }
 
-impl MixedJet {
-    /// f(self), from f and its derivatives at the value.
-    fn chain(self, [f, f1, f2]: [f64; 3]) -> Self {
-        Self {
-            value: f,
-            first: f1 * self.first,
-            second: f2 * self.first * self.first + f1 * self.second,
-            by_parameter: f1 * self.by_parameter,
-            mixed: f2 * self.first * self.by_parameter + f1 * self.mixed,
-        }
-    }
-}
-
-impl Add for MixedJet {
+impl<T: Number<f64>> Add for MixedJet<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            first: self.first + other.first,
-            second: self.second + other.second,
-            by_parameter: self.by_parameter + other.by_parameter,
-            mixed: self.mixed + other.mixed,
-        }
+        Self { value: self.value + other.value, by_parameter: self.by_parameter + other.by_parameter }
     }
 }
 
-impl Sub for MixedJet {
+impl<T: Number<f64>> Sub for MixedJet<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self + other * Constant { value: -1.0, by_parameter: 0.0 }
+        self + other * Constant::from(-1.0)
     }
 }
 
-impl Mul for MixedJet {
+impl<T: Number<f64>> Mul for MixedJet<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let (a, b) = (self, other);
         Self {
-            value: a.value * b.value,
-            first: a.first * b.value + a.value * b.first,
-            second: a.second * b.value + 2.0 * a.first * b.first + a.value * b.second,
-            by_parameter: a.by_parameter * b.value + a.value * b.by_parameter,
-            mixed: a.mixed * b.value
-                + a.first * b.by_parameter
-                + a.by_parameter * b.first
-                + a.value * b.mixed,
+            value: self.value * other.value,
+            by_parameter: self.by_parameter * other.value + self.value * other.by_parameter,
         }
     }
 }
 
-impl Mul<Constant> for MixedJet {
+impl<T: Number<f64>> Mul<Constant> for MixedJet<T> {
     type Output = Self;
     fn mul(self, Constant { value, by_parameter }: Constant) -> Self {
-        self * Self { value, first: 0.0, second: 0.0, by_parameter, mixed: 0.0 }
+        Self {
+            value: self.value * value,
+            by_parameter: self.by_parameter * value + self.value * by_parameter,
+        }
     }
 }
 
-impl Add<f64> for MixedJet {
+impl<T: Number<f64>> Add<f64> for MixedJet<T> {
     type Output = Self;
     fn add(self, constant: f64) -> Self {
         Self { value: self.value + constant, ..self }
     }
 }
 
-impl Number<Constant> for MixedJet {
+impl<T: Number<f64>> Number<Constant> for MixedJet<T> {
     fn recip(self) -> Self {
         let r = self.value.recip();
-        self.chain([r, -r * r, 2.0 * r * r * r])
+        Self { value: r, by_parameter: r * r * self.by_parameter * -1.0 }
     }
 
     fn ln(self) -> Self {
-        let r = self.value.recip();
-        self.chain([elementary::ln(self.value), r, -r * r])
+        Self { value: self.value.ln(), by_parameter: self.value.recip() * self.by_parameter }
     }
 
     fn exp(self) -> Self {
-        self.chain([elementary::exp(self.value); 3])
+        let value = self.value.exp();
+        Self { value, by_parameter: value * self.by_parameter }
     }
 }
 
@@ -225,6 +198,13 @@ impl Mul<f64> for Constant {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
         Self { value: self.value * factor, by_parameter: self.by_parameter * factor }
+    }
+}
+
+impl Add for Constant {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, by_parameter: self.by_parameter + other.by_parameter }
     }
 }
 

@@ -1,13 +1,14 @@
 //! Material laws: energy per volume of an incompressible material in a fibre stretched by λ.
 //!
 //! A fibre that is free contracts sideways alike; one that is wound has the hoop stretch h that the
-//! winding imposes, and the third stretch is 1/(λh). With the section that a winding of radius R keeps
-//! and the incompressible wall inside it, h² = ϱ − (ϱ − 1)/λ at the radius r, ϱ = (R/r)².
+//! winding imposes (see `wall.rs`; one in a flat wall), and the third stretch is 1/(λh).
 
+use super::arcs::ArcEnergies;
 use super::evaluation::Energies;
-use super::jet::{Constant, Jet, MixedJet, Number};
+use super::jet::{Constant, Jet, Number};
+use super::stretches::{Free, Kept, Logarithmic, Stretches};
 use serde::Deserialize;
-use std::ops::Mul;
+use std::ops::{Add, Mul};
 
 /// The strain energy functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -78,70 +79,50 @@ impl Law {
         [c[0] / held, 1.0 / held, 2.0 * c[0] * c[1] / (held * held)]
     }
 
-    /// w of fibres that are not linear, given their stretches in `out`, those in the reference state and,
-    /// if they are wound, ϱ.
-    pub(super) fn evaluate(self, c: &[f64], stretch: &[f64], ratio: Option<&Vec<f64>>, out: &mut Energies) {
+    /// w of fibres that are not linear, given their stretches in `out` and those in the reference state.
+    pub(super) fn evaluate(self, c: &[f64], stretch: &[f64], wound: bool, out: &mut Energies) {
         // Each law and number of constants has loops of its own, which can be vectorised.
         match (self, c.len()) {
-            (Law::Linear, _) => each(Law::Linear, c, stretch, ratio, out),
-            (Law::NeoHookean, _) => each(Law::NeoHookean, c, stretch, ratio, out),
-            (Law::Yeoh, _) => each(Law::Yeoh, c, stretch, ratio, out),
-            (Law::MooneyRivlin, _) => each(Law::MooneyRivlin, c, stretch, ratio, out),
-            (Law::Ogden, 2) => each(Law::Ogden, &[c[0], c[1]], stretch, ratio, out),
-            (Law::Ogden, 4) => each(Law::Ogden, &[c[0], c[1], c[2], c[3]], stretch, ratio, out),
-            (Law::Ogden, _) => each(Law::Ogden, c, stretch, ratio, out),
+            (Law::Linear, _) => each(Law::Linear, c, stretch, wound, out),
+            (Law::NeoHookean, _) => each(Law::NeoHookean, c, stretch, wound, out),
+            (Law::Yeoh, _) => each(Law::Yeoh, c, stretch, wound, out),
+            (Law::MooneyRivlin, _) => each(Law::MooneyRivlin, c, stretch, wound, out),
+            (Law::Ogden, 2) => each(Law::Ogden, &[c[0], c[1]], stretch, wound, out),
+            (Law::Ogden, 4) => each(Law::Ogden, &[c[0], c[1], c[2], c[3]], stretch, wound, out),
+            (Law::Ogden, _) => each(Law::Ogden, c, stretch, wound, out),
         }
     }
 
-    /// w of one fibre with its derivatives with respect to the stretch and a parameter, which the
-    /// constants, the stretch and ϱ may depend on. Constants of a linear fibre are its modulus.
-    pub(super) fn fibre(
-        self,
-        constants: &[Constant],
-        stretch: MixedJet,
-        ratio: Option<MixedJet>,
-    ) -> MixedJet {
-        if self == Law::Linear {
-            let strain = stretch + -1.0;
-            return strain * strain * (constants[0] * 0.5);
+    /// w of fibres in curved walls, given their stretches in `out`.
+    pub(super) fn evaluate_arcs(self, c: &[f64], out: &mut ArcEnergies) {
+        match (self, c.len()) {
+            (Law::Linear, _) => each_arc(Law::Linear, c, out),
+            (Law::NeoHookean, _) => each_arc(Law::NeoHookean, c, out),
+            (Law::Yeoh, _) => each_arc(Law::Yeoh, c, out),
+            (Law::MooneyRivlin, _) => each_arc(Law::MooneyRivlin, c, out),
+            (Law::Ogden, 2) => each_arc(Law::Ogden, &[c[0], c[1]], out),
+            (Law::Ogden, 4) => each_arc(Law::Ogden, &[c[0], c[1], c[2], c[3]], out),
+            (Law::Ogden, _) => each_arc(Law::Ogden, c, out),
         }
-        self.energy(constants, stretch, ratio.map(|ratio| ratio - (ratio + -1.0) * stretch.recip()))
     }
 
-    /// w, given the square of the hoop stretch of a wound fibre.
+    /// w of a fibre. Constants of a linear one are its modulus.
     #[inline(always)]
-    fn energy<C: LawConstant, N: Number<C>>(self, c: &[C], stretch: N, hoop: Option<N>) -> N {
-        let axial = stretch * stretch;
-        let first = || match hoop {
-            None => axial + stretch.recip() + stretch.recip() + -3.0,
-            Some(hoop) => axial + hoop + (axial * hoop).recip() + -3.0,
-        };
+    pub(super) fn energy<C: LawConstant, N: Number<C>>(self, c: &[C], of: impl Stretches<C, N>) -> N {
         match self {
             // Linear fibres are summed up once for a design.
-            Law::Linear => (stretch + -1.0) * (stretch + -1.0) * (c[0] * 0.5),
-            Law::NeoHookean => first() * (c[0] * 0.5),
+            Law::Linear => of.strain() * of.strain() * (c[0] * 0.5),
+            Law::NeoHookean => of.squares() * (c[0] * 0.5),
             Law::Yeoh => {
-                let i = first();
+                let i = of.squares();
                 let square = i * i;
                 i * c[0] + square * c[1] + square * i * c[2]
             }
-            Law::MooneyRivlin => {
-                let second = match hoop {
-                    None => stretch + stretch + axial.recip() + -3.0,
-                    Some(hoop) => axial.recip() + hoop.recip() + axial * hoop + -3.0,
-                };
-                first() * c[0] + second * c[1]
-            }
+            Law::MooneyRivlin => of.squares() * c[0] + of.inverse_squares() * c[1],
             Law::Ogden => {
-                let along = stretch.ln();
-                let across = match hoop {
-                    None => along * C::from(-0.5),
-                    Some(hoop) => hoop.ln() * C::from(0.5),
-                };
-                let mut sum = stretch * C::from(0.0);
+                let mut sum = of.strain() * C::from(0.0);
                 for pair in c.chunks_exact(2) {
-                    let powers = N::powers(along, across, pair[1]);
-                    sum = sum + (powers + -3.0) * C::ogden_factor(pair[0], pair[1]);
+                    sum = sum + of.powers(pair[1]) * C::ogden_factor(pair[0], pair[1]);
                 }
                 sum
             }
@@ -151,31 +132,44 @@ impl Law {
 
 /// Evaluates w of each fibre.
 #[inline(always)]
-fn each(law: Law, c: &[f64], rate: &[f64], ratio: Option<&Vec<f64>>, out: &mut Energies) {
+fn each(law: Law, c: &[f64], rate: &[f64], wound: bool, out: &mut Energies) {
+    // Each has a loop of its own.
+    if wound { each_with(law, c, rate, Kept, out) } else { each_with(law, c, rate, Free, out) }
+}
+
+#[inline(always)]
+fn each_with<S: Stretches<f64, Jet>>(
+    law: Law,
+    c: &[f64],
+    rate: &[f64],
+    of: impl Fn(Jet) -> S,
+    out: &mut Energies,
+) {
     let n = rate.len();
     let x = &out.stretch[..n];
     let (value, first, second) = (&mut out.value[..n], &mut out.first[..n], &mut out.second[..n]);
-    match ratio.map(|ratio| &ratio[..n]) {
-        None => {
-            for i in 0..n {
-                let stretch = Jet { value: x[i], first: rate[i], second: 0.0 };
-                let w = law.energy(c, stretch, None);
-                (value[i], first[i], second[i]) = (w.value, w.first, w.second);
-            }
-        }
-        Some(ratio) => {
-            for i in 0..n {
-                let stretch = Jet { value: x[i], first: rate[i], second: 0.0 };
-                let hoop = stretch.recip() * (1.0 - ratio[i]) + ratio[i];
-                let w = law.energy(c, stretch, Some(hoop));
-                (value[i], first[i], second[i]) = (w.value, w.first, w.second);
-            }
-        }
+    for i in 0..n {
+        let w = law.energy(c, of(Jet { value: x[i], first: rate[i], second: 0.0 }));
+        (value[i], first[i], second[i]) = (w.value, w.first, w.second);
+    }
+}
+
+/// Evaluates w of each fibre of curved walls.
+#[inline(always)]
+fn each_arc(law: Law, c: &[f64], out: &mut ArcEnergies) {
+    let n = out.along.len();
+    let (along, hoop) = (&out.along[..n], &out.hoop[..n]);
+    let (value, [u, v]) = (&mut out.value[..n], out.first.each_mut().map(|d| &mut d[..n]));
+    let [uu, uv, vv] = out.second.each_mut().map(|d| &mut d[..n]);
+    for i in 0..n {
+        let w = law.energy(c, Logarithmic { along: along[i], hoop: hoop[i] });
+        (value[i], u[i], v[i]) = (w.value, w.first[0], w.first[1]);
+        [uu[i], uv[i], vv[i]] = w.second;
     }
 }
 
 /// Arithmetic of a law's constants.
-pub(super) trait LawConstant: Copy + From<f64> + Mul<f64, Output = Self> {
+pub(super) trait LawConstant: Copy + From<f64> + Add<Output = Self> + Mul<f64, Output = Self> {
     /// μ/α.
     fn ogden_factor(modulus: Self, exponent: Self) -> Self;
 }

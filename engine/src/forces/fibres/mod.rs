@@ -2,16 +2,22 @@
 //! linear stiffness of torsion, shear and whatever else is given.
 //!
 //! With θ = Lκ, the fibre at (y, z) adds w L A w′(λ) (1, z/L, −y/L) to the forces conjugate to ε, θ_y and
-//! θ_z at a Gauss point of weight w. Fibres of linear materials are summed up once for each design.
+//! θ_z at a Gauss point of weight w. Fibres of linear materials are summed up once for each design. In
+//! curved walls that are wound, fibres move as the wall thins (`wall.rs`), and w depends on ε and κ by two
+//! numbers.
 
+mod arcs;
 mod axial;
 mod description;
 mod elementary;
 mod evaluation;
 mod jet;
+mod jet2;
 mod law;
 mod sensitivity;
 mod single;
+mod stretches;
+mod wall;
 
 use super::differential::{Differential, Largest};
 use super::element::{ForceElement, ForceMemory, VirtualMotion};
@@ -23,12 +29,14 @@ use crate::lie::LieGroup;
 use crate::strain::Mode;
 use crate::tree::description::Section;
 use crate::tree::{ModelError, Tree};
+use arcs::{ArcEnergies, Arcs};
 use axial::{AxialStrains, PointForce, axial};
-use description::{Fibre, FibreRod, FibreSection, Material, NUMBERS, symmetric};
+use description::{Fibre, FibreDerivatives, FibreRod, FibreSection, Material, NUMBERS, symmetric};
 pub use description::{FibreDescription, FibreRodDescription, FibreSectionDescription, MaterialDescription};
 use evaluation::{Energies, Fibres};
 pub use law::Law;
 pub(crate) use sensitivity::FibreSensitivity;
+use wall::Walls;
 
 /// All rods with sections of fibres.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +67,8 @@ pub(crate) struct FibreDesign {
     energy: f64,
     /// Where other fibres are as well: forces of linear ones in the reference state, and their derivative.
     points: Vec<PointForce>,
-    /// Other fibres, by material.
+    /// Other fibres, by material: in curved walls that are wound, and elsewhere.
+    arcs: Vec<Arcs>,
     fibres: Vec<Fibres>,
 }
 
@@ -69,7 +78,14 @@ pub(crate) struct FibreState {
     /// ε, θ_y and θ_z at each Gauss point.
     strains: Vec<[f64; 3]>,
     energies: Energies,
+    arc_energies: ArcEnergies,
     points: Vec<PointForce>,
+}
+
+/// Fibres of one material with their energies.
+enum Evaluated<'a> {
+    Fibres(&'a Fibres, &'a Energies),
+    Arcs(&'a Arcs, &'a ArcEnergies),
 }
 
 /// The power of L that makes a strain of a coordinate's mode.
@@ -117,20 +133,26 @@ impl FibreSections {
         q: &[f64],
         mut visit: impl FnMut(usize, FibrePlace, f64),
     ) {
+        let (mut materials, mut walls) = (vec![], Walls::default());
         for fibre_rod in &self.rods {
             let rod = &tree.rods[fibre_rod.rod];
             let length = p[rod.length];
             for (g, (gauss, section)) in rod.gauss.iter().zip(&fibre_rod.of_gauss).enumerate() {
                 let strain = strains(&gauss.columns, q);
+                let strain = [strain[3], strain[1], strain[2]];
                 let s = p[rod.radius.start + gauss.point];
                 let section = &fibre_rod.sections[*section];
-                for (index, (m, n)) in numbers(section, p).enumerate() {
-                    let fibre = Fibre::new(n, s);
-                    let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
-                    let stretch = fibre.stretch * (1.0 + strain[3] + bent);
+                materials.clear();
+                walls.clear();
+                for (m, n) in numbers(section, p) {
+                    let fibre = self.materials[m].fibre(n, s);
+                    materials.push(m);
+                    walls.push(fibre.stretches(strain, length), fibre.ratio);
+                }
+                for (index, (m, stretch)) in materials.iter().zip(walls.stretches()).enumerate() {
                     let first = section.fibres + NUMBERS * index;
                     let place = FibrePlace { rod: fibre_rod.rod, point: gauss.point, gauss: g, first };
-                    visit(m, place, stretch);
+                    visit(*m, place, *stretch);
                 }
             }
         }
@@ -157,48 +179,71 @@ impl FibreSections {
                 largest.offer(sign * stretch, (place, stretch), mirrored);
             }
         });
-        let Some((place, total)) = largest.place else { return };
+        let Some((place, _)) = largest.place else { return };
         out.tied |= largest.tied;
         let rod = &tree.rods[place.rod];
         let (gauss, length) = (&rod.gauss[place.gauss], p[rod.length]);
         let radius = rod.radius.start + place.point;
         let numbers = &p[place.first..place.first + NUMBERS];
-        let Fibre { y, z, stretch, .. } = Fibre::new(numbers, p[radius]);
+        let fibre = self.materials[material].fibre(numbers, p[radius]);
         let strain = strains(&gauss.columns, at.q);
-        let slope = weight * stretch;
+        let bend = [strain[1] / length, strain[2] / length];
+        // By a and b, and by P (see `wall.rs`).
+        let (by, by_ratio) = if self.materials[material].moves() {
+            let [along, _] = fibre.wall([strain[3], strain[1], strain[2]], length).mixed(true);
+            (along.value.first, along.by_parameter.value)
+        } else {
+            ([1.0; 2], 0.0)
+        };
+        let arm = fibre.arm();
+        let [y, z] = [0, 1].map(|k| by[0] * fibre.centre[k] + by[1] * arm[k]);
+        let slope = weight * fibre.stretch;
         for (dof, mode, phi) in &gauss.columns {
             let arm = match mode {
                 1 => z / length,
                 2 => -y / length,
-                3 => 1.0,
+                3 => by[0],
                 _ => 0.0,
             };
             out.coordinates[*dof] += slope * phi * arm;
         }
-        let bent = (strain[1] * z - strain[2] * y) / length;
+        let bent = bend[0] * z - bend[1] * y;
         out.parameters[rod.length] -= slope * bent / length;
-        let slopes =
-            [-slope * strain[2] / length, slope * strain[1] / length, 0.0, weight * total / stretch, 0.0];
+        let by_place = [-slope * bend[1], slope * bend[0]];
+        let by = FibreDerivatives {
+            place: by_place.map(|d| d * by[1]),
+            centre: by_place.map(|d| d * (by[0] - by[1])),
+            stretch: weight * (by[0] * (1.0 + strain[3]) + bent),
+            ratio: weight * by_ratio,
+            area: 0.0,
+        };
         let own = &mut out.parameters[place.first..place.first + NUMBERS];
-        let by_radius = Fibre::add_derivatives(numbers, p[radius], slopes, own);
-        out.parameters[radius] += by_radius;
+        out.parameters[radius] += Fibre::add_derivatives(numbers, p[radius], by, own);
     }
 
-    /// Visits the materials that are not linear with their fibres, their energies under the strains of
-    /// the state and whether all of them exist.
-    fn for_each_material(
+    /// Evaluates the fibres that are not linear under the strains of the state, and visits them by material;
+    /// returns whether all of them exist.
+    fn for_each_material<const P: usize>(
         &self,
         p: &[f64],
         design: &FibreDesign,
         state: &mut FibreState,
-        mut visit: impl FnMut(&Fibres, &Energies, bool),
-    ) {
-        for (material, fibres) in self.materials.iter().zip(&design.fibres).filter(|(_, f)| !f.is_empty()) {
+        mut visit: impl FnMut(Evaluated),
+    ) -> bool {
+        let FibreState { strains, energies, arc_energies, .. } = state;
+        let mut sound = true;
+        for ((material, fibres), arcs) in self.materials.iter().zip(&design.fibres).zip(&design.arcs) {
             let constants = &p[material.constants.clone()];
-            let FibreState { strains, energies, .. } = state;
-            let sound = fibres.evaluate(material.law, constants, material.wound, strains, energies);
-            visit(fibres, energies, sound);
+            if !fibres.is_empty() {
+                sound &= fibres.evaluate(material.law, constants, material.wound, strains, energies);
+                visit(Evaluated::Fibres(fibres, energies));
+            }
+            if !arcs.is_empty() {
+                sound &= arcs.evaluate::<P>(material.law, constants, strains, arc_energies);
+                visit(Evaluated::Arcs(arcs, arc_energies));
+            }
         }
+        sound
     }
 
     /// Forces at the Gauss points; returns the energy, which is not a number where a fibre vanishes.
@@ -213,12 +258,14 @@ impl FibreSections {
         let mut points = std::mem::take(&mut state.points);
         points.clone_from(&design.points);
         let mut total = points.iter_mut().zip(&state.strains).map(|(point, e)| point.strain(e)).sum();
-        self.for_each_material(p, design, state, |fibres, energies, sound| {
-            total += fibres.add_forces::<P>(energies, &mut points);
-            total = if sound { total } else { f64::NAN };
+        let sound = self.for_each_material::<P>(p, design, state, |evaluated| {
+            total += match evaluated {
+                Evaluated::Fibres(fibres, energies) => fibres.add_forces::<P>(energies, &mut points),
+                Evaluated::Arcs(arcs, energies) => arcs.add_forces::<P>(energies, &mut points),
+            };
         });
         state.points = points;
-        total
+        if sound { total } else { f64::NAN }
     }
 
     /// Visits the linear stiffness of each pair of coordinates.
@@ -278,10 +325,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn update_design(&self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, design: &mut FibreDesign) {
         let p = &geometry.parameters;
-        let FibreDesign { stiffness, force, energy, points, fibres } = design;
+        let FibreDesign { stiffness, force, energy, points, arcs, fibres } = design;
         points.clear();
         fibres.resize_with(self.materials.len(), Fibres::default);
         fibres.iter_mut().for_each(Fibres::clear);
+        arcs.resize_with(self.materials.len(), Arcs::default);
+        arcs.iter_mut().for_each(Arcs::clear);
         stiffness.clear();
         force.clear();
         force.resize(if self.rods.is_empty() { 0 } else { tree.dof }, 0.0);
@@ -297,7 +346,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let s = p[rod.radius.start + gauss.point];
                 let scale = gauss.weight * length;
                 for (m, n) in numbers(section, p).filter(|(m, _)| self.materials[*m].law != Law::Linear) {
-                    fibres[m].push(points.len(), &Fibre::new(n, s), length, scale);
+                    let fibre = self.materials[m].fibre(n, s);
+                    if self.materials[m].moves() && !fibre.is_flat() {
+                        arcs[m].push(points.len(), &fibre, length, scale);
+                    } else {
+                        fibres[m].push(points.len(), &fibre, length, scale);
+                    }
                 }
                 let (matrix, residual, own) = self.linear(section, p, s);
                 *energy += scale * own;
@@ -374,8 +428,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.for_each_linear(&design.stiffness, |i, j, k| out.add_quadratic(i, j, k, at.q));
         let (mut points, mut state) = (vec![[0.0; 3]; self.strains.points], FibreState::default());
         self.strains.strains(at.q, &mut state.strains);
-        self.for_each_material(at.parameters(), design, &mut state, |fibres, energies, _| {
-            fibres.add_magnitudes(energies, &mut points);
+        self.for_each_material::<P>(at.parameters(), design, &mut state, |evaluated| match evaluated {
+            Evaluated::Fibres(fibres, energies) => fibres.add_magnitudes(energies, &mut points),
+            Evaluated::Arcs(arcs, energies) => arcs.add_magnitudes(energies, &mut points),
         });
         for ((sum, linear), e) in points.iter_mut().zip(&design.points).zip(&state.strains) {
             for (m, sum) in sum.iter_mut().enumerate() {

@@ -1,31 +1,33 @@
-//! Derivatives of the fibres' virtual work: λᵀ∂g/∂p = Σ w A w′(λ) b·ê, with b = (L, z, −y) and ê the
-//! virtual ε, θ_y and θ_z.
+//! Derivatives of the fibres' virtual work: λᵀ∂g/∂p = Σ w L A (∂w/∂a â + ∂w/∂b b̂), with â and b̂ the changes
+//! of a and b under the virtual ε, θ_y and θ_z.
 
-use super::description::{Fibre, symmetric};
-use super::jet::{Constant, MixedJet};
+use super::description::{Fibre, FibreDerivatives, symmetric};
+use super::jet::{Constant, Jet, MixedJet};
+use super::stretches::{Free, Hooped};
+use super::wall::Wall;
 use super::{FibreSections, Law, NUMBERS, length_power, numbers, strains};
 use crate::forces::state::State;
 use crate::lie::LieGroup;
 
-/// A fibre in the current state.
+/// A fibre in the current state. One that does not move with a wall (see `wall.rs`) is its own centre.
 #[derive(Clone, Copy, Debug)]
 struct FibreForce {
     fibre: Fibre,
-    /// 1 + ε + κ_y z − κ_z y.
-    stretch: f64,
-    /// w′ and its derivatives with respect to that, to the stretch in the reference state and to ϱ.
-    force: f64,
-    slope: f64,
-    by_stretch: f64,
-    by_ratio: f64,
+    moves: bool,
+    /// w by a and b.
+    first: [f64; 2],
+    /// By a twice, by both, by b twice.
+    second: [f64; 3],
+    /// `first` by P.
+    by_ratio: [f64; 2],
 }
 
-/// All fibres, Gauss point after Gauss point, and the derivatives of w′ with respect to the constants of
-/// their materials.
+/// All fibres, Gauss point after Gauss point, and the derivatives of their `first` with respect to the
+/// constants of their materials.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FibreSensitivity {
     fibres: Vec<FibreForce>,
-    by_constant: Vec<f64>,
+    by_constant: Vec<[f64; 2]>,
     /// Constants of one fibre, with derivatives.
     seeded: Vec<Constant>,
 }
@@ -46,58 +48,50 @@ impl FibreSections {
                 let strain = strains(&gauss.columns, at.q);
                 let s = p[rod.radius.start + gauss.point];
                 for (m, n) in numbers(&fibre_rod.sections[*section], p) {
-                    let fibre = Fibre::new(n, s);
-                    let bent = (strain[1] * fibre.z - strain[2] * fibre.y) / length;
-                    self.push(m, p, fibre, 1.0 + strain[3] + bent, out);
+                    let fibre = self.materials[m].fibre(n, s);
+                    let wall = fibre.wall([strain[3], strain[1], strain[2]], length);
+                    self.push(m, p, fibre, wall, out);
                 }
             }
         }
     }
 
-    fn push(&self, material: usize, p: &[f64], fibre: Fibre, stretch: f64, out: &mut FibreSensitivity) {
+    /// Appends a fibre.
+    fn push(&self, material: usize, p: &[f64], fibre: Fibre, wall: Wall, out: &mut FibreSensitivity) {
         let material = &self.materials[material];
         let constants = &p[material.constants.clone()];
+        let moves = material.moves();
         let linear = material.law == Law::Linear;
         let modulus = if linear { Law::modulus(constants, material.wound) } else { [0.0; 3] };
         let FibreSensitivity { fibres, by_constant, seeded } = out;
         let mut evaluate = |seed: Seed| {
-            let is = |other: Seed| if seed == other { 1.0 } else { 0.0 };
-            let constant = |k: usize, value: f64| Constant { value, by_parameter: is(Seed::Constant(k)) };
             seeded.clear();
             if linear {
-                let slope = if let Seed::Constant(k) = seed { modulus[k + 1] } else { 0.0 };
-                seeded.push(Constant { value: modulus[0], by_parameter: slope });
+                let by_parameter = if let Seed::Constant(k) = seed { modulus[k + 1] } else { 0.0 };
+                seeded.push(Constant { value: modulus[0], by_parameter });
             } else {
-                seeded.extend(constants.iter().enumerate().map(|(k, c)| constant(k, *c)));
+                let by = |k: usize| f64::from(u8::from(seed == Seed::Constant(k)));
+                let all = constants.iter().enumerate();
+                seeded.extend(all.map(|(k, value)| Constant { value: *value, by_parameter: by(k) }));
             }
-            let by_stretch = is(Seed::Stretch);
-            let total = MixedJet {
-                value: fibre.stretch * stretch,
-                first: fibre.stretch,
-                second: 0.0,
-                by_parameter: by_stretch * stretch,
-                mixed: by_stretch,
-            };
-            let ratio = MixedJet {
-                value: fibre.ratio,
-                first: 0.0,
-                second: 0.0,
-                by_parameter: is(Seed::Ratio),
-                mixed: 0.0,
-            };
-            material.law.fibre(seeded, total, (material.wound && !linear).then_some(ratio))
+            if moves {
+                let [stretch, hoop] = wall.mixed(seed == Seed::Ratio);
+                return material.law.energy(seeded, Hooped::new(stretch, hoop));
+            }
+            let stretch = Jet { value: wall.stretch(), first: 1.0, second: 0.0 };
+            let stretch = MixedJet { value: stretch, by_parameter: Jet::default() };
+            let w = material.law.energy(seeded, Free(stretch));
+            MixedJet { value: w.value.into(), by_parameter: w.by_parameter.into() }
         };
-        let by_stretch = evaluate(Seed::Stretch);
-        let by_ratio = if material.wound && !linear { evaluate(Seed::Ratio).mixed } else { 0.0 };
+        let by_ratio = evaluate(Seed::Ratio);
         fibres.push(FibreForce {
             fibre,
-            stretch,
-            force: by_stretch.first,
-            slope: by_stretch.second,
-            by_stretch: by_stretch.mixed,
-            by_ratio,
+            moves,
+            first: by_ratio.value.first,
+            second: by_ratio.value.second,
+            by_ratio: by_ratio.by_parameter.first,
         });
-        by_constant.extend((0..constants.len()).map(|k| evaluate(Seed::Constant(k)).mixed));
+        by_constant.extend((0..constants.len()).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
     }
 
     pub(super) fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -138,42 +132,55 @@ impl FibreSections {
                 let ((twist, twist_by_length), torsion) = (pair(0, 0), p[section.torsion]);
                 let shear = pair(4, 4).0 + pair(5, 5).0;
                 let shear_by_length = pair(4, 4).1;
-                let ([axial, bend_y, bend_z], [cy, cz]) =
-                    ([virtual_[3], virtual_[1], virtual_[2]], [real[1] / length, real[2] / length]);
+                let [axial, bend_y, bend_z] = [virtual_[3], virtual_[1], virtual_[2]];
+                let bend = [real[1] / length, real[2] / length];
                 for (index, (m, n)) in numbers(section, p).enumerate() {
                     let Some(force) = fibres.next() else { return };
-                    let FibreForce { fibre, stretch, force, slope, by_stretch, by_ratio } = *force;
-                    let Fibre { y, z, area, .. } = fibre;
+                    let FibreForce { fibre, moves, first, second: [aa, ab, bb], by_ratio } = *force;
+                    let Fibre { y, z, area, stretch, centre, .. } = fibre;
                     let material = &self.materials[m];
                     let constants = &p[material.constants.clone()];
                     let g = material.law.shear_modulus(constants);
                     let polar = y * y + z * z;
-                    let arm = length * axial + z * bend_y - y * bend_z;
-                    let lever = w * area * arm;
+                    let rate = w * stretch;
+                    // L â and L b̂, times w; a and b but for what extension makes of a.
+                    let along = |[y, z]: [f64; 2]| z * bend_y - y * bend_z;
+                    let bent = |[y, z]: [f64; 2]| stretch * (bend[0] * z - bend[1] * y);
+                    let arm = fibre.arm();
+                    let (virtual_a, virtual_b) = (rate * (length * axial + along(centre)), rate * along(arm));
+                    let (by_a, by_b) = (bent(centre), bent(arm));
+                    let force_a = area * (aa * virtual_a + ab * virtual_b);
+                    let force_b = area * (ab * virtual_a + bb * virtual_b);
+                    let work = first[0] * virtual_a + first[1] * virtual_b;
                     gradient[section.torsion] += twist * g * area * polar;
-                    let bent = stretch - 1.0 - real[3];
-                    gradient[rod.length] += w * area * force * axial - lever * slope * bent / length
+                    gradient[rod.length] += area * rate * first[0] * axial
+                        - (force_a * by_a + force_b * by_b) / length
                         + g * area * (torsion * twist * polar * twist_by_length + shear * shear_by_length);
-                    let sideways = [
-                        -lever * slope * cz - w * area * force * bend_z
-                            + torsion * twist * g * area * 2.0 * y,
-                        lever * slope * cy + w * area * force * bend_y + torsion * twist * g * area * 2.0 * z,
-                    ];
-                    let derivatives = [
-                        sideways[0],
-                        sideways[1],
-                        w * force * arm + g * (torsion * twist * polar + shear),
-                        lever * by_stretch,
-                        lever * by_ratio,
-                    ];
-                    let first = section.fibres + NUMBERS * index;
-                    let out = &mut gradient[first..first + NUMBERS];
+                    // By the centre and by the arm.
+                    let [of_centre, of_arm] = [(force_a, first[0]), (force_b, first[1])].map(|(f, d)| {
+                        let (f, d) = (f * stretch, area * rate * d);
+                        [-f * bend[1] - d * bend_z, f * bend[0] + d * bend_y]
+                    });
+                    let shifted = [of_centre[0] - of_arm[0], of_centre[1] - of_arm[1]];
+                    let (of_place, centre) = if moves { (of_arm, shifted) } else { (of_centre, [0.0; 2]) };
+                    let polar_by = torsion * twist * g * area * 2.0;
+                    let total = stretch * (1.0 + real[3]) + by_a;
+                    let derivatives = FibreDerivatives {
+                        place: [of_place[0] + polar_by * y, of_place[1] + polar_by * z],
+                        centre,
+                        area: work + g * (torsion * twist * polar + shear),
+                        stretch: (area * work + force_a * total + force_b * by_b) / stretch,
+                        ratio: area * (by_ratio[0] * virtual_a + by_ratio[1] * virtual_b),
+                    };
+                    let numbers_of = section.fibres + NUMBERS * index;
+                    let out = &mut gradient[numbers_of..numbers_of + NUMBERS];
                     let by_radius = Fibre::add_derivatives(n, p[radius], derivatives, out);
                     gradient[radius] += by_radius;
                     let by_shear = area * (torsion * twist * polar + shear);
                     for (k, by_constant) in material.constants.clone().zip(by_constant.by_ref()) {
                         let of_shear = material.law.shear_modulus_by(constants, k - material.constants.start);
-                        gradient[k] += lever * by_constant + by_shear * of_shear;
+                        let [by_a, by_b] = by_constant;
+                        gradient[k] += area * (by_a * virtual_a + by_b * virtual_b) + by_shear * of_shear;
                     }
                 }
             }
@@ -184,7 +191,6 @@ impl FibreSections {
 /// The parameter that a derivative is with respect to.
 #[derive(Clone, Copy, PartialEq)]
 enum Seed {
-    Stretch,
     Ratio,
     Constant(usize),
 }

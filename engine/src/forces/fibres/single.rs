@@ -1,8 +1,9 @@
 //! A single fibre of a material, for stress–stretch curves and fits.
 
 use super::evaluation::Energies;
-use super::jet::{Constant, MixedJet};
+use super::jet::{Constant, Jet, MixedJet};
 use super::law::Law;
+use super::stretches::{Free, Kept};
 
 impl Law {
     /// Derivatives of the nominal stress w′ of such a fibre with respect to each constant, row by row of the
@@ -11,19 +12,22 @@ impl Law {
         if !self.accepts(constants.len()) {
             return None;
         }
-        let fixed =
-            |value: f64, first: f64| MixedJet { value, first, second: 0.0, by_parameter: 0.0, mixed: 0.0 };
-        let modulus = Self::modulus(constants, wound);
         let slope = |k: usize, stretch: f64| {
             if self == Law::Linear {
-                return modulus[k + 1] * (stretch - 1.0);
+                return Self::modulus(constants, wound)[k + 1] * (stretch - 1.0);
             }
             let seed = |(i, value): (usize, &f64)| Constant {
                 value: *value,
                 by_parameter: f64::from(u8::from(i == k)),
             };
             let seeded: Vec<Constant> = constants.iter().enumerate().map(seed).collect();
-            self.fibre(&seeded, fixed(stretch, 1.0), wound.then(|| fixed(1.0, 0.0))).mixed
+            let stretch = MixedJet {
+                value: Jet { value: stretch, first: 1.0, second: 0.0 },
+                by_parameter: Jet::default(),
+            };
+            let w =
+                if wound { self.energy(&seeded, Kept(stretch)) } else { self.energy(&seeded, Free(stretch)) };
+            w.by_parameter.first
         };
         Some(
             stretch
@@ -44,13 +48,12 @@ impl Law {
         }
         let n = stretch.len();
         let modulus = (self == Law::Linear).then(|| [Self::modulus(constants, wound)[0]]);
-        let ratio = (wound && modulus.is_none()).then(|| vec![1.0; n]);
         let constants = modulus.as_ref().map_or(constants, |modulus| &modulus[..]);
         let mut out = Energies { stretch: stretch.to_vec(), ..Energies::default() };
         for values in [&mut out.value, &mut out.first, &mut out.second] {
             values.resize(n, 0.0);
         }
-        self.evaluate(constants, &vec![1.0; n], ratio.as_ref(), &mut out);
+        self.evaluate(constants, &vec![1.0; n], wound, &mut out);
         for i in (0..n).filter(|i| self != Law::Linear && !(stretch[*i] > 0.0)) {
             (out.value[i], out.first[i], out.second[i]) = (f64::NAN, f64::NAN, f64::NAN);
         }
