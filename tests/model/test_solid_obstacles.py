@@ -96,9 +96,9 @@ def pressed(distance: np.ndarray | float, radius: float = 0.01) -> np.ndarray:
 
 
 def _capsule(x: float, z: float) -> float:
-    # From (9.5, -7.5) to (11.5, -5.5) cm, of radius 1 cm.
+    # From (8.5, -6.5) to (10.5, -4.5) cm, of radius 1 cm.
     along = np.array([1.0, 1.0]) / np.sqrt(2.0)
-    r = np.array([x, z]) - np.array([0.105, -0.065])
+    r = np.array([x, z]) - np.array([0.095, -0.055])
     share = np.clip(r @ along, -0.01 * np.sqrt(2.0), 0.01 * np.sqrt(2.0))
     return float(np.linalg.norm(r - share * along)) - 0.01
 
@@ -114,7 +114,7 @@ def _box(x: float, z: float) -> float:
     [
         (
             'kind = "capsule"\nradius = "1 cm"\nlength = "2.8284271247461903 cm"\n'
-            'axis = [1, 0, 1]\npoint = { x = "10.5 cm", z = "-6.5 cm" }',
+            'axis = [1, 0, 1]\npoint = { x = "9.5 cm", z = "-5.5 cm" }',
             _capsule,
         ),
         (

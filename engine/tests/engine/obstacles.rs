@@ -134,7 +134,7 @@ fn solids() -> Vec<SurfaceDescription> {
         rounded([None, flat(0.0), flat(0.0)], 0.1),
         rounded([flat(0.0), None, flat(0.0)], 0.2),
         sleeve([flat(0.0), None, flat(0.0)], 0.02),
-        sleeve([flat(0.01), flat(0.0), flat(0.02)], 0.03),
+        sleeve([flat(0.0), flat(0.0), flat(0.04)], 0.02),
     ]
 }
 
@@ -153,6 +153,8 @@ fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
 
 /// The same with an obstacle on a body that moves itself, at a place that follows its length.
 fn carried<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    // Within the steps of the differences nothing touches anew, and no sphere passes from a side to an end.
+    let size = if D == 3 { 0.05 } else { 0.044 };
     for surface in solids() {
         let mut d = sunk(D == 3);
         let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
@@ -168,13 +170,13 @@ fn carried<G: LieGroup<D, P>, const D: usize, const P: usize>() {
             offset,
             surface: [0.0, 0.0, 0.1],
         };
-        let checked = derivatives::<G, D, P>(&d, 0.05, |contacts| contacts.len() > 1);
+        let checked = derivatives::<G, D, P>(&d, size, |contacts| !contacts.is_empty());
         assert!(checked > 25, "{surface:?}");
         // On a body before those that touch it.
         let AttachmentDescription::Body { body, .. } = &mut d.obstacles[0].at else { unreachable!() };
         *body = "hand".into();
         d.obstacles[0].spheres = vec!["arm".into()];
-        derivatives::<G, D, P>(&d, 0.05, |contacts| !contacts.is_empty());
+        derivatives::<G, D, P>(&d, size, |contacts| !contacts.is_empty());
     }
 }
 

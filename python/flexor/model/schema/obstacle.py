@@ -53,10 +53,9 @@ class Obstacle(Force):
             raise field_error(f'names the group "{group}" twice', path="spheres")
         return self
 
-    @property
-    def solid(self) -> bool:
-        """Whether it ends on all sides, so that nothing at all can be in it."""
-        return False
+    @abstractmethod
+    def excludes(self, rod: Rod, touching: bool) -> bool:
+        """Whether a rod, which touches it or not, must not begin in it."""
 
     @property
     def turn(self) -> Triple:
@@ -89,17 +88,16 @@ class Obstacle(Force):
         self._check_bases(path, system)
 
     def _check_bases(self, path: str, system: BodySystem) -> None:
-        """Check that no rod that touches it begins in it, and none at all if it is a solid."""
+        """Check that it contains the base of no rod that it has to stay clear of."""
         touching = {body for group in self.spheres for body in _bodies(system, group)}
         origin, axes = self.reference_pose(system)
         for name, body in system.bodies.items():
-            if not isinstance(body, Rod) or not (name in touching or self.solid):
-                continue
-            if isinstance(self.point, Attachment) and self.point.body == name:
+            carrier = isinstance(self.point, Attachment) and self.point.body == name
+            if carrier or not isinstance(body, Rod) or not self.excludes(body, name in touching):
                 continue
             base = system.reference_frames[name](0.0)[:3, 3]
             if self.distance(axes.T @ (base - origin)) < 0.0:
-                where = ", ".join(f"{100.0 * x:.4g}" for x in base)
+                where = ", ".join(f"{100.0 * x + 0.0:.4g}" for x in base)
                 tail = f'contains the base of "{name}" at rest, which is at ({where}) cm'
                 raise field_error(f"{tail}: move the obstacle or the rod", path)
 
@@ -156,6 +154,10 @@ class HalfSpace(Obstacle):
         if self.normal[1] != 0.0:
             tail = "in a planar model it must lie in the x-z plane"
             raise field_error(f"is {list(self.normal)}: {tail}", f"{path}.normal")
+
+    def excludes(self, rod: Rod, touching: bool) -> bool:
+        """Whether the rod touches it and its base is fixed in the world."""
+        return touching and rod.parent is None and rod.joint.kind == "fixed"
 
     def distance(self, place: Array) -> float:
         """Return how far a place is in front of the plane [m]."""

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from flexor.arrays import Array
 from flexor.model import units
+from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.obstacle import HalfSpace, Obstacle
 from flexor.model.schema.planar import about_y
@@ -28,10 +29,9 @@ class Solid(Obstacle):
 
     inside: Switch = False
 
-    @property
-    def solid(self) -> bool:
-        """Whether it is no sleeve."""
-        return not self.inside
+    def excludes(self, rod: Rod, touching: bool) -> bool:
+        """Whether it is a solid, which nothing can be in, or a sleeve that the rod touches."""
+        return touching or not self.inside
 
     @property
     @abstractmethod
