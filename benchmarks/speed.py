@@ -1,11 +1,11 @@
 """Speed of evaluation: designs per second, iterations, time of one iteration.
 
-Random designs of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and in a single step, on one
+Random designs: of L+R01 on the paper's finger, 0 to 5 N in 1 N steps and in a single step, on one
 and two threads, with the calibrated constants and with a stiffer exosuit (E = 1 MPa, chamber on the
-surface, k = 1000 N/m); the strapped pneumatic finger of 20 elements, 0 to 60 kPa in five steps; and
-a spatial rod with all six strain modes. Cases are interleaved and numbers are medians; the time of
-an iteration is processor time of one thread. The column "undisturbed" sums the best times of
-batches of fifty designs, which excludes other load.
+surface, k = 1000 N/m); of the problem that the strapped pneumatic finger of 20 elements states,
+0 to 60 kPa in five steps; and of L+R01 on a spatial rod with all six strain modes. Cases are
+interleaved and numbers are medians; the time of an iteration is processor time of one thread. The
+column "undisturbed" sums the best times of batches of fifty designs, which excludes other load.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from _design_problems import DEMO, problem
 from _random_designs import geometry, random_vectors
 from _section import Section, table
 from _timing import Times, progress
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 
 import flexor
 from flexor.design import Geometry
-from flexor.model import Model, Paths, parse
+from flexor.model import Model, Paths, SlotValues, parse
 
 SPATIAL = """
 name = "spatial rod"
@@ -65,6 +66,7 @@ PRESSING = {
 STEPWISE, AT_ONCE = "0:5:1", "0:5:5"
 PART = 50
 Case = tuple[str, int]
+Designs = Geometry | SlotValues
 
 
 def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[Case, ...]]]:
@@ -77,6 +79,24 @@ def cases(designs: int) -> Iterator[tuple[str, Model, int, tuple[Case, ...]]]:
     yield "pneumatic finger, Ogden", device, max(1, designs // 4), (("0:60:12 kPa", 1),)
     spatial = ((STEPWISE, 1), (AT_ONCE, 1))
     yield "spatial rod, six modes", Model(parse(SPATIAL)), max(1, designs // 10), spatial
+
+
+def drawn(model: Model, count: int) -> tuple[Designs, list[Designs]]:
+    """Draw random designs: all of them, and batch by batch.
+
+    Of the problem that the model states, if it does, else of L+R01.
+    """
+    stated = model.file.design
+    if stated is not None and stated.varied:
+        own = problem(DEMO).parameters
+        unit = np.random.default_rng(1).uniform(size=(count, own.size))
+        vectors = own.lower + unit * (own.upper - own.lower)
+        return own.designs(vectors, model)[0], [
+            own.designs(vectors[i : i + PART], model)[0] for i in range(0, count, PART)
+        ]
+    vectors = random_vectors(model, count)
+    parts = [geometry(model, vectors[i : i + PART]) for i in range(0, count, PART)]
+    return geometry(model, vectors), parts
 
 
 def main() -> None:
@@ -106,9 +126,7 @@ def measure(designs: int, runs: int) -> Section:
     ratios = []
     with progress() as bar:
         for name, model, count, chosen in cases(designs):
-            vectors = random_vectors(model, count)
-            whole = geometry(model, vectors)
-            parts = [geometry(model, vectors[i : i + PART]) for i in range(0, count, PART)]
+            whole, parts = drawn(model, count)
             times = {case: Times() for case in chosen}
             best = {case[0]: np.full(len(parts), np.inf) for case in chosen}
             # Warms caches and threads, too.
@@ -140,12 +158,11 @@ def measure(designs: int, runs: int) -> Section:
                 ratios.append(f"{name}: {statistics.median(a / b for a, b in pairs):.2f}")
     section = Section("Speed", "./dev bench speed")
     section.parts += [
-        f"{designs:,} random designs (a quarter of these for the pneumatic finger, a tenth for "
-        "the spatial rod), forces from 0 to 5 N in steps of "
-        f"1 N and of 5 N; medians of {runs} runs. Designs per second are wall time, the time of an "
-        "iteration is processor time of one thread; *undisturbed* uses the best time of each "
-        "batch "
-        f"of {PART} designs.",
+        f"{designs:,} random designs (a quarter of these of the problem that the pneumatic finger "
+        "states, 0 to 60 kPa in steps of 12 kPa; a tenth for the spatial rod), forces from 0 to "
+        f"5 N in steps of 1 N and of 5 N; medians of {runs} runs. Designs per second are wall "
+        "time, the time of an iteration is processor time of one thread; *undisturbed* uses the "
+        f"best time of each batch of {PART} designs.",
         speeds,
         f"Speed-up with two threads, steps of 1 N: {'; '.join(ratios)}.",
         "Iterations (evaluations of the tangent) per design:",
@@ -169,9 +186,7 @@ def step(force: str) -> str:
     return size if " " in size else f"{size} N"
 
 
-def part_by_part(
-    model: Model, parts: list[Geometry], force: str, best: NDArray[np.float64]
-) -> None:
+def part_by_part(model: Model, parts: list[Designs], force: str, best: NDArray[np.float64]) -> None:
     """Evaluate batch after batch on one thread; keep the best wall time of each [s]."""
     for i, part in enumerate(parts):
         took = Times()
@@ -179,7 +194,7 @@ def part_by_part(
         best[i] = min(best[i], took.wall[0])
 
 
-def evaluated(model: Model, designs: Geometry, force: str, threads: int) -> Paths:
+def evaluated(model: Model, designs: Designs, force: str, threads: int) -> Paths:
     """Evaluate once."""
     batch = model.evaluate(designs, force, threads=threads)
     assert isinstance(batch, Paths)

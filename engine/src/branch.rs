@@ -16,7 +16,7 @@ pub struct Branch {
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Branch {
     fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
-        self.loads.extend_from_slice(system.load());
+        self.loads.extend_from_slice(system.input_loads());
         self.results.push([0, index], &report, system);
     }
 

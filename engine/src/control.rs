@@ -84,7 +84,7 @@ pub(crate) struct Controls {
 
 impl Controls {
     pub fn new<G: LieGroup<D, P>, const D: usize, const P: usize>(model: &Model<G, D, P>) -> Self {
-        let (n, inputs, count) = (model.dof(), model.inputs().len(), model.controls.len());
+        let (n, inputs, count) = (model.dof(), model.load_count(), model.controls.len());
         Self {
             dof: n,
             stiffness: vec![0.0; count],
@@ -154,11 +154,11 @@ impl Controls {
         load: &[f64],
     ) -> &[f64] {
         self.update_change(model, design, q);
-        self.applied.copy_from_slice(load);
+        self.applied[..load.len()].copy_from_slice(load);
         for (k, control) in model.controls.iter().enumerate() {
             self.applied[control.input] = self.stiffness[k] * (load[control.input] - self.change[k]);
         }
-        &self.applied
+        &self.applied[..load.len()]
     }
 
     fn update_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -235,11 +235,12 @@ impl Controls {
     /// Passes on the change of the loads at a fixed state due to a change of the set points w.
     pub fn with_applied_rate(&self, controls: &[Control], rate: &[f64], visit: impl FnOnce(&[f64])) {
         let mut applied = self.rate.borrow_mut();
+        let applied = &mut applied[..rate.len()];
         applied.copy_from_slice(rate);
         for (control, stiffness) in controls.iter().zip(&self.stiffness) {
             applied[control.input] *= stiffness;
         }
-        visit(&applied);
+        visit(applied);
     }
 
     /// Second derivative of the energy with the set points w along a rate, at a fixed state.

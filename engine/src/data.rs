@@ -11,6 +11,7 @@ use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
+use crate::ties::TieConditions;
 use crate::tree::Shape;
 
 /// A reusable workspace; evaluating and solving allocate no memory.
@@ -22,6 +23,8 @@ pub struct Data<G, const D: usize, const P: usize> {
     /// Present if the loads of controlled inputs are changes of their conjugates; otherwise they are
     /// forces.
     pub(crate) controls: Option<Controls>,
+    /// Present if the model has ties.
+    pub(crate) ties: Option<TieConditions>,
     /// Force law of stiff terms.
     pub(crate) law: Law,
 }
@@ -35,6 +38,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             assembly: Assembly::new(model),
             law: Law::Actual,
             controls: None,
+            ties: (model.tie_count() > 0).then(|| TieConditions::new(model)),
         }
     }
 
@@ -67,11 +71,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Computes energy and residual at the state `q` under `load`; the tangent is not updated.
     pub fn evaluate_residual(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, law, controls } = self;
+        let Self { design, kinematics, assembly, law, controls, ties } = self;
         let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         kinematics.update(tree, geometry, q);
         let load = controls.as_mut().map_or(load, |controls| controls.apply(model, design, q, load));
+        let load = ties.as_mut().map_or(load, |ties| ties.apply(load));
         assembly.update_residual(model, design, &State { tree, geometry, kinematics, q, load, law });
         if let Some(controls) = controls {
             assembly.energy += controls.energy(&model.controls);
@@ -86,10 +91,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// As above, but of a tangent in chain form only the part that its factorisation needs.
     pub(crate) fn evaluate_near_tangent(&mut self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) {
-        let Self { design, kinematics, assembly, law, controls } = self;
+        let Self { design, kinematics, assembly, law, controls, ties } = self;
         let law = *law;
         let (tree, geometry) = (&model.tree, &design.geometry);
         let load = controls.as_ref().map_or(load, Controls::applied);
+        let load = ties.as_ref().map_or(load, TieConditions::applied);
         assembly.update_tangent(model, design, &State { tree, geometry, kinematics, q, load, law });
         if let Some(controls) = controls {
             controls.update_gradient(model, design, kinematics, q);
@@ -150,6 +156,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     ) -> State<'a, G, D, P> {
         let (tree, geometry) = (&model.tree, &self.design.geometry);
         let load = self.controls.as_ref().map_or(load, Controls::applied);
+        let load = self.ties.as_ref().map_or(load, TieConditions::applied);
         State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
@@ -197,6 +204,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.foundations.summarise(&self.state(model, &[], &[]), &mut summary, &mut tip);
         summary.tip_force = tip.norm();
         (summary, tip)
+    }
+
+    /// Evaluates the conditions of ties at the last state evaluated.
+    pub(crate) fn update_ties(&mut self, model: &Model<G, D, P>) {
+        if let Some(ties) = &mut self.ties {
+            ties.update(model, &self.design, &self.kinematics);
+        }
     }
 
     /// Length of each actuator's path [m] at the state `q`.

@@ -107,6 +107,34 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         }
     }
 
+    /// Adds Jᵀw for a wrench on a frame, at the state of the last update.
+    pub fn add_generalised_force(
+        &self,
+        tree: &Tree<G, D, P>,
+        geometry: &Geometry<G, D, P>,
+        frame: usize,
+        wrench: &Vector<D>,
+        out: &mut [f64],
+    ) {
+        let mut f = frame;
+        while f != 0 {
+            let frame = &tree.frames[f];
+            if !frame.blocks.is_empty() {
+                let body_wrench = self.pose[f].adjoint().transpose_times(wrench);
+                let dual = G::tangent(&self.omega[f], &self.stumpff[f]).transpose_times(&body_wrench);
+                let (a1, a2, _) = self.motion_derivative(tree, f);
+                let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
+                let maps = &geometry.strain_maps[frame.blocks.clone()];
+                let dofs = tree.column_dofs[frame.columns.clone()].chunks(LANES);
+                for (dofs, [phi1, phi2]) in dofs.zip(maps) {
+                    let pulled = phi1.transpose_times(&one) + phi2.transpose_times(&two);
+                    dofs.iter().enumerate().for_each(|(lane, dof)| out[*dof] += pulled[lane]);
+                }
+            }
+            f = frame.parent;
+        }
+    }
+
     /// Accumulated rotation of a planar frame, counting full turns.
     pub fn planar_angle(&self, tree: &Tree<G, D, P>, frame: usize) -> f64 {
         let mut angle = 0.0;

@@ -22,6 +22,7 @@ mod results;
 mod section;
 pub mod sensitivity;
 pub mod strain;
+mod ties;
 mod tolerances;
 mod tree;
 mod units;

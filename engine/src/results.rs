@@ -1,6 +1,7 @@
 //! Results of paths, collected step by step into arrays.
 
 use crate::equilibrium::{Event, EventKind, Stability, Status, StepReport, System};
+use crate::forces::tie::TIE_NUMBERS;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
@@ -41,6 +42,13 @@ pub struct PathResults {
     pub stretch: Vec<f64>,
     /// Angle between both ends of each rod.
     pub rod_bending: Vec<f64>,
+    /// What each tie does to its second place, seven numbers: force [N] and moment about the place [N·m] in
+    /// the world, and the force or moment that drives it.
+    pub ties: Vec<f64>,
+    /// How far each tie is from being closed: a distance [m] and an angle [rad].
+    pub tie_gaps: Vec<f64>,
+    /// Number of redundant conditions of each tie.
+    pub tie_redundancy: Vec<f64>,
     /// (design, step, coordinate) of free motions, in order.
     pub free: Vec<[usize; 3]>,
     /// Events of all designs, in order.
@@ -83,6 +91,9 @@ impl PathResults {
             self.residual[row] = report.accuracy.residual;
             self.tolerance[row] = report.accuracy.tolerance;
         }
+        if found || report.status == Status::NotClosed {
+            data.tie_gaps(model, last(&mut self.tie_gaps, 2 * model.tie_count()));
+        }
         if !found {
             return;
         }
@@ -99,6 +110,8 @@ impl PathResults {
         data.volumes(model, report.q, last(&mut self.volume, model.pressure_count()));
         data.rod_bending(model, last(&mut self.rod_bending, model.rods.len()));
         data.stretches(model, report.q, last(&mut self.stretch, 2 * model.material_count()));
+        data.tie_loads(model, last(&mut self.ties, TIE_NUMBERS * model.tie_count()));
+        system.count_redundant(last(&mut self.tie_redundancy, model.tie_count()));
     }
 
     /// Appends steps without equilibrium.
@@ -145,7 +158,7 @@ impl PathResults {
     fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
-    ) -> [(&mut Vec<f64>, usize); 8] {
+    ) -> [(&mut Vec<f64>, usize); 11] {
         [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
@@ -155,6 +168,9 @@ impl PathResults {
             (&mut self.volume, model.pressure_count()),
             (&mut self.rod_bending, model.rods.len()),
             (&mut self.stretch, 2 * model.material_count()),
+            (&mut self.ties, TIE_NUMBERS * model.tie_count()),
+            (&mut self.tie_gaps, 2 * model.tie_count()),
+            (&mut self.tie_redundancy, model.tie_count()),
         ]
     }
 
@@ -182,6 +198,9 @@ impl PathResults {
         self.volume.extend(other.volume);
         self.rod_bending.extend(other.rod_bending);
         self.stretch.extend(other.stretch);
+        self.ties.extend(other.ties);
+        self.tie_gaps.extend(other.tie_gaps);
+        self.tie_redundancy.extend(other.tie_redundancy);
         self.free.extend(other.free);
         self.events.extend(other.events);
     }

@@ -39,6 +39,12 @@ pub(crate) const COINCIDENT: f64 = 1e-6;
 /// sphere.
 pub(crate) const SAME_FORCE: f64 = 1e-9;
 
+/// A condition of a tie depends on others if less than this part of its gradient is independent of theirs.
+pub(crate) const DEPENDENT: f64 = 1e-8;
+/// Largest violation of such a condition: of lengths relative to that of the longest body, of angles in
+/// radians.
+pub(crate) const REDUNDANT_GAP: f64 = 1e-6;
+
 /// Largest component of the rotation of a placement [rad]: of a larger one, rounding leaves no angle.
 pub(crate) const MAX_PLACEMENT_ROTATION: f64 = 1e6;
 /// Largest difference of the norm of a unit vector from one.

@@ -31,6 +31,8 @@ pub(crate) struct Units {
     /// Whether the coordinate is elastic.
     pub elastic: Vec<bool>,
     all_elastic: bool,
+    /// Whether there are ties.
+    in_loops: bool,
     /// One radian, a strain of one, or for a translation the length of the longest of these bodies.
     pub natural: Vec<f64>,
     kind: Vec<Kind>,
@@ -56,6 +58,7 @@ impl Units {
             own_energy: vec![1.0; n],
             elastic: vec![false; n],
             all_elastic: false,
+            in_loops: model.tie_count() > 0,
             natural: vec![1.0; n],
             kind,
             stiffness: vec![0.0; n],
@@ -100,6 +103,11 @@ impl Units {
     /// Whether a coordinate is a length.
     pub fn is_length(&self, coordinate: usize) -> bool {
         self.kind[coordinate] == Kind::Length
+    }
+
+    /// The force that one natural unit of an elastic coordinate takes; zero of others.
+    pub fn elastic_force(&self, coordinate: usize) -> f64 {
+        if self.elastic[coordinate] { self.stiffness[coordinate] * self.natural[coordinate] } else { 0.0 }
     }
 
     /// Whether every coordinate is elastic.
@@ -163,7 +171,9 @@ impl Units {
             *least = least.min(energy);
             largest = largest.max(energy);
         }
-        let smallest = elastic.min(other.max(MIN_ENERGY * largest));
+        // In a loop a body that has no stiffness of its own moves with those that have.
+        let own = elastic.is_infinite() || !self.in_loops;
+        let smallest = if own { elastic.min(other.max(MIN_ENERGY * largest)) } else { elastic };
         smallest.is_finite().then_some(smallest)
     }
 }

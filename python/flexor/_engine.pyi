@@ -60,6 +60,9 @@ class Paths(TypedDict):
     volume: NDArray[np.float64]  # (…, pressures)
     rod_bending: NDArray[np.float64]  # (…, rods)
     stretch: NDArray[np.float64]  # (…, materials, 2): least and greatest
+    tie_loads: NDArray[np.float64]  # (…, ties, 7): force, moment, drive
+    tie_gaps: NDArray[np.float64]  # (…, ties, 2): distance, angle
+    tie_redundancy: NDArray[np.float64]  # (…, ties): redundant conditions
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events

@@ -69,7 +69,7 @@ def test_files_are_overwritten_by_force_only(flexor, tmp_path: Path) -> None:
     ("arguments", "sentence"),
     [
         ((), "nothing to export"),
-        (("--body", "a.obj"), "its name must end in .stl or .3mf"),
+        (("--body", "a.obj"), "its name must end in .stl or .3mf or .step or .stp"),
         (("--body", "no/a.stl"), 'no folder "no"'),
         (("--body", "a.stl", "--design", "2"), "--design is for a study folder"),
         (("--body", "a.stl", "--rod", "exo"), 'unknown rod "exo"'),

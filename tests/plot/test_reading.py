@@ -53,6 +53,7 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
         materials={},
         straps={},
         springs={},
+        ties={},
         obstacles={},
         rod=lambda name: {"exosuit": exosuit}[name],
         bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},

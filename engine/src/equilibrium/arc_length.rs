@@ -6,7 +6,7 @@
 //! velocity gives for the whole change of load, so that neither depends on the units of the other.
 
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed, weighted_dot};
-use super::continuation::Continuation;
+use super::continuation::{Continuation, LoadStep};
 use super::options::{ArcLengthOptions, ContinuationOptions};
 use super::path::{PathSink, StepReport};
 use super::stability::Stability;
@@ -57,13 +57,26 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     /// # Panics
     /// If a load or `q0` has the wrong length.
     pub fn follow_arc(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
+        let closed = self.with_closed_ties(loads);
+        let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
+        let loads = if closed.is_empty() { loads } else { &closed };
         let Some(first) = loads.first() else { return };
         let mut reports = Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, sink };
         self.system.budget.restart();
         self.system.set_state(q0);
         self.system.measure_units(loads);
         self.system.set_load(first);
-        let found = self.start_branch(q0);
+        let found = if self.system.has_ties() {
+            self.set_ranges(loads);
+            let step = LoadStep { index: 0, tangent_reuse: 0.0 };
+            match self.close_ties(first, step, reports.sink) {
+                Status::Converged => Ok(self.system.stability()),
+                Status::Unstable => Ok(Stability::Unstable),
+                status => Err(status),
+            }
+        } else {
+            self.start_branch(q0)
+        };
         reports.report(&mut self.system, found);
         if found.is_err() {
             return;

@@ -246,10 +246,14 @@ impl Bordered {
         system.evaluate_tangent();
         system.complete_tangent();
         let (energy, units, tangent) = (system.unit_energy(), system.units(), system.data().tangent());
-        let rows = self.matrix.tangent.chunks_exact_mut(n.max(1)).zip(tangent.chunks_exact(n.max(1)));
-        for ((row, source), unit) in rows.zip(units) {
-            let scale = unit / energy;
-            row.iter_mut().zip(source).zip(units).for_each(|((h, t), u)| *h = t * u * scale);
+        if let Some(projected) = system.projected_matrix() {
+            self.matrix.tangent = projected;
+        } else {
+            let rows = self.matrix.tangent.chunks_exact_mut(n.max(1)).zip(tangent.chunks_exact(n.max(1)));
+            for ((row, source), unit) in rows.zip(units) {
+                let scale = unit / energy;
+                row.iter_mut().zip(source).zip(units).for_each(|((h, t), u)| *h = t * u * scale);
+            }
         }
         for (k, border) in borders.iter().enumerate() {
             let matrix = &mut self.matrix;
@@ -267,7 +271,7 @@ impl Bordered {
             }
         }
         self.pinned.iter().for_each(|c| self.matrix.pin(*c));
-        self.matrix.factorise(system.is_conservative());
+        self.matrix.factorise(system.is_conservative() && !system.is_projected());
     }
 
     /// Adds μ ∇²c to the tangent's part of the matrix.

@@ -25,9 +25,9 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) system: System<'m, G, D, P>,
     pub(super) predictor: Predictor<D, P>,
     pub(super) options: ContinuationOptions,
-    corrector: Corrector<D, P>,
-    trust_region: TrustRegion,
-    damped_newton: DampedNewton,
+    pub(super) corrector: Corrector<D, P>,
+    pub(super) trust_region: TrustRegion,
+    pub(super) damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
@@ -40,7 +40,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) start_load: Vec<f64>,
     pub(super) rate: Vec<f64>,
     /// Difference between the largest and the smallest value of each input over the path.
-    range: Vec<f64>,
+    pub(super) range: Vec<f64>,
     /// The energy in `start` under the load of the current jump, and its gradient, the residual.
     pub(super) energy: f64,
     pub(super) slope: Vec<f64>,
@@ -67,7 +67,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         cancel: Option<&'m dyn Cancel>,
     ) -> Self {
         debug_assert_eq!(options.validate(), Ok(()));
-        let (n, inputs) = (model.dof(), model.inputs().len());
+        let (n, inputs) = (model.dof(), model.load_count());
         let zeros = || vec![0.0; n];
         Self {
             system: System::new(model, Budget::new(&options, cancel), options.mixed.stiffness),
@@ -108,6 +108,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     /// # Panics
     /// If a load or `q0` has the wrong length.
     pub fn follow(&mut self, loads: &[&[f64]], q0: &[f64], sink: &mut impl PathSink<G, D, P>) {
+        let closed = self.with_closed_ties(loads);
+        let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
+        let loads = if closed.is_empty() { loads } else { &closed };
         self.set_ranges(loads);
         self.system.set_state(q0);
         self.system.measure_units(loads);
@@ -123,7 +126,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 status = if index == 0 {
                     self.system.set_load(target);
                     let radius = self.options.trust_region.initial_radius;
-                    let found = self.find_stable(radius, tangent_reuse);
+                    let found = if self.system.has_ties() {
+                        self.close_ties(target, step, sink)
+                    } else {
+                        self.find_stable(radius, tangent_reuse)
+                    };
                     let status = self.hold(found, target, step, sink);
                     self.unstable = status == Status::Unstable;
                     status
@@ -249,8 +256,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.system.displacement(&self.start, &mut self.moved);
     }
 
+    /// With ties, the loads with these closed; otherwise none.
+    pub(super) fn with_closed_ties(&self, loads: &[&[f64]]) -> Vec<Vec<f64>> {
+        if !self.system.has_ties() {
+            return vec![];
+        }
+        loads.iter().map(|load| load.iter().copied().chain([1.0]).collect()).collect()
+    }
+
     /// How much each input varies over the path.
-    fn set_ranges(&mut self, loads: &[&[f64]]) {
+    pub(super) fn set_ranges(&mut self, loads: &[&[f64]]) {
         for (input, range) in self.range.iter_mut().enumerate() {
             let values = loads.iter().map(|load| load[input]);
             *range = values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min);
@@ -316,7 +331,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         // The end of a branch is located from the state before it.
         let ends = self.predictor.branch_end().is_finite();
         let share = if ends { accuracy.residual_near_end } else { accuracy.relative_residual };
-        (share * h * self.rate_of_change()).min(accuracy.max_residual).max(self.options.tolerance)
+        let allowed = (share * h * self.rate_of_change()).min(accuracy.max_residual);
+        // Loops may move with next to no stiffness though each coordinate has its own.
+        let loops = if self.system.has_ties() { self.options.closing.residual_share } else { 1.0 };
+        (allowed * loops).max(self.options.tolerance)
     }
 
     /// The scale of residuals between the listed loads: the speed or, where the structure is softer than its
@@ -355,7 +373,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         let tolerance = self.options.tolerance;
-        if self.system.is_conservative() {
+        if self.system.is_conservative() && self.system.has_ties() {
+            self.find_tied(radius, tangent_reuse)
+        } else if self.system.is_conservative() {
             let target = Target { tolerance, tangent_reuse };
             self.trust_region.minimize_energy(&mut self.system, radius, target)
         } else {

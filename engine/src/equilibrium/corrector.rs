@@ -101,7 +101,7 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
 
     /// Newton's method with full steps from a state whose largest residual is `size`; fails if a tangent is
     /// not positive definite or the steps add up to more than `reach`.
-    fn iterate<G: LieGroup<D, P>>(
+    pub(super) fn iterate<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         mut size: f64,

@@ -51,6 +51,7 @@ impl CriticalSearch {
         }
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
+        let tied = system.is_projected();
         let definite = system.factorise(0.0) || system.factorise(ZERO_EIGENVALUE);
         if !definite || system.is_singular() {
             return Some(0.0);
@@ -72,6 +73,12 @@ impl CriticalSearch {
             ahead
         };
         let tangent = system.scaled_tangent();
+        if tied {
+            // The force on the free motions, with that of the motion which ties prescribe: −H velocity.
+            for (b, row) in self.load.iter_mut().zip(tangent.chunks(velocity.len())) {
+                *b = -dot(row, velocity);
+            }
+        }
         let change = rate_of_tangent(velocity, small, small, system);
         // Far from it the lowest eigenvalue may be one of many, and not the first to vanish.
         let fall = -form(&self.left, &change, &self.mode) / dot(&self.left, &self.mode);
@@ -109,6 +116,7 @@ impl CriticalSearch {
             for i in 0..n {
                 self.work[i] = -dot(&change[i * n..(i + 1) * n], &self.mode);
             }
+            system.keep_free(&mut self.work);
             system.solve(&mut self.work);
             inverse_distance = dot(&self.mode, &self.work);
             let length = norm(&self.work);
@@ -118,6 +126,7 @@ impl CriticalSearch {
                 for (row, l) in change.chunks(n).zip(&self.left) {
                     self.work.iter_mut().zip(row).for_each(|(w, c)| *w -= c * l);
                 }
+                system.keep_free(&mut self.work);
                 system.solve_transposed_dimensionless(&mut self.work);
                 let length = norm(&self.work);
                 self.left.iter_mut().zip(&self.work).for_each(|(m, w)| *m = w / length);
@@ -141,6 +150,8 @@ impl CriticalSearch {
             *m = 1.0 + 0.3 * ((i + 1) as f64 * 1.7).sin();
             *l = *m;
         }
+        system.keep_free(&mut self.mode);
+        system.keep_free(&mut self.left);
         let mut eigenvalue = f64::NAN;
         for _ in 0..self.options.inverse_iterations {
             let length = norm(&self.mode);

@@ -1,7 +1,6 @@
 //! Equilibria under loads that have no potential to minimise: damped Newton on the residual, and where
 //! that fails or ends in an unstable state, the overdamped motion that follows.
 
-use super::general::lowest;
 use super::options::DampedNewtonOptions;
 use super::stability::Stability;
 use super::status::Status;
@@ -128,10 +127,7 @@ impl DampedNewton {
                 return status;
             }
             system.evaluate_tangent();
-            let Some((low, direction)) = lowest(system.data().tangent(), &system.data().design.units.scale)
-            else {
-                return Status::Stalled;
-            };
+            let Some((low, direction)) = system.lowest_eigenvalue() else { return Status::Stalled };
             system.factorise(0.0);
             if system.has_converged(size, tolerance) {
                 match direction.filter(|_| iteration == 0) {

@@ -1,6 +1,7 @@
 //! The factorised tangent of a state, symmetric or not.
 
 use super::general::GeneralFactor;
+use super::projection::{ProjectedMatrix, Projection};
 use super::semidefinite::SemidefiniteFactor;
 use super::stability::Stability;
 use crate::Data;
@@ -22,6 +23,12 @@ pub(super) struct Factor<const D: usize> {
     semidefinite: Option<Box<SemidefiniteFactor>>,
     /// Whether that is the current factor.
     is_semidefinite: bool,
+    /// Of a model with ties, the matrix on the motions that these allow.
+    projected: Option<Box<ProjectedMatrix>>,
+    /// Whether that is the current matrix.
+    is_projected: bool,
+    /// Its null modes.
+    null_modes: Vec<Vec<f64>>,
 }
 
 impl<const D: usize> Factor<D> {
@@ -36,7 +43,28 @@ impl<const D: usize> Factor<D> {
             general,
             semidefinite: None,
             is_semidefinite: false,
+            projected: (model.tie_count() > 0).then(Box::default),
+            is_projected: false,
+            null_modes: vec![],
         }
+    }
+
+    /// Takes the current tangent for the next factors: with a projection, on the motions that ties allow.
+    pub fn project<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        data: &Data<G, D, P>,
+        projection: Option<&Projection>,
+    ) {
+        self.is_projected = false;
+        if let (Some(projected), Some(projection)) = (&mut self.projected, projection) {
+            projected.update(projection, data.tangent(), &data.design.units.scale);
+            self.is_projected = true;
+        }
+    }
+
+    /// The matrix on the motions that ties allow, if it is the current one.
+    pub fn projected(&self) -> Option<&ProjectedMatrix> {
+        self.projected.as_deref().filter(|_| self.is_projected)
     }
 
     /// Whether the tangent is the second derivative of a potential.
@@ -47,8 +75,15 @@ impl<const D: usize> Factor<D> {
     /// Factorises the current tangent, `S A S + shift`; `false` when it is not positive definite or,
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
-        let (tangent, scale) = (data.tangent(), &data.design.units.scale);
         self.is_semidefinite = false;
+        if let Some(projected) = self.projected.as_deref().filter(|_| self.is_projected) {
+            self.chained = false;
+            return match &mut self.general {
+                Some(general) => general.factorise(&projected.free, &projected.ones, shift),
+                None => self.cholesky.factorise(&projected.free, &projected.ones, shift),
+            };
+        }
+        let (tangent, scale) = (data.tangent(), &data.design.units.scale);
         if let Some(general) = &mut self.general {
             return general.factorise(tangent, scale, shift);
         }
@@ -80,18 +115,29 @@ impl<const D: usize> Factor<D> {
     ) -> bool {
         let scale = &data.design.units.scale;
         let factor = self.semidefinite.get_or_insert_with(|| Box::new(SemidefiniteFactor::new(scale.len())));
-        self.is_semidefinite = factor.factorise(data.tangent(), scale, first, sizes);
+        self.is_semidefinite = match self.projected.as_deref().filter(|_| self.is_projected) {
+            Some(projected) => factor.factorise(&projected.free, &projected.ones, first, &[]),
+            None => factor.factorise(data.tangent(), scale, first, sizes),
+        };
+        self.null_modes.clear();
+        if let Some(projected) = self.projected.as_deref().filter(|_| self.is_projected) {
+            self.null_modes.extend_from_slice(factor.null_modes());
+            self.null_modes.iter_mut().for_each(|mode| projected.turn_back(mode));
+        }
         self.is_semidefinite
     }
 
     /// The null modes, dimensionless.
     pub fn null_modes(&self) -> &[Vec<f64>] {
-        self.semidefinite().map_or(&[], SemidefiniteFactor::null_modes)
+        match self.semidefinite() {
+            Some(_) if self.is_projected => &self.null_modes,
+            factor => factor.map_or(&[], SemidefiniteFactor::null_modes),
+        }
     }
 
-    /// Pinned coordinates.
+    /// Pinned coordinates; of a matrix on the motions that ties allow these are none of the model's.
     pub fn pinned(&self) -> &[usize] {
-        self.semidefinite().map_or(&[], SemidefiniteFactor::pinned)
+        self.semidefinite().filter(|_| !self.is_projected).map_or(&[], SemidefiniteFactor::pinned)
     }
 
     /// Whether there are null modes.
@@ -107,7 +153,10 @@ impl<const D: usize> Factor<D> {
         slack: f64,
     ) -> Stability {
         if let Some(general) = &mut self.general {
-            return general.stability(data.tangent(), &data.design.units.scale, slack);
+            return match self.projected.as_deref().filter(|_| self.is_projected) {
+                Some(projected) => general.stability(&projected.free, &projected.ones, slack),
+                None => general.stability(data.tangent(), &data.design.units.scale, slack),
+            };
         }
         if self.factorise(data, -slack) {
             Stability::Stable
@@ -129,6 +178,13 @@ impl<const D: usize> Factor<D> {
 
     /// Solves in place.
     pub fn solve(&self, b: &mut [f64]) {
+        match self.projected() {
+            Some(projected) => projected.solve(b, |b| self.solve_matrix(b)),
+            None => self.solve_matrix(b),
+        }
+    }
+
+    fn solve_matrix(&self, b: &mut [f64]) {
         if let Some(factor) = self.semidefinite() {
             return factor.solve(b);
         }
@@ -152,9 +208,27 @@ impl<const D: usize> Factor<D> {
 
     /// Solves with the transposed matrix, in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
+        match self.projected() {
+            Some(projected) => projected.solve_transposed(b, |b| self.solve_matrix_transposed(b)),
+            None => self.solve_matrix_transposed(b),
+        }
+    }
+
+    fn solve_matrix_transposed(&self, b: &mut [f64]) {
         match &self.general {
-            None => self.solve(b),
+            None => self.solve_matrix(b),
             Some(general) => general.solve_transposed(b),
+        }
+    }
+
+    /// Solves for the adjoint of an output, given its derivatives by the state and by the reactions of
+    /// ties; see [`ProjectedMatrix::solve_adjoint`].
+    pub fn solve_adjoint(&self, by_state: &mut [f64], by_reactions: &mut [f64]) {
+        match self.projected() {
+            Some(projected) => {
+                projected.solve_adjoint(by_state, by_reactions, |b| self.solve_matrix_transposed(b));
+            }
+            None => self.solve_matrix_transposed(by_state),
         }
     }
 

@@ -100,8 +100,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(&self.start);
         self.system.evaluate();
-        self.energy = self.system.data().energy();
-        self.slope.copy_from_slice(self.system.residual());
+        self.energy = self.system.energy();
+        self.slope.copy_from_slice(self.system.forces());
         let accuracy = &self.options.accuracy;
         let reuse = if lambda == 1.0 { step.tangent_reuse } else { accuracy.tangent_reuse_after_jump };
         let status = self.find_stable(self.options.trust_region.initial_radius, reuse);
@@ -123,7 +123,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
     ) {
         self.system.set_load_between(&self.start_load, &self.rate, at);
-        let (load, before, after) = (self.system.load(), &self.start[..], self.system.state());
+        let (load, before, after) = (self.system.input_loads(), &self.start[..], self.system.state());
         sink.event(Event { step: step.index, kind, load, before, after });
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
     }
@@ -142,12 +142,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// release, which lies above its tangent in `start`.
     fn releases_energy(&mut self, h: f64) -> bool {
         let released = if self.system.is_conservative() {
-            (self.energy - self.system.data().energy()) / self.system.unit_energy()
+            (self.energy - self.system.energy()) / self.system.unit_energy()
         } else {
             self.work_of_forces()
         };
         let released = released - self.options.jump.min_energy;
-        self.system.load_gradient(&self.rate, &mut self.work);
+        self.system.force_gradient(&self.rate, &mut self.work);
         // Energy that the controls themselves store over `h`.
         let stored = h * self.system.load_curvature(&self.rate);
         let work = (dot(&self.work, &self.moved) + stored).abs();

@@ -20,6 +20,7 @@ mod bordered_matrix;
 mod bordered_tests;
 mod branch_end;
 mod budget;
+mod closing;
 mod contact_changes;
 mod continuation;
 mod controlled;
@@ -36,6 +37,7 @@ mod options;
 mod path;
 mod point_motion;
 mod predictor;
+mod projection;
 mod same_branch;
 mod semidefinite;
 mod stability;
@@ -45,6 +47,7 @@ mod subproblem;
 mod system;
 #[cfg(test)]
 mod tests;
+mod tied;
 mod trust_region;
 mod vector;
 

@@ -114,6 +114,8 @@ options! {
         mixed: MixedOptions;
         /// Loads that are found from listed lengths and volumes.
         controlled: ControlledOptions;
+        /// Closing of ties.
+        closing: ClosingOptions;
         /// Newton and chord steps, common to all methods.
         newton: NewtonOptions;
     }
@@ -403,6 +405,22 @@ options! {
         max_rounds: usize = 20, Interval::from(1.0).to(1e3);
         /// Largest relative error of a length or volume where its residual is lost in rounding.
         rounding: f64 = 1e-6, Interval::from(0.0).to(1.0);
+    }
+}
+
+options! {
+    /// Equilibria with ties that are open, or nearly closed.
+    pub struct ClosingOptions {
+        /// Largest gap of a tie that is closed at once: relative to the longest body, or in radians.
+        nearly_closed: f64 = 1e-2, Interval::from(0.0).to(1.0);
+        /// Largest number of minimisations with ties as penalties.
+        max_rounds: usize = 12, Interval::from(1.0).to(1e3);
+        /// Dimensionless residual that ends one of them.
+        residual: f64 = 1e-4, Interval::from(0.0).to(1.0);
+        /// Residual between the listed loads, as a share of that allowed without ties.
+        residual_share: f64 = 1e-2, Interval::from(0.0).to(1.0);
+        /// Dimensionless displacement by which Newton's method may close ties then.
+        reach: f64 = 1.0, Interval::from(0.0).to(1e3);
     }
 }
 

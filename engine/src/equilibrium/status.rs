@@ -24,11 +24,13 @@ pub enum Status {
     TimeLimit = 8,
     /// The solve was asked to stop.
     Cancelled = 9,
+    /// Some tie could not be closed.
+    NotClosed = 10,
 }
 
 impl Status {
     /// All statuses, by code.
-    pub const ALL: [Status; 10] = [
+    pub const ALL: [Status; 11] = [
         Status::Converged,
         Status::Unstable,
         Status::IterationLimit,
@@ -39,6 +41,7 @@ impl Status {
         Status::Unrestrained,
         Status::TimeLimit,
         Status::Cancelled,
+        Status::NotClosed,
     ];
 
     /// The name used in results and records.
@@ -54,6 +57,7 @@ impl Status {
             Status::Unrestrained => "unrestrained",
             Status::TimeLimit => "time-limit",
             Status::Cancelled => "cancelled",
+            Status::NotClosed => "not-closed",
         }
     }
 

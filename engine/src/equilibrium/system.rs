@@ -4,6 +4,7 @@
 use super::budget::{Budget, Cancel};
 use super::factor::Factor;
 use super::options::ContinuationOptions;
+use super::projection::Projection;
 use super::stability::Stability;
 use super::vector::dot;
 use crate::Data;
@@ -25,18 +26,18 @@ use crate::tree::Shape;
 #[derive(Clone, Debug)]
 pub struct System<'m, G, const D: usize, const P: usize> {
     model: &'m Model<G, D, P>,
-    data: Data<G, D, P>,
+    pub(super) data: Data<G, D, P>,
     /// Factor of the tangent.
-    factor: Factor<D>,
+    pub(super) factor: Factor<D>,
     q: Vec<f64>,
     load: Vec<f64>,
     /// Actual size of one unit of each dimensionless coordinate.
-    unit: Vec<f64>,
+    pub(super) unit: Vec<f64>,
     /// Dimensionless residual at the state evaluated last.
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
     /// Ratio of the unit of energy to the energy of each coordinate.
     weight: Vec<f64>,
-    magnitudes: Magnitudes<P>,
+    pub(super) magnitudes: Magnitudes<P>,
     accuracy: Accuracy,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
@@ -50,6 +51,15 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     stiff_ratio: f64,
     /// Limits on the cost of the current load step.
     pub(super) budget: Budget<'m>,
+    /// With ties, their factorised gradients at the state evaluated last.
+    pub(super) projection: Projection,
+    /// Whether ties act by penalties, with the reactions held, in place of exactly.
+    pub(super) penalised: bool,
+    /// The dimensionless gradient of Π on the motions that ties allow.
+    pub(super) free_residual: Vec<f64>,
+    /// What the reactions found last add to the energy, as the assembly has earlier ones.
+    pub(super) reaction_energy: f64,
+    pub(super) scratch: Vec<f64>,
 }
 
 /// How well forces balance.
@@ -71,7 +81,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             data,
             factor: Factor::new(model),
             q: vec![0.0; n],
-            load: vec![0.0; model.inputs().len()],
+            load: vec![0.0; model.load_count()],
             unit: vec![0.0; n],
             residual: vec![0.0; n],
             weight: vec![1.0; n],
@@ -83,7 +93,15 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             stiff: vec![],
             stiff_ratio,
             budget,
+            projection: Projection::default(),
+            penalised: false,
+            free_residual: vec![],
+            reaction_energy: 0.0,
+            scratch: vec![],
         };
+        if let Some(closed) = system.load.get_mut(model.inputs().len()) {
+            *closed = 1.0;
+        }
         system.set_units();
         system
     }
@@ -98,7 +116,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// `false` if that cannot be.
     pub(crate) fn revisit(&mut self, q: &[f64], applied: &[f64]) -> bool {
         self.set_state(q);
-        self.set_load(applied);
+        self.load[..applied.len()].copy_from_slice(applied);
         self.evaluate();
         if let Some(controls) = &self.data.controls {
             controls.set_points(&self.model.controls, &mut self.load);
@@ -196,9 +214,18 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         &self.data
     }
 
-    /// The current load.
-    pub fn load(&self) -> &[f64] {
+    pub(super) fn data_mut(&mut self) -> &mut Data<G, D, P> {
+        &mut self.data
+    }
+
+    /// The current load: that of each input and, with ties, the progress of closing them.
+    pub(crate) fn load(&self) -> &[f64] {
         &self.load
+    }
+
+    /// The current load of each input.
+    pub fn input_loads(&self) -> &[f64] {
+        &self.load[..self.model.inputs().len()]
     }
 
     /// The current state.
@@ -284,7 +311,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// The load that each input has at the state evaluated last.
     pub(crate) fn applied_load(&self) -> &[f64] {
-        self.data.controls.as_ref().map_or(&self.load, crate::control::Controls::applied)
+        let applied = self.data.controls.as_ref().map_or(&self.load[..], crate::control::Controls::applied);
+        &applied[..self.model.inputs().len()]
     }
 
     /// Restores a state whose residual is known.
@@ -330,10 +358,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     pub(super) fn evaluate(&mut self) -> f64 {
         self.data.evaluate_residual(self.model, &self.q, &self.load);
         let unit_energy = self.unit_energy();
+        let gradient = self.data.residual().iter().zip(&self.unit);
+        self.residual.iter_mut().zip(gradient).for_each(|(r, (g, unit))| *r = g * unit / unit_energy);
+        if self.is_projected() {
+            self.project_residual();
+        }
         let mut largest = 0.0f64;
-        let units = self.unit.iter().zip(&self.weight);
-        for ((r, g), (unit, weight)) in self.residual.iter_mut().zip(self.data.residual()).zip(units) {
-            *r = g * unit / unit_energy;
+        for (r, weight) in self.residual.iter().zip(&self.weight) {
             let size = r.abs() * weight;
             // `max` would drop a NaN.
             largest = if size <= largest { largest } else { size };
@@ -352,7 +383,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Evaluates the tangent at the current state with the kept forces; counts as an iteration.
     pub(super) fn evaluate_tangent_with_kept_forces(&mut self) {
         self.data.law = Law::Kept;
-        self.data.evaluate_residual(self.model, &self.q, &self.load);
+        if !self.is_projected() {
+            self.data.evaluate_residual(self.model, &self.q, &self.load);
+        }
         self.evaluate_tangent();
         self.data.law = Law::Actual;
     }
@@ -364,8 +397,19 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// Evaluates the tangent at the current state, after its residual; counts as an iteration.
     pub(super) fn evaluate_tangent(&mut self) {
+        if self.is_projected() {
+            // With the reactions that were found from the residual.
+            self.data.evaluate_residual(self.model, &self.q, &self.load);
+            self.reaction_energy = 0.0;
+        }
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.budget.count();
+        self.loose.clear();
+        if self.is_projected() {
+            self.factor.project(&self.data, Some(&self.projection));
+            return;
+        }
+        self.factor.project(&self.data, None);
         if !self.data.design.units.all_elastic() {
             self.find_loose_coordinates();
         }
@@ -376,7 +420,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
         let n = self.q.len();
         let tangent = self.data.tangent();
-        self.loose.clear();
         for i in (0..n).filter(|i| !self.data.design.units.elastic[*i]) {
             let size = self.magnitudes.stiffness[i];
             if tangent[i * n + i].abs() <= ROUNDING_FACTOR * n as f64 * f64::EPSILON * size {
@@ -497,6 +540,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if !(size <= tolerance) {
             return false;
         }
+        if self.is_projected() && !self.redundant_conditions_hold() {
+            return false;
+        }
         if self.data.design.units.all_elastic() {
             self.accuracy = Accuracy { residual: size, tolerance };
             return true;
@@ -510,17 +556,26 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.complete_tangent(self.model);
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
         let n = self.q.len();
-        let (units, tangent) = (&self.data.design.units, self.data.tangent());
+        let mut forces = std::mem::take(&mut self.scratch);
+        forces.clear();
+        forces.extend_from_slice(self.data.residual());
         let (mut worst, mut balanced, mut meaningless) = (0.0, true, false);
+        if self.is_projected() {
+            let energy = self.unit_energy();
+            let free = self.free_residual.iter().zip(&self.unit);
+            forces.iter_mut().zip(free).for_each(|(g, (r, unit))| *g = r * energy / unit);
+            balanced = self.is_closed(tolerance) && self.redundant_conditions_hold();
+        }
         self.accuracy = Accuracy { residual: 0.0, tolerance };
-        for (i, g) in self.data.residual().iter().enumerate() {
+        let (units, tangent) = (&self.data.design.units, self.data.tangent());
+        for (i, g) in forces.iter().enumerate() {
             let force = self.magnitudes.coordinates[i];
             // Coordinates, positions and distances are rounded too.
             let row = tangent[i * n..(i + 1) * n].iter().zip(&self.q);
             let terms: f64 = row.map(|(h, q)| (h * q).abs()).sum();
             let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.positions[i]);
-            let elastic = if units.elastic[i] { units.stiffness[i] * units.natural[i] } else { 0.0 };
-            let unit = force.max(elastic);
+            let shared = if self.has_ties() { self.shared_unit(i) } else { 0.0 };
+            let unit = force.max(units.elastic_force(i)).max(shared);
             let allowed = tolerance * unit + rounding;
             if *g == 0.0 {
                 continue;
@@ -535,6 +590,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
                 self.accuracy = Accuracy { residual: g.abs() / largest, tolerance: allowed / largest };
             }
         }
+        self.scratch = forces;
         self.lost_in_rounding = balanced && meaningless;
         balanced && !meaningless
     }
@@ -588,6 +644,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.add_load_gradient(self.model, &self.q, rate, out);
         let unit_energy = self.unit_energy();
         out.iter_mut().zip(&self.unit).for_each(|(v, unit)| *v *= unit / unit_energy);
+        if self.is_projected() {
+            self.project_load_gradient(rate, out);
+        }
     }
 
     /// Solves with the transposed matrix, in place.
@@ -597,6 +656,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
 
     /// The dimensionless tangent at hand, row by row.
     pub(super) fn scaled_tangent(&mut self) -> Vec<f64> {
+        if let Some(projected) = self.factor.projected() {
+            return projected.free_matrix();
+        }
         self.complete_tangent();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
         let rows = tangent.chunks(scale.len()).zip(scale);
@@ -652,14 +714,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Computes the columns of the frames that the tangent did not need.
     pub(super) fn complete_columns(&mut self) {
         self.data.complete_columns(self.model);
-    }
-
-    /// Solves Hᵀ x = b in place, in actual coordinates, with the factor of the current equilibrium.
-    pub(crate) fn solve_transposed(&self, b: &mut [f64]) {
-        let scale = &self.data.design.units.scale;
-        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
-        self.factor.solve_transposed(b);
-        b.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
     }
 
     /// Ratio of the smallest to the largest pivot of the current factor.

@@ -17,14 +17,16 @@ pub(crate) struct Differential<const D: usize, const P: usize> {
     pub points: Vec<(usize, Vector<P>)>,
     /// By each parameter, with coordinates and points held.
     pub parameters: Vec<f64>,
+    /// By the reaction of each condition of ties.
+    pub reactions: Vec<f64>,
     /// Whether it is the largest of several numbers, and another one equals it.
     pub tied: bool,
 }
 
 impl<const D: usize, const P: usize> Differential<D, P> {
-    pub fn new(dof: usize, parameters: usize) -> Self {
-        let (coordinates, parameters) = (vec![0.0; dof], vec![0.0; parameters]);
-        Self { coordinates, frames: vec![], points: vec![], parameters, tied: false }
+    pub fn new(dof: usize, parameters: usize, reactions: usize) -> Self {
+        let [coordinates, parameters, reactions] = [dof, parameters, reactions].map(|n| vec![0.0; n]);
+        Self { coordinates, frames: vec![], points: vec![], parameters, reactions, tied: false }
     }
 
     pub fn clear(&mut self) {
@@ -32,6 +34,7 @@ impl<const D: usize, const P: usize> Differential<D, P> {
         self.frames.clear();
         self.points.clear();
         self.parameters.fill(0.0);
+        self.reactions.fill(0.0);
         self.tied = false;
     }
 

@@ -20,4 +20,5 @@ pub(crate) mod pressure;
 pub(crate) mod spring;
 pub(crate) mod state;
 pub(crate) mod terms;
+pub(crate) mod tie;
 pub(crate) mod wrench;

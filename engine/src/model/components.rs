@@ -5,7 +5,7 @@ use crate::tree::Tree;
 
 /// Coordinates in groups that do not interact.
 ///
-/// Trees of bodies, joined where contacts and springs connect them.
+/// Trees of bodies, joined where contacts, springs and ties connect them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Components {
     /// The component of each coordinate.
@@ -31,10 +31,10 @@ impl Components {
             join(&mut [Some(&body.name), body.parent.as_ref()].into_iter().flatten().map(String::as_str));
         }
         for SpringDescription { first, second, .. } in &d.springs {
-            join(&mut [first, second].into_iter().filter_map(|end| match end {
-                AttachmentDescription::World { .. } => None,
-                AttachmentDescription::Body { body, .. } => Some(body.as_str()),
-            }));
+            join(&mut [first, second].into_iter().filter_map(body_of));
+        }
+        for tie in &d.ties {
+            join(&mut [&tie.first, &tie.second].into_iter().filter_map(body_of));
         }
         let contacts = d.contacts.iter().map(|contact| [&contact.first, &contact.second]);
         let foundations = d.foundations.iter().map(|f| [&f.first, &f.second]);
@@ -61,5 +61,13 @@ impl Components {
             }
         }
         Self { of_coordinate, of_body, count: roots.len() }
+    }
+}
+
+/// The body that an attachment is on.
+fn body_of(end: &AttachmentDescription) -> Option<&str> {
+    match end {
+        AttachmentDescription::World { .. } => None,
+        AttachmentDescription::Body { body, .. } => Some(body),
     }
 }

@@ -11,6 +11,7 @@ pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription}
 pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
+pub use crate::forces::tie::{TieDescription, TieDrive, TieKind};
 pub use crate::forces::wrench::{WrenchDescription, WrenchFrame};
 pub use crate::tree::description::*;
 
@@ -63,4 +64,7 @@ pub struct Description {
     /// Point loads.
     #[serde(default)]
     pub wrenches: Vec<WrenchDescription>,
+    /// Joints that close loops.
+    #[serde(default)]
+    pub ties: Vec<TieDescription>,
 }

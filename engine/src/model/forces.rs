@@ -15,6 +15,7 @@ use crate::forces::pressure::Pressures;
 use crate::forces::spring::Springs;
 use crate::forces::state::State;
 use crate::forces::terms::Terms;
+use crate::forces::tie::Ties;
 use crate::forces::wrench::Wrenches;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
@@ -252,4 +253,5 @@ registry! {
     loops: StrapLoops = |tree, description| StrapLoops::build(tree, &description.loops)?;
     obstacles: Obstacles<P> = |tree, description| Obstacles::build(tree, &description.obstacles)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
+    ties: Ties<P> = |tree, description| Ties::build(tree, &description.ties)?;
 }

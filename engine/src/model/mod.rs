@@ -40,8 +40,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let mut tree = Tree::new(&description.bodies, &description.spheres)?;
         let forces = Forces::build(&mut tree, description)?;
         let controls = Control::all(description, &tree.inputs)?;
-        // A control couples all coordinates of its rod.
-        let chained = forces.is_conservative::<G, D>() && controls.is_empty();
+        // A control couples all coordinates of its rod, a tie those of a loop.
+        let chained = forces.is_conservative::<G, D>() && controls.is_empty() && forces.ties.count() == 0;
         let chain = Chain::of(&tree).filter(|chain| chained && chain.is_efficient());
         let components = Components::of(&tree, description);
         Ok(Self { tree, forces, components, controls, chain })
@@ -97,6 +97,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Number of materials of sections of fibres.
     pub fn material_count(&self) -> usize {
         self.forces.fibres.material_count()
+    }
+
+    /// Number of ties.
+    pub fn tie_count(&self) -> usize {
+        self.forces.ties.count()
+    }
+
+    /// Number of loads in a solve: those of the inputs and, with ties, the progress of closing them.
+    pub(crate) fn load_count(&self) -> usize {
+        self.inputs().len() + usize::from(self.tie_count() > 0)
     }
 
     /// Whether every load derives from a potential, so that the tangent is symmetric.

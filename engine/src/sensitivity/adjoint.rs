@@ -3,6 +3,7 @@
 use super::design_velocity::DesignVelocity;
 use super::held::HeldConjugates;
 use super::output::Output;
+use super::ties::TieSensitivities;
 use crate::data::Data;
 use crate::equilibrium::System;
 use crate::forces::differential::Differential;
@@ -32,6 +33,8 @@ pub struct Adjoint<const D: usize, const P: usize> {
     held: HeldConjugates,
     /// ∂g/∂u of each input, likewise.
     by_load: Vec<Vec<f64>>,
+    /// The conditions of ties, likewise.
+    ties: TieSensitivities<D, P>,
     outputs: Vec<Output>,
     /// What is differentiated.
     differential: Differential<D, P>,
@@ -55,7 +58,12 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             held: HeldConjugates::default(),
             by_load: vec![vec![0.0; model.dof()]; model.inputs().len()],
             outputs: Output::all(model),
-            differential: Differential::new(model.dof(), model.parameters().len()),
+            ties: TieSensitivities::new(model, wanted),
+            differential: Differential::new(
+                model.dof(),
+                model.parameters().len(),
+                model.forces.ties.row_count(),
+            ),
             lambda: vec![0.0; model.dof()],
             wanted: wanted.to_vec(),
         }
@@ -119,6 +127,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let data = system.data();
         self.prepare(model, data, system.state(), system.load());
         self.held = HeldConjugates::new(model, system);
+        self.ties.visit(model, system);
         let mut rate = vec![0.0; self.by_load.len()];
         for (input, out) in self.by_load.iter_mut().enumerate() {
             out.fill(0.0);
@@ -155,11 +164,19 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             self.wrench[*frame] += *slope;
         }
         data.assembly.add_forces(model, &mut self.wrench, &mut lambda);
-        system.solve_transposed(&mut lambda);
+        let mut reactions = self.differential.reactions.clone();
+        system.solve_adjoint(&mut lambda, &mut reactions);
         let mut held = std::mem::take(&mut self.held);
-        held.project(model, system, applied, &mut lambda);
+        held.project(model, system, applied, &mut lambda, &mut reactions);
         self.virtual_work(model, data, q, load, &lambda);
         held.add_parameters(&mut self.gradient);
+        self.ties.add_parameters(
+            model,
+            system,
+            (&self.twists, &reactions),
+            &self.design_velocities,
+            &mut self.gradient,
+        );
         for (total, explicit) in self.gradient.iter_mut().zip(&self.differential.parameters) {
             *total = explicit - *total;
         }
@@ -176,6 +193,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for ((out, direct), change) in by_loads.iter_mut().zip(applied).zip(&self.by_load) {
             *out = direct - change.iter().zip(&lambda).map(|(a, b)| a * b).sum::<f64>();
         }
+        self.ties.add_loads(&reactions, by_loads);
         held.set_by_loads(model, by_loads);
         (self.held, self.lambda) = (held, lambda);
         !self.differential.tied

@@ -15,6 +15,8 @@ pub(super) struct HeldConjugates {
     by_parameters: Vec<Vec<f64>>,
     /// K⁻ᵀ ∇c of each.
     solved: Vec<Vec<f64>>,
+    /// What ties do to that: the multipliers of their conditions.
+    reactions: Vec<Vec<f64>>,
     /// ∇cᵀ K⁻¹ ∇c.
     flexibility: DMatrix<f64>,
     /// ν.
@@ -35,21 +37,23 @@ impl HeldConjugates {
             control.add_parameters(model, geometry, system.state(), 1.0, &mut out);
             out
         });
-        let solved: Vec<Vec<f64>> = controls
+        let conditions = model.forces.ties.row_count();
+        let (solved, reactions): (Vec<Vec<f64>>, Vec<Vec<f64>>) = controls
             .gradients()
             .map(|gradient| {
-                let mut z = gradient.to_vec();
-                system.solve_transposed(&mut z);
-                z
+                let (mut z, mut reactions) = (gradient.to_vec(), vec![0.0; conditions]);
+                system.solve_adjoint(&mut z, &mut reactions);
+                (z, reactions)
             })
-            .collect();
+            .unzip();
         let rows: Vec<&[f64]> = controls.gradients().collect();
         let flexibility = DMatrix::from_fn(rows.len(), rows.len(), |i, j| dot(rows[i], &solved[j]));
         let multipliers = DVector::zeros(rows.len());
-        Self { by_parameters: by_parameters.collect(), solved, flexibility, multipliers }
+        Self { by_parameters: by_parameters.collect(), solved, reactions, flexibility, multipliers }
     }
 
-    /// Removes from λ = K⁻ᵀ ∂y/∂q the part that changes the conjugates, and adds the adjoint of the loads
+    /// Removes from λ = K⁻ᵀ ∂y/∂q, and from the multipliers of ties that belong to it, the part that changes
+    /// the conjugates, and adds the adjoint of the loads
     /// found, each input's with a weight.
     ///
     /// With F = ∇cᵀ K⁻¹ ∇c these change by du = F⁻¹ (∇cᵀ K⁻¹ ∂g/∂p − ∂c/∂p) dp + ρ ∂c/∂p dp.
@@ -59,6 +63,7 @@ impl HeldConjugates {
         system: &System<G, D, P>,
         weights: &[f64],
         lambda: &mut [f64],
+        reactions: &mut [f64],
     ) {
         let Some(controls) = &system.data().controls else { return };
         let wanted = model.controls.iter().map(|control| weights[control.input]);
@@ -70,6 +75,9 @@ impl HeldConjugates {
         }
         for (z, nu) in self.solved.iter().zip(self.multipliers.iter()) {
             lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= nu * z);
+        }
+        for (own, nu) in self.reactions.iter().zip(self.multipliers.iter()) {
+            reactions.iter_mut().zip(own).for_each(|(r, own)| *r -= nu * own);
         }
         let stiffness = model.controls.iter().zip(controls.stiffness());
         for (nu, (control, stiffness)) in self.multipliers.iter_mut().zip(stiffness) {

@@ -11,6 +11,7 @@ mod held;
 mod known;
 mod output;
 mod regularity;
+mod ties;
 
 pub use adjoint::Adjoint;
 pub use known::{Derivatives, KnownEquilibria};

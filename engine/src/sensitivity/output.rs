@@ -2,6 +2,7 @@
 
 use crate::data::Data;
 use crate::forces::differential::{Differential, Largest};
+use crate::forces::tie::TieOutput;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
@@ -30,6 +31,8 @@ pub(crate) enum Output {
     Volume(usize),
     /// The angle between both ends of a rod.
     RodBending(usize),
+    /// What a tie gives.
+    Tie(usize, TieOutput),
     /// The load that an input has.
     Applied(usize),
 }
@@ -37,7 +40,7 @@ pub(crate) enum Output {
 /// Names of groups of outputs with the number of each, in their order.
 pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
-) -> [(&'static str, usize); 11] {
+) -> [(&'static str, usize); 12] {
     [
         ("joints", model.joints.len()),
         ("tip_force", 1),
@@ -49,6 +52,7 @@ pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
         ("obstacles", model.forces.obstacles.count()),
         ("volume", model.pressure_count()),
         ("rod_bending", model.rod_count()),
+        ("ties", TieOutput::ALL.len() * model.tie_count()),
         ("applied", model.inputs().len()),
     ]
 }
@@ -67,6 +71,10 @@ impl Output {
             7 => Self::Obstacle(index),
             8 => Self::Volume(index),
             9 => Self::RodBending(index),
+            10 => {
+                let each = TieOutput::ALL;
+                Self::Tie(index / each.len(), each[index % each.len()])
+            }
             _ => Self::Applied(index),
         };
         let groups = output_groups(model);
@@ -120,6 +128,7 @@ impl Output {
                     out.frames.push((frame, axis * sign));
                 }
             }
+            Self::Tie(tie, output) => forces.ties.add_output(tie, output, at.load, weight, out),
             // With the state only if it is found; see `HeldConjugates`.
             Self::Applied(_) => {}
         }

@@ -40,7 +40,9 @@ def export(
     ],
     body: Annotated[
         FilePath | None,
-        typer.Option(metavar="FILE", help="Write the body as a solid: an STL or 3MF file, in mm."),
+        typer.Option(
+            metavar="FILE", help="Write the body as a solid: an STL, 3MF or STEP file, in mm."
+        ),
     ] = None,
     mould: Annotated[
         FilePath | None,
@@ -60,8 +62,9 @@ def export(
         FilePath | None,
         typer.Option(
             metavar="FILE|DIR",
-            help="Write the limb to print, links with hinges that take springs: into one STL or "
-            "3MF file, or into a folder with its parts, springs.csv, and bench.csv to fill in.",
+            help="Write the limb to print, links with hinges that take springs: into one STL, "
+            "3MF or STEP file, or into a folder with its parts, springs.csv, and bench.csv to "
+            "fill in.",
         ),
     ] = None,
     index: Annotated[

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.arrays import Array
 from flexor.cli.console import say
 from flexor.cli.table import fixed, numbers, show
 
@@ -18,7 +19,7 @@ Columns = dict[str, list[str]]  # cells by heading
 
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
-    from flexor.model import explained, why_stalled
+    from flexor.model import explained, why_not_closed, why_stalled
 
     columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
     columns["state"] = [_state(path, step) for step in range(len(path))]
@@ -33,6 +34,8 @@ def report(path: Path) -> None:
         say(explained(failed[0]))
     if "stalled" in failed:
         say(why_stalled(path))
+    if "not-closed" in failed:
+        say(why_not_closed(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"without stiffness: {', '.join(free)}")
@@ -110,7 +113,28 @@ def _device(path: Path) -> Columns:
         (float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0
     )
     cells = {heading: numbers(values.tolist()) for heading, values in found.items()}
-    return cells | {f"{what} / N": numbers(x.tolist(), largest) for what, x in forces.items()}
+    cells |= {f"{what} / N": numbers(x.tolist(), largest) for what, x in forces.items()}
+    return cells | _ties(path)
+
+
+def _ties(path: Path) -> Columns:
+    """Return the reactions of ties: magnitudes of forces and moments, and what drives them."""
+    found: dict[str, dict[str, Array]] = {"N": {}, "N*m": {}}
+    moments, drives = path.tie_moments(), path.tie_drives()
+    for name, force in path.tie_forces().items():
+        tie = path.model.file.ties[name]
+        found["N"][f"force in {name}"] = force
+        if tie.holds_rotation:
+            found["N*m"][f"moment in {name}"] = moments[name]
+        if name in drives:
+            unit = "N*m" if tie.drive == "rotation" else "N"
+            found[unit][f"drive of {name}"] = drives[name]
+    cells: Columns = {}
+    for unit, each in found.items():
+        sizes = [float(np.nanmax(np.abs(x), initial=0.0)) for x in each.values()]
+        largest = max(sizes, default=0.0)
+        cells |= {f"{what} / {unit}": numbers(x.tolist(), largest) for what, x in each.items()}
+    return cells
 
 
 def _print_extremes(path: Path) -> None:

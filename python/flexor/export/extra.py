@@ -1,4 +1,4 @@
-"""The packages of the extra `make`, imported where they are needed."""
+"""The packages of the extras `make` and `step`, imported where they are needed."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from typing import Any
 from flexor.errors import InputError
 from flexor.installing import install_command
 
-EXTRA = "flexor[make]"
+MAKE, STEP = "flexor[make]", "flexor[step]"
 
 
-def required(name: str) -> Any:
-    """Import a package of the extra.
+def required(name: str, extra: str = MAKE) -> Any:
+    """Import a package of an extra.
 
     Parameters
     ----------
     name
         Of the module.
+    extra
+        The extra.
 
     Raises
     ------
@@ -29,5 +31,5 @@ def required(name: str) -> Any:
     except ModuleNotFoundError as error:
         missing = (error.name or name).partition(".")[0]
         raise InputError(
-            f"solids need the package {missing}, which is not installed: {install_command(EXTRA)}."
+            f"solids need the package {missing}, which is not installed: {install_command(extra)}."
         ) from None

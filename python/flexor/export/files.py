@@ -6,11 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from flexor.errors import InputError
-from flexor.export.extra import required
+from flexor.export.extra import STEP, required
 from flexor.export.solids import Solid, triangles
+from flexor.export.step import ENDINGS, write_step
 from flexor.store.files import check_regular, check_writable, replaced
 
-FORMATS = (".stl", ".3mf")
+FORMATS = (".stl", ".3mf", *ENDINGS)
 _SHORTEST = 1e-3  # edges [mm]: shorter ones may vanish where a file has single precision
 
 
@@ -41,6 +42,8 @@ def check_target(path: Path, force: bool, formats: tuple[str, ...] = FORMATS) ->
         raise InputError(
             f'"{path}" cannot be written: its name must end in {" or ".join(formats)}.'
         )
+    if path.suffix.lower() in ENDINGS:
+        required("OCP", STEP)
     check_writable(path)
     if check_regular(path) and not force:
         raise InputError(f'"{path}" exists: --force overwrites it.')
@@ -57,12 +60,15 @@ def check_folder(path: Path, force: bool) -> None:
 
 
 def write_solid(solid: Solid, path: Path) -> None:
-    """Write a solid in mm as STL or 3MF, by the ending of its name."""
+    """Write a solid in mm as STL, 3MF or STEP, by the ending of its name."""
+    points, faces = triangles(solid.simplify(_SHORTEST))
+    if path.suffix.lower() in ENDINGS:
+        write(path, lambda draft: write_step(points, faces, draft))
+        return
     trimesh = required("trimesh")
     if path.suffix.lower() == ".3mf":
         required("lxml")
         required("networkx")
-    points, faces = triangles(solid.simplify(_SHORTEST))
     mesh = trimesh.Trimesh(points, faces, process=False)
     mesh.units = "mm"
     write(path, lambda draft: mesh.export(draft))

@@ -39,6 +39,9 @@ _PER_STEP = (
     "volume",
     "rod_bending",
     "stretch",
+    "tie_loads",
+    "tie_gaps",
+    "tie_redundancy",
 )
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)

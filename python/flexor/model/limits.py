@@ -1,4 +1,4 @@
-"""Whether materials, skins, straps, cavities and joints exceed their limits."""
+"""Whether materials, skins, straps, cavities, joints and solid rods exceed their limits."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model.folding import least_stretches
 from flexor.model.hoop import LIMIT, hoop_strains
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
@@ -150,5 +151,37 @@ def ballooning_cavities(path: Path) -> list[str]:
     return found
 
 
+def folded_rods(path: Path) -> list[str]:
+    """List the solid rods pressed or bent through themselves; see `materials_exceeded`."""
+    found = []
+    for name, stretch in least_stretches(path):
+        least = stretch.min(axis=1)
+        if (least <= 0.0).any():
+            at = np.nanmin(stretch, axis=0).argmin()
+            x = path.model.file.rod(name).sample_points[at]
+            found.append(
+                f'"{name}" is pressed or bent through itself at X = {x:.3g}, from '
+                f"{_first_load(path, least <= 0.0)} on: the least stretch of its outline is "
+                f"{np.nanmin(stretch):.3g}, which has to stay above 0"
+            )
+    return found
+
+
 def _kilo(pressure: float | None) -> float | None:
     return None if pressure is None else pressure / 1e3
+
+
+def ties_redundant(path: Path) -> list[str]:
+    """Return a sentence for each tie of which some conditions follow from others."""
+    if path.tie_redundancy is None or not path.model.ties:
+        return []
+    most = np.fmax.reduce(path.tie_redundancy, axis=0, initial=0.0)
+    found = []
+    for name, count in zip(path.model.ties, most.astype(int).tolist(), strict=True):
+        if count:
+            what = "condition follows" if count == 1 else "conditions follow"
+            found.append(
+                f"ties.{name} is redundant: {count} {what} from other ties or joints, and its "
+                "reactions are one possible choice"
+            )
+    return found

@@ -20,10 +20,12 @@ from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
 from flexor.model.limits import (
     ballooning_cavities,
+    folded_rods,
     joints_exceeded,
     materials_exceeded,
     skins_exceeded,
     straps_exceeded,
+    ties_redundant,
 )
 from flexor.model.structure import Structure
 
@@ -104,6 +106,13 @@ class Results:
     stretch : (n, s, materials, 2) array
         Least and greatest stretch of the fibres of each of the file's materials; NaN if no section
         has it.
+    tie_loads : (n, s, ties, 7) array
+        What each tie does to its second place: force [N], moment about that place [N·m], both in
+        the world, and the force or moment that drives it, zero of a tie that is not driven.
+    tie_gaps : (n, s, ties, 2) array
+        How far each tie is from being closed: a distance [m] and an angle [rad].
+    tie_redundancy : (n, s, ties) array
+        Number of conditions of each tie that follow from others before them in the file.
     event_table : (n,) array of structured arrays
         Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
@@ -170,6 +179,9 @@ class Results:
     volume: Array = field(default=_NONE, metadata=_PATH)
     rod_bending: Array = field(default=_NONE, metadata=_PATH)
     stretch: Array = field(default=_NONE, metadata=_PATH)
+    tie_loads: Array = field(default=_NONE, metadata=_PATH)
+    tie_gaps: Array = field(default=_NONE, metadata=_PATH)
+    tie_redundancy: Array = field(default=_NONE, metadata=_PATH)
     slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -407,7 +419,9 @@ class Path(Displayed, Results):
             ``joint_angles`` [rad], ``converged``, ``stable``, ``contacts`` (n_c),
             ``tip_force`` [N], with pressures ``volume`` [m³] by their names, with chambers and
             cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
-            [Pa] or ``tension`` [N], with straps ``strap_force`` [N] and with obstacles
+            [Pa] or ``tension`` [N], with ``ties`` what each does to its second place, as ``force``
+            [N] and ``moment`` [N·m] in the world and, if it is driven, ``drive`` [N or N·m], with
+            straps ``strap_force`` [N] and with obstacles
             ``obstacle_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
             ``max_contact_pressure`` [Pa], with materials ``max_strain`` and ``min_stretch`` of a
             fibre, with an unwound cavity ``hoop_strain``, an estimate; ``places`` of the largest
@@ -470,6 +484,22 @@ class Path(Displayed, Results):
             tensions |= self._each(springs, engine.spring_tensions)
         return {name: tensions[name] for name in straps}
 
+    def tie_forces(self) -> dict[str, Array]:
+        """Return the magnitude of the force that each tie transmits [N], (s,)."""
+        return dict(
+            zip(self.model.ties, np.linalg.norm(self.tie_loads[..., :3], axis=2).T, strict=True)
+        )
+
+    def tie_moments(self) -> dict[str, Array]:
+        """Return that of the moment about the second place of each tie [N·m], (s,)."""
+        sizes = np.linalg.norm(self.tie_loads[..., 3:6], axis=2).T
+        return dict(zip(self.model.ties, sizes, strict=True))
+
+    def tie_drives(self) -> dict[str, Array]:
+        """Return the force [N] or moment [N·m] that drives each driven tie, (s,)."""
+        driven = {name: i for i, name in enumerate(self.model.ties) if name in self.model.inputs}
+        return {name: self.tie_loads[:, i, 6] for name, i in driven.items()}
+
     def obstacle_forces(self) -> dict[str, Array]:
         """Return the sum of the normal forces on each obstacle [N], likewise."""
         return self._each(self.model.file.obstacles, self.model.engine.obstacle_forces)
@@ -486,13 +516,15 @@ class Path(Displayed, Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, skins, straps, joints and hoop strains beyond limits, one sentence each."""
+        """Materials, skins, straps, joints, cavities, rods and ties, a sentence each."""
         checks = (
             materials_exceeded,
             skins_exceeded,
             straps_exceeded,
             joints_exceeded,
             ballooning_cavities,
+            folded_rods,
+            ties_redundant,
         )
         return [sentence for check in checks for sentence in check(self)]
 
@@ -537,6 +569,19 @@ class Path(Displayed, Results):
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
         if forces := self.obstacle_forces():
             shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
+        if self.model.ties and self.tie_loads is not None:
+            shown["ties"] = {
+                name: {
+                    "force": _plain(self.tie_loads[:, i, :3]),
+                    "moment": _plain(self.tie_loads[:, i, 3:6]),
+                    **(
+                        {"drive": _plain(self.tie_loads[:, i, 6])}
+                        if name in self.model.inputs
+                        else {}
+                    ),
+                }
+                for i, name in enumerate(self.model.ties)
+            }
         if self.stretch is not None and self.stretch.size and not np.isnan(self.stretch).all():
             shown["max_strain"] = _plain(self.max_strain)
             shown["min_stretch"] = _plain(self.min_stretch)
@@ -545,7 +590,7 @@ class Path(Displayed, Results):
             shown["hoop_strain"] = {name: _plain(strain) for name, strain in hoop.items()}
         if places := self.places():
             shown["places"] = places
-        if self.model.file.materials or self.model.file.straps:
+        if self.model.file.materials or self.model.file.straps or self.model.ties:
             shown["warnings"] = self.warnings
         return shown
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
@@ -46,6 +48,10 @@ MEANINGS = MappingProxyType(
             "raise max_seconds, or simplify the model",
         ),
         "cancelled": ("the solve was interrupted", "repeat it"),
+        "not-closed": (
+            "a tie could not be closed: it contradicts other ties or joints, or is out of reach",
+            "correct its places, its axis or its rotation, or leave out what holds it open",
+        ),
     }
 )
 
@@ -54,6 +60,19 @@ def explained(status: str) -> str:
     """Return meaning and remedy of a status as text."""
     meaning, advice = MEANINGS[status]
     return f"{status}: {meaning}. Remedy: {advice}."
+
+
+def why_not_closed(path: Path) -> str:
+    """Return which tie is open where a path could not be closed, and how far."""
+    step = path.status.tolist().index("not-closed")
+    gaps = np.asarray(path.tie_gaps[step])
+    distance, angle = gaps.argmax(axis=0)
+    name = path.model.ties[distance]
+    found = [f"ties.{name} is open by {1e3 * gaps[distance, 0]:.3g} mm"]
+    if gaps[angle, 1] > 1e-6:
+        name = path.model.ties[angle]
+        found.append(f"ties.{name} is turned by {np.degrees(gaps[angle, 1]):.3g} deg")
+    return " and ".join(found)
 
 
 def why_stalled(path: Path) -> str:

@@ -60,13 +60,13 @@ class Structure:
     def input_dimensions(self) -> dict[str, Dimension]:
         """Dimension of each load input: a force, moment or pressure, or the factor of a wrench.
 
-        For a controlled input it is the change of a volume or a length.
+        For a controlled input it is the change of a volume or a length, for a driven tie the
+        displacement or rotation.
         """
-        actuators, wrenches = self.file.actuators, self.file.wrenches
-        return {
-            name: wrenches[name].load if name in wrenches else actuators[name].loads
-            for name in self.inputs
-        }
+        found = {name: each.loads for name, each in self.file.actuators.items()}
+        found |= {name: each.load for name, each in self.file.wrenches.items()}
+        found |= {name: each.load for name, each in self.file.ties.items()}
+        return {name: found[name] for name in self.inputs}
 
     @property
     def variants(self) -> dict[str, float]:
@@ -109,6 +109,11 @@ class Structure:
         if len(shown) > 1:
             shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
         return ", ".join(shown) or self.show_load(0.0)
+
+    @cached_property
+    def ties(self) -> tuple[str, ...]:
+        """Names of the ties."""
+        return tuple(self.file.ties)
 
     @cached_property
     def rods(self) -> tuple[str, ...]:
@@ -234,6 +239,11 @@ class Structure:
             raise InputError(
                 f'the model "{self.name}" has {len(self.inputs)} inputs: give the load of each, as '
                 f"evaluation.loads, or by name such as --load {self.inputs[0]}=..."
+            )
+        if self.inputs and self.inputs[0] in self.file.ties:
+            raise InputError(
+                f'the tie "{self.inputs[0]}" of the model "{self.name}" is driven by a '
+                f"{self.load_name()}: give evaluation.loads or the loads themselves."
             )
         last, step = float(evaluation.force), float(evaluation.step)
         if self.inputs and self.inputs[0] in self.controlled:

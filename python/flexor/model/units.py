@@ -51,7 +51,12 @@ class Quantity(float):
         return (float(self), self.text)
 
 
-_SHOWN = {"Pa": (1e3, "kPa"), "m^3": (1e-6, "mL"), "m": (1e-3, "mm")}
+_SHOWN = {
+    "Pa": (1e3, "kPa"),
+    "m^3": (1e-6, "mL"),
+    "m": (1e-3, "mm"),
+    "rad": (math.pi / 180.0, "deg"),
+}
 
 
 @dataclass(frozen=True)
@@ -202,6 +207,8 @@ MOMENT = Dimension("a moment", "N*m", "0.1 N*m")
 PRESSURE = Dimension("a pressure", "Pa", "60 kPa")
 VOLUME = Dimension("a volume", "m^3", "8 mL")
 LENGTHENING = Dimension("a lengthening", "m", "10 mm")
+ROTATION = Dimension("a rotation", "rad", "90 deg")
+DISPLACEMENT = Dimension("a displacement", "m", "10 mm")
 SHORTENING = Dimension("a shortening", "m", "10 mm")
 AXIAL_STIFFNESS = Dimension("an axial stiffness", "N", "40 N")
 COUPLED_STIFFNESS = Dimension("a coupling of bending and extension", "N*m", "0.1 N*m")

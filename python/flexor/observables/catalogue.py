@@ -12,7 +12,7 @@ from flexor.errors import InputError, unknown_name
 from flexor.model.extremes import fibre
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
-from flexor.model.units import ANGLE, FORCE, LENGTH, PRESSURE, VOLUME, Dimension
+from flexor.model.units import ANGLE, FORCE, LENGTH, MOMENT, PRESSURE, VOLUME, Dimension
 from flexor.observables import quantities, slopes
 from flexor.observables.observable import Observable
 from flexor.observables.snap_margin import snap_margin
@@ -24,6 +24,7 @@ _UNITS: dict[str, tuple[float, str]] = {
     "m": (1e-3, "mm"),
     "Pa": (1e3, "kPa"),
     "N": (1.0, "N"),
+    "N*m": (1.0, "N*m"),
     "m^3": (1e-6, "mL"),
     "J": (1e-3, "mJ"),
     "kg": (1e-3, "g"),
@@ -221,6 +222,31 @@ def _obstacles(model: Structure) -> dict[str, Member]:
     }
 
 
+def _ties(model: Structure, which: int) -> dict[str, Member]:
+    """Return force (0), moment (1) or drive (2) of each tie that has one."""
+    sizes: tuple[Callable[[Array], Array], ...] = (
+        lambda loads: np.linalg.norm(loads[..., :3], axis=-1),
+        lambda loads: np.linalg.norm(loads[..., 3:6], axis=-1),
+        lambda loads: loads[..., 6],
+    )
+    return {
+        name: Member(
+            lambda paths, i=i: sizes[which](paths.tie_loads[:, :, i]),  # type: ignore[misc]
+            slopes.member("ties", 3 * i + which),
+        )
+        for i, (name, tie) in enumerate(model.file.ties.items())
+        if which == 0 or (tie.holds_rotation if which == 1 else tie.drive is not None)
+    }
+
+
+def _drives(model: Structure, kind: str) -> dict[str, Member]:
+    return {
+        name: member
+        for name, member in _ties(model, 2).items()
+        if model.file.ties[name].drive == kind
+    }
+
+
 def _limited(model: Structure, key: str) -> bool:
     return any(getattr(each, key) is not None for each in model.file.materials.values())
 
@@ -349,6 +375,29 @@ _KINDS = (
         _obstacles,
         "obstacles",
         lowest=0.0,
+    ),
+    Kind("tie-force", FORCE, "force in a tie", lambda model: _ties(model, 0), "ties", lowest=0.0),
+    Kind(
+        "tie-moment",
+        MOMENT,
+        "moment in a tie, about its second place",
+        lambda model: _ties(model, 1),
+        "ties that hold a rotation",
+        lowest=0.0,
+    ),
+    Kind(
+        "drive-force",
+        FORCE,
+        "force that a driven displacement of a tie needs",
+        lambda model: _drives(model, "displacement"),
+        "a tie driven by a displacement",
+    ),
+    Kind(
+        "drive-moment",
+        MOMENT,
+        "moment that a driven rotation of a tie needs",
+        lambda model: _drives(model, "rotation"),
+        "a tie driven by a rotation",
     ),
     Kind("volume", VOLUME, "volume of a cavity", _volumes, "a pressure"),
     Kind(

@@ -58,7 +58,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Line:
-    """A line, such as a chamber or a cable along a rod, a strap, a spring or a plane's outline."""
+    """A line, such as a chamber, a cable, a strap, a spring, a tie or the outline of a plane."""
 
     name: str  # of the actuator, the strap, the spring or the obstacle
     points: Array  # (m, 3) [m]

@@ -1,4 +1,4 @@
-"""Springs and obstacles as lines of a scene."""
+"""Springs, ties and obstacles as lines of a scene."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from flexor.scene.obstacles import obstacle_poses
 if TYPE_CHECKING:
     from flexor.model import Path
 
-SPRING, OBSTACLE = "#009E73", LINE
+SPRING, TIE, OBSTACLE = "#009E73", "#CC79A7", LINE
+RING = 0.015  # radius of the ring around a tie, as a share of the longest body
 
 
 def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
@@ -26,6 +27,21 @@ def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
     for name, spring in path.model.file.springs.items():
         ends = [place_of(path, frames, end) for end in (spring.first, spring.second)]
         lines.append(Line(name, np.array(ends), "spring", SPRING))
+    return lines
+
+
+def ties(path: Path, frames: dict[str, Array]) -> list[Line]:
+    """Return a ring around each tie, and a line between its places where these are apart."""
+    spans = (frame[-1, :3, 3] - frame[0, :3, 3] for frame in frames.values())
+    radius = RING * max(float(np.linalg.norm(span)) for span in spans)
+    angle = np.linspace(0.0, 2.0 * np.pi, 33)
+    ring = radius * np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1)
+    lines = []
+    for name, tie in path.model.file.ties.items():
+        ends = np.array([place_of(path, frames, end) for end in (tie.first, tie.second)])
+        between = [*ends, ends[0]] if np.linalg.norm(ends[1] - ends[0]) > radius else []
+        points = [*(ends[0] + ring), *between]
+        lines.append(Line(name, np.array(points), f"tie ({tie.kind})", TIE))
     return lines
 
 

@@ -1,0 +1,146 @@
+//! The first equilibrium of a model with ties, and stable ones near a state.
+//!
+//! Where ties are open at first, they are closed along a path as loads are applied along one: each second
+//! place moves from where it is to where it is tied, by the motion of a rod whose strain is uniform. Without
+//! that, the energy is minimised with ties as penalties and the reactions held (the augmented
+//! Lagrangian), and Newton's method takes it to the state in which they are closed exactly.
+
+use super::continuation::{Continuation, LoadStep};
+use super::corrector::CorrectorTolerance;
+use super::path::{Event, PathSink, StepReport};
+use super::status::Status;
+use super::system::System;
+use super::trust_region::Target;
+use crate::lie::LieGroup;
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
+    /// A stable equilibrium with all ties closed under a load, from the current state.
+    pub(super) fn close_ties(
+        &mut self,
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        let radius = self.options.trust_region.initial_radius;
+        let model = self.system.model();
+        let progress = model.forces.ties.progress();
+        self.system.forget_reactions();
+        self.system.set_load(target);
+        self.system.set_openings(false);
+        self.system.evaluate();
+        let at_rest = self.system.state().iter().all(|q| *q == 0.0);
+        let turns = at_rest && model.forces.ties.turn();
+        let status = if !turns && self.system.largest_gap() <= self.options.closing.nearly_closed {
+            self.find_stable(radius, step.tangent_reuse)
+        } else {
+            self.range[progress] = 1.0;
+            let start = self.system.state().to_vec();
+            let mut status = self.hold_open(target, radius);
+            if matches!(status, Status::Stalled | Status::Diverged) {
+                // Places that cannot be held where they are, such as the ends of a straight rod that does
+                // not stretch, are let go first.
+                self.system.set_state(&start);
+                self.find_untied(target, radius);
+                status = self.hold_open(target, radius);
+            }
+            if status.is_equilibrium() {
+                self.follow_segment(target, step, &mut Quiet { sink })
+            } else {
+                status
+            }
+        };
+        match status {
+            Status::Stalled | Status::Diverged => {
+                self.system.set_load(target);
+                self.system.evaluate();
+                let open = self.system.largest_gap() > self.options.tolerance;
+                if open { Status::NotClosed } else { status }
+            }
+            _ => status,
+        }
+    }
+
+    /// A stable equilibrium with the ties held open as they are in the current state.
+    fn hold_open(&mut self, target: &[f64], radius: f64) -> Status {
+        let progress = self.system.model().forces.ties.progress();
+        let mut begin = target.to_vec();
+        begin[progress] = 0.0;
+        self.system.set_load(target);
+        self.system.set_openings(true);
+        self.system.set_load(&begin);
+        self.find_stable(radius, 0.0)
+    }
+
+    /// Goes to an equilibrium without ties, if there is one nearby.
+    fn find_untied(&mut self, target: &[f64], radius: f64) {
+        let start = self.system.state().to_vec();
+        self.system.set_load(target);
+        self.system.forget_reactions();
+        self.system.penalised = true;
+        let tolerance = self.options.tolerance;
+        let found = if self.system.is_conservative() {
+            let target = Target { tolerance, tangent_reuse: 0.0 };
+            self.trust_region.minimize_energy(&mut self.system, radius, target)
+        } else {
+            self.damped_newton.solve(&mut self.system, tolerance)
+        };
+        self.system.penalised = false;
+        if !found.is_equilibrium() {
+            self.system.set_state(&start);
+        }
+    }
+
+    /// A stable equilibrium near the current state with the ties as they are under the current load.
+    pub(super) fn find_tied(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+        let tolerance = self.options.tolerance;
+        let rough = self.options.closing.residual.max(tolerance);
+        let size = self.system.evaluate();
+        if size <= rough && self.close_exactly(size, tangent_reuse) {
+            return Status::Converged;
+        }
+        let mut status = Status::Stalled;
+        for _ in 0..self.options.closing.max_rounds {
+            self.system.evaluate();
+            self.system.penalise();
+            let target = Target { tolerance: rough, tangent_reuse: 1.0 };
+            status = self.trust_region.minimize_energy(&mut self.system, radius, target);
+            self.system.end_penalties();
+            if !matches!(status, Status::Converged | Status::Stalled) {
+                return status;
+            }
+            let size = self.system.evaluate();
+            if self.close_exactly(size, tangent_reuse) {
+                return Status::Converged;
+            }
+            if let Some(status) = self.system.budget.exhausted() {
+                return status;
+            }
+        }
+        if status == Status::Converged { Status::Stalled } else { status }
+    }
+
+    /// Newton's method from a state whose largest residual is `size`; `false`, with the state restored, if it
+    /// does not lead to a stable equilibrium nearby.
+    fn close_exactly(&mut self, size: f64, tangent_reuse: f64) -> bool {
+        let start = self.system.state().to_vec();
+        let accuracy = CorrectorTolerance { residual: self.options.tolerance, tangent_reuse };
+        let closed = self.corrector.iterate(&mut self.system, size, self.options.closing.reach, accuracy);
+        if !closed {
+            self.system.set_state(&start);
+        }
+        closed
+    }
+}
+
+/// Forwards everything but events: what happens while ties are being closed is not on the path.
+struct Quiet<'s, S> {
+    sink: &'s mut S,
+}
+
+impl<G, S: PathSink<G, D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Quiet<'_, S> {
+    fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
+        self.sink.step(index, report, system);
+    }
+
+    fn event(&mut self, _: Event) {}
+}

@@ -1,0 +1,418 @@
+"""Ties: joints that close loops, against closed forms and differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexor.errors import InputError
+from flexor.model import Model, Path, parse, why_not_closed
+from flexor.model.derivatives import Differential, differentiate, weights
+
+# A round rod: radius 1 mm, E = 1 GPa, nu = 0.3.
+EI = 1e9 * np.pi / 4.0 * 1e-12
+GJ = EI / 1.3
+PLANAR = 'bend_y = "nodal_quadratic", extend_x = "nodal_quadratic"'
+SPATIAL = f'twist_x = "nodal_quadratic", bend_z = "nodal_quadratic", {PLANAR}'
+
+
+def rod(name: str, length: float, more: str = "", strain: str = PLANAR, elements: int = 6) -> str:
+    return f"""
+[bodies.{name}]
+kind = "rod"
+length = "{length!r} m"
+radius = "1 mm"
+young_modulus = "1 GPa"
+poisson_ratio = 0.3
+elements = {elements}
+gauss_points = 3
+strain = {{ {strain} }}
+{more}
+"""
+
+
+def link(name: str, length: float, place: str = "", joint: str = 'kind = "revolute"') -> str:
+    return f"""
+[bodies.{name}]
+kind = "link"
+length = "{length!r} m"
+radius = "2 mm"
+{place}
+[bodies.{name}.joint]
+{joint}
+"""
+
+
+def tie(name: str, kind: str, first: str, second: str, more: str = "") -> str:
+    at = [f"{{ {end} }}" if "world" in end else f"{{ body = {end} }}" for end in (first, second)]
+    return f'[ties.{name}]\nkind = "{kind}"\nfirst = {at[0]}\nsecond = {at[1]}\n{more}\n'
+
+
+def push(body: str, force: str, at: str = '"tip"') -> str:
+    return f'[wrenches.push]\nbody = "{body}"\nat = {at}\nforce = {{ {force} }}\ninput = true\n'
+
+
+def model(*parts: str, planar: bool = True) -> Model:
+    return Model(parse(f'name = "loop"\nplanar = {str(planar).lower()}\n' + "\n".join(parts)))
+
+
+def solved(made: Model, loads: object) -> Path:
+    path = made.equilibrium(loads)  # type: ignore[arg-type]
+    assert path.converged.all(), path.status
+    assert path.tie_gaps[..., 0].max() < 1e-9 and path.tie_gaps[..., 1].max() < 1e-8
+    return path
+
+
+def four_bar(planar: bool = True, kind: str = "hinge") -> Model:
+    """Return a crank of 4 cm, a coupler of 10 cm and a sprung rocker of 8 cm, 12 cm apart."""
+    return model(
+        link("crank", 0.04, 'placement = { rotation = { y = "-90 deg" } }', 'kind = "free"'),
+        link("coupler", 0.1, 'parent = "crank"\nplacement = { rotation = { y = "90 deg" } }'),
+        link(
+            "rocker",
+            0.08,
+            'placement = { x = "12 cm", rotation = { y = "-90 deg" } }',
+            'kind = "revolute"\nstiffness = "0.05 N*m/rad"',
+        ),
+        tie("motor", "hinge", "world = {}", '"crank", at = "base"', 'drive = "rotation"'),
+        tie("loop", kind, '"coupler", at = "tip"', '"rocker", at = "tip"'),
+        planar=planar,
+    )
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_a_four_bar_linkage_turns_as_by_hand(planar: bool) -> None:
+    # Two turns of the crank; in space less than one, as its coordinates are a rotation vector.
+    turns = np.radians(np.arange(0.0, 721.0 if planar else 341.0, 20.0))
+    path = solved(four_bar(planar, "pin" if planar else "hinge"), turns)
+    joints = dict(zip(path.model.joints, path.joint_angles.T, strict=True))
+
+    def rocker(turn: np.ndarray) -> np.ndarray:
+        # The pin between coupler and rocker is where two circles meet, on the upper side.
+        crank = 0.04 * np.stack([np.sin(turn), np.cos(turn)])
+        across = np.array([[0.12], [0.0]]) - crank
+        d = np.linalg.norm(across, axis=0)
+        along = (0.1**2 - 0.08**2 + d**2) / (2.0 * d)
+        up = np.sqrt(0.1**2 - along**2)
+        pin = crank + (along * across + up * np.stack([-across[1], across[0]])) / d
+        return np.arctan2(pin[0] - 0.12, pin[1])
+
+    expected = rocker(turns)
+    np.testing.assert_allclose(joints["rocker.theta"], expected, atol=1e-9)
+    # The motor's moment does the work of the rocker's spring.
+    h = 1e-5
+    slope = (rocker(turns + h) - rocker(turns - h)) / (2.0 * h)
+    np.testing.assert_allclose(path.tie_drives()["motor"], 0.05 * expected * slope, atol=1e-8)
+    assert not path.events
+    # In space three of the five conditions of the hinge follow from the joints' parallel axes.
+    redundant = [sentence for sentence in path.warnings if "ties.loop" in sentence]
+    assert len(redundant) == (not planar) and all("redundant: 3 cond" in s for s in redundant)
+
+
+def platform(load: str) -> Model:
+    """Return three rods of 20 cm, clamped below and with ball joints to a platform."""
+    places = [(0.05, 0.0), (-0.025, 0.0433), (-0.025, -0.0433)]
+    rods = [
+        rod(f"rod{i}", 0.2, f'placement = {{ x = "{x} m", y = "{y} m", {UP} }}', SPATIAL)
+        for i, (x, y) in enumerate(places)
+    ]
+    place = f'placement = {{ z = "20 cm", {UP} }}'
+    balls = [
+        tie(
+            f"ball{i}",
+            "pin",
+            f'"platform", at = "base", offset = {{ y = "{y} m", z = "{-x} m" }}',
+            f'"rod{i}", at = "tip"',
+        )
+        for i, (x, y) in enumerate(places)
+    ]
+    body = link("platform", 0.01, place, 'kind = "free"')
+    return model(*rods, body, *balls, push("platform", load, '"base"'), planar=False)
+
+
+UP = 'rotation = { y = "-90 deg" }'
+
+
+def test_three_rods_carry_a_platform() -> None:
+    path = solved(platform('x = "1 N"'), [0.0, 1e-5])
+    moved = path.frames(1)["platform"][0, 0, 3] - path.frames(0)["platform"][0, 0, 3]
+    assert 1e-5 / moved == pytest.approx(9.0 * EI / 0.2**3, rel=1e-6)
+    # Each rod bears a third, and the reactions balance the load.
+    np.testing.assert_allclose(path.tie_loads[1, :, 0], 1e-5 / 3.0, rtol=1e-6)
+    np.testing.assert_allclose(path.tie_loads[1, :, 1:3].sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_three_rods_under_a_platform_buckle() -> None:
+    made = platform('z = "-1 N"')
+    critical = 3.0 * np.pi**2 * EI / (4.0 * 0.2**2)
+    path = solved(made, np.array([0.0, 0.99, 1.003]) * critical)
+    assert [event.kind for event in path.events] == ["bifurcation"]
+    assert path.events[0].force == pytest.approx(critical, rel=1e-3)
+
+
+RING = float(0.2 * np.pi)  # of radius 10 cm
+CLOSED = ('"ring", at = "base"', '"ring", at = "tip"')
+
+
+def test_a_pinched_ring_yields() -> None:
+    curved = 'reference_strain = { bend_y = "10 1/m" }'
+    ring = rod("ring", RING, curved, elements=16)
+    made = model(ring, tie("close", "weld", *CLOSED), push("ring", 'z = "1 N"', "0.5"))
+    force = 1e-5 * EI / 0.1**2
+    path = solved(made, [0.0, force])
+    low, high = (path.frames(step)["ring"][32, 2, 3] for step in (0, 1))
+    flexibility = (np.pi / 4.0 - 2.0 / np.pi) * 0.1**3 / EI
+    assert flexibility * EI / 0.1**3 == pytest.approx(0.1488, abs=5e-5)
+    # The rod stretches too, which adds 2e-5 of it.
+    assert (high - low) / force == pytest.approx(flexibility, rel=2e-4)
+    assert path.warnings == []
+
+
+@pytest.mark.parametrize("turns", [1, 2, -1])
+@pytest.mark.parametrize("strain", [PLANAR, 'bend_y = "nodal_quadratic"'])
+def test_a_straight_rod_is_closed_to_a_ring(turns: int, strain: str) -> None:
+    weld = tie("close", "weld", *CLOSED, f'rotation = {{ y = "{360 * turns} deg" }}')
+    path = solved(model(rod("ring", RING, "", strain, 12), weld), [0.0])
+    moment = 2.0 * np.pi * turns * EI / RING
+    expected = np.array([0.0, 0.0, 0.0, 0.0, moment, 0.0, 0.0])
+    np.testing.assert_allclose(path.tie_loads[0, 0], expected, atol=1e-9 * abs(moment))
+
+
+def test_a_twisted_ring_buckles() -> None:
+    # At sqrt(3) 2 pi EI/GJ (Michell, Zajac), here 2.25 turns. A spring fixes the plane in which
+    # the ring lies at first, about which it rolls freely.
+    weld = 'rotation = { y = "360 deg" }\naxis = "x"\ndrive = "rotation"'
+    spring = """
+[springs.plane]
+first = { body = "ring", at = 0.5 }
+second = { world = { y = "-10 m", z = "-20 cm" } }
+rest_length = "10 m"
+stiffness = "1 N/m"
+"""
+    parts = (rod("ring", RING, "", SPATIAL, 16), tie("twist", "weld", *CLOSED, weld), spring)
+    critical = float(np.sqrt(3.0) * 2.0 * np.pi * EI / GJ)
+    path = solved(model(*parts, planar=False), np.array([0.0, 0.5, 0.99, 1.01]) * critical)
+    drive = path.tie_drives()["twist"] / (path.force.clip(1e-9) * GJ / RING)
+    np.testing.assert_allclose(drive[1:3], 1.0, rtol=1e-4)
+    assert drive[3] < 0.5
+    assert {event.step for event in path.events} == {3}
+
+
+LEE = [
+    rod("column", 1.2, f'joint = {{ kind = "revolute" }}\nplacement = {{ {UP} }}', elements=10),
+    rod(
+        "beam",
+        1.2,
+        'parent = "column"\nplacement = { rotation = { y = "90 deg" } }',
+        elements=10,
+    ),
+    tie("pin", "pin", '"beam", at = "tip"', 'world = { x = "1.2 m", z = "1.2 m" }'),
+    push("beam", 'z = "-1 N"', "0.2"),
+]
+
+
+def test_lee_s_frame_with_a_true_pin_snaps_once() -> None:
+    # 18.552 EI/L^2: 1.8552 in the literature's units.
+    unit = 0.1 * EI / 1.2**2 * 100.0
+    made = model(*LEE)
+    path = solved(made, np.linspace(0.0, 1.9, 5) * unit)
+    assert [event.kind for event in path.events] == ["snap"]
+    assert path.events[0].force / unit == pytest.approx(1.8552, rel=5e-4)
+    branch = made.equilibrium(np.array([0.0, 1.9]) * unit, follow="arc-length")
+    assert branch.converged.all()
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(branch.force)))) + 1
+    np.testing.assert_allclose(branch.force[turns] / unit, [1.8559, -0.9421], rtol=5e-4)
+    assert path.events[0].force == pytest.approx(branch.force[turns[0]], rel=1e-6)
+    assert branch.stable[: turns[0]].all() and branch.stable[turns[1] + 1 :].all()
+    assert not branch.stable[turns[0] : turns[1]].any()
+
+
+def test_a_clamped_and_hinged_arch_snaps_once() -> None:
+    half = float(np.radians(107.5))
+    place = 'placement = { rotation = { y = "-107.5 deg" } }'
+    arch = rod(
+        "arch", 2.0 * half, f'reference_strain = {{ bend_y = "1 1/m" }}\n{place}', elements=16
+    )
+    hinge = tie("hinge", "pin", '"arch", at = "tip"', f'world = {{ x = "{2 * np.sin(half)} m" }}')
+    path = solved(model(arch, hinge, push("arch", 'z = "-1 N"', "0.5")), [0.0, 9.6 * EI])
+    assert [event.kind for event in path.events] == ["snap"]
+    assert path.events[0].force / EI == pytest.approx(8.97, abs=0.01)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_sliders_and_welds_hold_what_they_should(planar: bool) -> None:
+    strain = PLANAR if planar else SPATIAL
+    beam = rod("beam", 0.2, "", strain)
+    along = 'axis = "z"\ndrive = "displacement"'
+    # A guided tip: 12 EI/L^3. The slider stands off the beam's tip along its axis.
+    guided = tie(
+        "guide", "slider", '"beam", at = "tip"', 'world = { x = "20 cm", z = "3 cm" }', along
+    )
+    path = solved(model(beam, guided, planar=planar), [0.0, -1e-6])
+    force = 12.0 * EI / 0.2**3 * 1e-6
+    assert path.tie_drives()["guide"][1] == pytest.approx(-force, rel=1e-5)
+    # The first place, on the beam, is pushed up where the second is pushed down.
+    assert path.frames(1)["beam"][-1, 2, 3] == pytest.approx(1e-6, rel=1e-6)
+    # About the second place, from that about the tip.
+    axial, moment = path.tie_loads[1, 0, [0, 4]]
+    np.testing.assert_allclose(moment + 0.03 * axial, -force * 0.1, rtol=1e-5)
+    # A beam clamped at both ends under a force in the middle: 192 EI/L^3.
+    both = tie("clamp", "weld", '"beam", at = "tip"', 'world = { x = "20 cm" }')
+    path = solved(model(beam, both, push("beam", 'z = "1 N"', "0.5"), planar=planar), [0.0, 1e-7])
+    middle = path.frames(1)["beam"][12, 2, 3]
+    assert 1e-7 / middle == pytest.approx(192.0 * EI / 0.2**3, rel=1e-5)
+    np.testing.assert_allclose(path.tie_loads[1, 0, 2], 0.5e-7, rtol=1e-6)
+
+
+def test_rods_are_tied_side_by_side() -> None:
+    # Two clamped rods, 2 cm apart, that slide along one another at five places.
+    low = rod("low", 0.2, "")
+    high = rod("high", 0.2, 'placement = { z = "2 cm" }')
+    places = [repr(k / 6) for k in range(1, 6)]
+    clips = [
+        tie(f"clip{k}", "slider", f'"low", at = {x}, {OFFSET}', f'"high", at = {x}', 'axis = "x"')
+        for k, x in enumerate(places)
+    ]
+    path = solved(model(low, high, *clips, push("low", 'z = "1 N"')), [0.0, 1e-6])
+    # Both bend alike, so each bears half.
+    tip = path.frames(1)["low"][-1, 2, 3]
+    assert tip / 1e-6 == pytest.approx(0.2**3 / (6.0 * EI), rel=2e-2)
+
+
+OFFSET = 'offset = { z = "2 cm" }'
+
+
+def test_identical_ties_are_redundant() -> None:
+    beam = rod("beam", 0.2)
+    hold = ('"beam", at = "tip"', 'world = { x = "20 cm" }')
+    load = push("beam", 'z = "1 N"', "0.5")
+    one = solved(model(beam, tie("a", "weld", *hold), load), [0.0, 1e-3])
+    two = solved(model(beam, tie("a", "weld", *hold), tie("b", "pin", *hold), load), [0.0, 1e-3])
+    np.testing.assert_allclose(two.q, one.q, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(two.tie_redundancy, [[0.0, 2.0]] * 2)
+    assert len(two.warnings) == 1 and "ties.b" in two.warnings[0] and "2 cond" in two.warnings[0]
+    assert not one.warnings
+    assert two.to_dict()["warnings"] == two.warnings
+
+
+def test_contradictory_ties_are_named() -> None:
+    beam = rod("beam", 0.2)
+    ties = [
+        tie(name, "pin", '"beam", at = "tip"', f'world = {{ x = "19 cm", z = "{z} cm" }}')
+        for name, z in (("low", 0), ("high", 3))
+    ]
+    path = model(beam, *ties).equilibrium([0.0])
+    assert path.status[0] == "not-closed"
+    assert "ties.high is open by 3" in why_not_closed(path)
+    # Out of reach.
+    far = tie("far", "pin", '"link", at = "tip"', 'world = { x = "25 cm" }')
+    path = model(link("link", 0.2), far).equilibrium([0.0])
+    assert path.status[0] == "not-closed" and "ties.far is open by 50" in why_not_closed(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "said"),
+    [
+        ("glue", "", 'ties.bad.kind is "glue"'),
+        ("pin", 'drive = "rotation"', 'ties.bad.drive is "rotation": a pin can be driven by "dis'),
+        ("hinge", 'drive = "displacement"', 'a hinge can be driven by "rotation"'),
+        ("weld", 'axis = "x"', "ties.bad.axis is given, but a weld without drive has none"),
+        ("slider", "axis = [0.0, 0.0, 0.0]", "ties.bad.axis is zero"),
+        ("slider", 'axis = "y"', "must lie in the x-z plane"),
+        ("hinge", 'axis = "x"', "in a planar model it must be y"),
+        ("pin", 'rotation = { y = "1 deg" }', "a pin holds no rotation"),
+        ("weld", 'rotation = { x = "1 deg" }', "ties.bad.rotation.x"),
+    ],
+)
+def test_bad_ties_are_refused(kind: str, more: str, said: str) -> None:
+    with pytest.raises(InputError) as error:
+        model(rod("beam", 0.2), tie("bad", kind, '"beam", at = "tip"', "world = {}", more))
+    assert said in str(error.value)
+
+
+def test_a_tie_of_a_body_to_itself_is_refused() -> None:
+    with pytest.raises(InputError, match="same rigid link"):
+        model(link("bar", 0.1), tie("self", "pin", '"bar", at = "tip"', '"bar", at = "base"'))
+    with pytest.raises(InputError, match="the same place"):
+        model(rod("beam", 0.1), tie("self", "pin", '"beam", at = "tip"', '"beam", at = "tip"'))
+    with pytest.raises(InputError, match="one of two places that are tied is on a body"):
+        model(link("bar", 0.1), tie("self", "pin", "world = {}", "world = {}"))
+    fixed = link("bar", 0.1, joint='kind = "fixed"')
+    with pytest.raises(InputError, match="same rigid body"):
+        model(fixed, tie("self", "pin", '"bar", at = "tip"', "world = {}"))
+    with pytest.raises(InputError, match='"motor" of the model "loop" is driven by a rotation'):
+        _ = four_bar().evaluation_loads
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_derivatives_agree_with_differences(planar: bool) -> None:
+    strain = PLANAR if planar else SPATIAL
+    made = model(
+        rod("left", 0.2, f"placement = {{ {UP} }}", strain, 3),
+        rod("top", 0.1, 'parent = "left"\nplacement = { rotation = { y = "80 deg" } }', strain, 2),
+        rod("right", 0.19, f'placement = {{ x = "11 cm", {UP} }}', strain, 3),
+        link("arm", 0.05, 'parent = "right"\nplacement = { rotation = { y = "10 deg" } }'),
+        tie("corner", "weld", '"top", at = "tip"', '"arm", at = 0.4', 'drive = "rotation"'),
+        tie("rail", "slider", '"top", at = 0.5', 'world = { x = "5 cm", z = "22 cm" }'),
+        push("left", 'x = "0.2 N"'),
+        planar=planar,
+    )
+    loads = np.array([[0.0, 0.0], [0.02, 0.3]])
+    path = solved(made, loads)
+    assert not path.events
+    outputs, slots = made.engine.outputs, made.engine.slots
+    n = max(stop for _, stop in outputs.values())
+    wanted = [outputs["joints"][0], *range(*outputs["ties"]), *range(*outputs["rod_bending"])]
+    wanted = [column for column in wanted if column != outputs["ties"][0] + 5]  # rail has no drive
+
+    def values(parameters: np.ndarray, last: np.ndarray) -> np.ndarray:
+        every = np.arange(made.parameters.size)
+        found = made.engine.path(every, parameters[None], np.array([loads[0], last]), 1)
+        assert (found["status"] == 0).all()
+        ties = found["tie_loads"][0, 1]
+        sizes = [[np.linalg.norm(each[:3]), np.linalg.norm(each[3:6]), each[6]] for each in ties]
+        out = np.zeros(n)
+        out[outputs["joints"][0]] = found["q"][0, 1, made.joint_columns[0]]
+        out[slice(*outputs["ties"])] = np.ravel(sizes)
+        out[slice(*outputs["rod_bending"])] = found["rod_bending"][0, 1]
+        return out[wanted]
+
+    chosen = {
+        "left.length": [0], "top.length": [0], "arm.length": [0], "right.length": [0],
+        "left.young_modulus": [0], "right.radius": [0], "right.translation": [0, 2],
+        "top.rotation": [1], "arm.rotation": [1], "arm.radius_base": [0],
+    }  # fmt: skip
+    if not planar:
+        chosen |= {"right.translation": [0, 1, 2], "top.rotation": [0, 1, 2]}
+    indices = np.array([slots[name][0] + i for name, each in chosen.items() for i in each])
+    rows = [
+        Differential(((np.array([1]), weights(made, 1, {}) + np.eye(n)[column]),))
+        for column in wanted
+    ]
+    slopes = differentiate(path.as_batch, rows, indices)
+    p, last = made.parameters, loads[1]
+    for k, index in enumerate(indices):
+        h = 1e-4 * (abs(p[index]) or 1e-1)
+        moved = [values(p + np.eye(len(p))[index] * s * h, last) for s in (-2, -1, 1, 2)]
+        difference = (moved[0] - 8 * moved[1] + 8 * moved[2] - moved[3]) / (12 * h)
+        exact = slopes.by_slots[0, :, k]
+        scale = np.abs(values(p, last)) / (abs(p[index]) or 1.0) + np.abs(exact)
+        assert (np.abs(difference - exact) <= 1e-6 * scale).all(), (k, difference, exact)
+    for k in range(2):
+        h = 1e-4
+        moved = [values(p, last + np.eye(2)[k] * s * h) for s in (-2, -1, 1, 2)]
+        difference = (moved[0] - 8 * moved[1] + 8 * moved[2] - moved[3]) / (12 * h)
+        exact = slopes.by_loads[0, :, 1, k]
+        assert (np.abs(difference - exact) <= 1e-6 * np.abs(exact).max()).all(), (k, exact)
+
+
+def test_reactions_are_reported() -> None:
+    path = solved(four_bar(), np.radians([0.0, 30.0]))
+    shown = path.to_dict()["ties"]
+    assert set(shown) == {"motor", "loop"} and set(shown["loop"]) == {"force", "moment"}
+    assert shown["motor"]["drive"] == path.tie_drives()["motor"].tolist()
+    np.testing.assert_allclose(
+        np.linalg.norm(shown["loop"]["force"], axis=1), path.tie_forces()["loop"]
+    )
+    # Of a planar pin the moment vanishes, and so do all forces out of the plane.
+    np.testing.assert_allclose(path.tie_loads[:, 1, [1, 3, 4, 5]], 0.0, atol=1e-15)
