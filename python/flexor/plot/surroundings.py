@@ -47,10 +47,13 @@ def ties(path: Path, frames: dict[str, Array]) -> list[Line]:
 
 def obstacles(path: Path, frames: dict[str, Array], low: Array, high: Array) -> list[Line]:
     """Return outlines of obstacles, of endless ones opposite bodies between two corners."""
-    lines = []
+    lines: list[Line] = []
+    found = path.model.file.obstacles
+    if not found:
+        return lines
     size = (high - low)[[0, 2]] if path.model.planar else high - low
     half = 0.5 * float(np.linalg.norm(size))
-    for name, obstacle in path.model.file.obstacles.items():
+    for name, obstacle in found.items():
         pose = obstacle_poses(path, frames, obstacle)
         if isinstance(obstacle, HalfSpace):
             outlines = [_square(obstacle, pose, 0.5 * (low + high), half)]
