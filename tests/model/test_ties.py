@@ -295,6 +295,19 @@ def test_identical_ties_are_redundant() -> None:
     assert two.to_dict()["warnings"] == two.warnings
 
 
+def test_redundant_ties_are_closed_one_after_another() -> None:
+    # The tips of three rods are drawn together by two pins; a third one follows from them.
+    rods = [rod(f"r{i}", 0.1, f'placement = {{ x = "{3 * i} cm", {UP} }}') for i in range(3)]
+    pairs = [(0, 1), (1, 2), (2, 0)]
+    pins = [tie(f"p{i}", "pin", f'"r{i}", at = "tip"', f'"r{k}", at = "tip"') for i, k in pairs]
+    path = solved(model(*rods, *pins), [0.0])
+    tips = [path.frames()[f"r{i}"][-1, :3, 3] for i in range(3)]
+    np.testing.assert_allclose(tips[1:], [tips[0]] * 2, atol=1e-10)
+    assert path.tie_redundancy[0].tolist() == [0.0, 0.0, 2.0]
+    two = solved(model(*rods, *pins[:2]), [0.0])
+    np.testing.assert_allclose(path.q, two.q, atol=1e-8)
+
+
 def test_contradictory_ties_are_named() -> None:
     beam = rod("beam", 0.2)
     ties = [

@@ -22,6 +22,8 @@ impl Cancel for AtomicBool {
 #[derive(Clone, Debug)]
 pub(super) struct Budget<'a> {
     max_iterations: usize,
+    /// A lower limit, for the first of two ways to solve a step.
+    first_attempt: Option<usize>,
     max_time: Option<Duration>,
     /// Set from outside when the solve is to end.
     cancel: Option<&'a dyn Cancel>,
@@ -39,6 +41,7 @@ impl<'a> Budget<'a> {
         let max_time = Duration::try_from_secs_f64(options.max_seconds).ok();
         Self {
             max_iterations: options.max_iterations,
+            first_attempt: None,
             max_time,
             cancel,
             iterations: 0,
@@ -54,6 +57,11 @@ impl<'a> Budget<'a> {
         self.deadline = self.max_time.and_then(|time| Instant::now().checked_add(time));
     }
 
+    /// Sets a lower limit of iterations, or removes it.
+    pub fn limit(&mut self, iterations: Option<usize>) {
+        self.first_attempt = iterations;
+    }
+
     pub fn count(&mut self) {
         self.iterations += 1;
     }
@@ -65,7 +73,7 @@ impl<'a> Budget<'a> {
 
     /// The reason to end the load step now, if there is one.
     pub fn exhausted(&mut self) -> Option<Status> {
-        if self.iterations > self.max_iterations {
+        if self.iterations > self.first_attempt.unwrap_or(self.max_iterations).min(self.max_iterations) {
             return Some(Status::IterationLimit);
         }
         self.checks += 1;

@@ -12,6 +12,7 @@ use super::status::Status;
 use super::system::System;
 use super::trust_region::Target;
 use crate::lie::LieGroup;
+use std::ops::Range;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// A stable equilibrium with all ties closed under a load, from the current state.
@@ -26,28 +27,32 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let progress = model.forces.ties.progress();
         self.system.forget_reactions();
         self.system.set_load(target);
-        self.system.set_openings(false);
+        self.system.set_openings(0..0);
         self.system.evaluate();
         let at_rest = self.system.state().iter().all(|q| *q == 0.0);
         let turns = at_rest && model.forces.ties.turn();
+        let count = model.tie_count();
         let status = if !turns && self.system.largest_gap() <= self.options.closing.nearly_closed {
             self.find_stable(radius, step.tangent_reuse)
         } else {
             self.range[progress] = 1.0;
             let start = self.system.state().to_vec();
-            let mut status = self.hold_open(target, radius);
-            if matches!(status, Status::Stalled | Status::Diverged) {
-                // Places that cannot be held where they are, such as the ends of a straight rod that does
-                // not stretch, are let go first.
+            self.system.budget.limit((count > 1).then_some(self.options.closing.together));
+            let mut status = self.close_some(0..count, target, step, sink);
+            self.system.budget.limit(None);
+            let failed = matches!(status, Status::Stalled | Status::Diverged | Status::IterationLimit);
+            if failed && count > 1 {
+                // Ties of which some follow from others cannot all be half closed.
                 self.system.set_state(&start);
-                self.find_untied(target, radius);
-                status = self.hold_open(target, radius);
+                for tie in 0..count {
+                    status = self.close_some(tie..tie + 1, target, step, sink);
+                    if !status.is_equilibrium() {
+                        break;
+                    }
+                }
+                self.system.acting = count;
             }
-            if status.is_equilibrium() {
-                self.follow_segment(target, step, &mut Quiet { sink })
-            } else {
-                status
-            }
+            status
         };
         match status {
             Status::Stalled | Status::Diverged => {
@@ -60,15 +65,40 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         }
     }
 
-    /// A stable equilibrium with the ties held open as they are in the current state.
-    fn hold_open(&mut self, target: &[f64], radius: f64) -> Status {
+    /// Closes some ties from the current state, with those before them closed and those after them not acting.
+    fn close_some(
+        &mut self,
+        ties: Range<usize>,
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        self.system.acting = ties.end;
+        let start = self.system.state().to_vec();
+        let mut status = self.hold_open(ties.clone(), target);
+        if matches!(status, Status::Stalled | Status::Diverged) && ties.start == 0 {
+            // Places that cannot be held where they are, such as the ends of a straight rod that does not
+            // stretch, are let go first.
+            self.system.set_state(&start);
+            self.find_untied(target, self.options.trust_region.initial_radius);
+            status = self.hold_open(ties, target);
+        }
+        if !status.is_equilibrium() {
+            return status;
+        }
+        self.predictor.forget_curvature();
+        self.follow_segment(target, step, &mut Quiet { sink })
+    }
+
+    /// A stable equilibrium with some ties held open as they are in the current state.
+    fn hold_open(&mut self, ties: Range<usize>, target: &[f64]) -> Status {
         let progress = self.system.model().forces.ties.progress();
         let mut begin = target.to_vec();
         begin[progress] = 0.0;
         self.system.set_load(target);
-        self.system.set_openings(true);
+        self.system.set_openings(ties);
         self.system.set_load(&begin);
-        self.find_stable(radius, 0.0)
+        self.find_stable(self.options.trust_region.initial_radius, 0.0)
     }
 
     /// Goes to an equilibrium without ties, if there is one nearby.

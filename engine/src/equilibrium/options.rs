@@ -417,6 +417,8 @@ options! {
         max_rounds: usize = 12, Interval::from(1.0).to(1e3);
         /// Dimensionless residual that ends one of them.
         residual: f64 = 1e-4, Interval::from(0.0).to(1.0);
+        /// Largest number of iterations for closing several ties together.
+        together: usize = 500, Interval::from(1.0).to(1e9);
         /// Residual between the listed loads, as a share of that allowed without ties.
         residual_share: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Dimensionless displacement by which Newton's method may close ties then.

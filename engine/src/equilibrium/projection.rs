@@ -36,11 +36,11 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    /// Factorises the gradients of all conditions in coordinates of these units.
-    pub fn factorise<'a>(&mut self, gradients: impl Iterator<Item = &'a [f64]>, units: &[f64]) {
+    /// Factorises the gradients of conditions, given with their indices, in coordinates of these units.
+    pub fn factorise<'a>(&mut self, gradients: impl Iterator<Item = (usize, &'a [f64])>, units: &[f64]) {
         self.kept.clear();
         self.redundant.clear();
-        for (k, gradient) in gradients.enumerate() {
+        for (k, gradient) in gradients {
             self.row.clear();
             self.row.extend(gradient.iter().zip(units).map(|(g, u)| g * u));
             let length = dot(&self.row, &self.row).sqrt();
@@ -309,7 +309,7 @@ mod tests {
         let sum: Vec<f64> = (0..n).map(|i| gradients[0][i] - 2.0 * gradients[1][i]).collect();
         let rows = [&gradients[0][..], &sum, &gradients[1]];
         let mut projection = Projection::default();
-        projection.factorise(rows.into_iter(), &vec![1.0; n]);
+        projection.factorise(rows.into_iter().enumerate(), &vec![1.0; n]);
         assert_eq!((projection.kept(), projection.redundant()), (&[0, 1][..], &[2][..]));
         let h: Vec<f64> = (0..n * n)
             .map(|m| if m % (n + 1) == 0 { 8.0 } else { wave(m / n, 3) * wave(m % n, 3) })

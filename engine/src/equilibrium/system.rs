@@ -25,7 +25,7 @@ use crate::tree::Shape;
 /// are in these units; each residual is weighted with the energy of its own coordinate.
 #[derive(Clone, Debug)]
 pub struct System<'m, G, const D: usize, const P: usize> {
-    model: &'m Model<G, D, P>,
+    pub(super) model: &'m Model<G, D, P>,
     pub(super) data: Data<G, D, P>,
     /// Factor of the tangent.
     pub(super) factor: Factor<D>,
@@ -55,6 +55,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     pub(super) projection: Projection,
     /// Whether ties act by penalties, with the reactions held, in place of exactly.
     pub(super) penalised: bool,
+    /// Number of ties, the first ones, that act; all but while they are closed one after another.
+    pub(super) acting: usize,
     /// The dimensionless gradient of Π on the motions that ties allow.
     pub(super) free_residual: Vec<f64>,
     /// What the reactions found last add to the energy, as the assembly has earlier ones.
@@ -95,6 +97,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             budget,
             projection: Projection::default(),
             penalised: false,
+            acting: model.tie_count(),
             free_residual: vec![],
             reaction_energy: 0.0,
             scratch: vec![],

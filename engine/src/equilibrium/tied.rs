@@ -26,10 +26,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     pub(super) fn project_residual(&mut self) {
         let (model, energy) = (self.model(), self.unit_energy());
         let places = model.forces.ties.reactions();
-        let System { data, projection, residual, free_residual, unit, .. } = self;
+        let System { data, projection, residual, free_residual, unit, acting, .. } = self;
         data.update_ties(model);
         let Some(ties) = &mut data.ties else { return };
-        projection.factorise(ties.gradients(), unit);
+        let acts = |k: usize| model.forces.ties.row(k).0 < *acting;
+        projection.factorise(ties.gradients().enumerate().filter(|(k, _)| acts(*k)), unit);
         let rank = projection.rank();
         projection.turn(residual);
         let mut reactions = residual[..rank].to_vec();
@@ -45,7 +46,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let values = ties.values().to_vec();
         let found = ties.numbers(places);
         let before = found.to_vec();
-        projection.redundant().iter().for_each(|k| found[*k] = 0.0);
+        (0..found.len()).filter(|k| !projection.kept().contains(k)).for_each(|k| found[k] = 0.0);
         for (k, change) in projection.kept().iter().zip(reactions) {
             found[*k] += change * energy;
         }
@@ -136,7 +137,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// The largest violation of a condition at the state evaluated last: relative to the length of the longest
     /// body, or in radians.
     pub(super) fn largest_gap(&self) -> f64 {
-        (0..self.model().forces.ties.row_count()).map(|k| self.relative_gap(k)).fold(0.0, f64::max)
+        let ties = &self.model().forces.ties;
+        let acting = (0..ties.row_count()).filter(|k| ties.row(*k).0 < self.acting);
+        acting.map(|k| self.relative_gap(k)).fold(0.0, f64::max)
     }
 
     fn relative_gap(&self, condition: usize) -> f64 {
@@ -168,8 +171,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             if held > 0.0 { held } else { squares().sum() }
         };
         let sizes: Vec<f64> = ties.gradients().map(size).collect();
-        for (penalty, size) in ties.numbers(places).iter_mut().zip(sizes) {
-            *penalty = if size > 0.0 { PENALTY * energy / size } else { 0.0 };
+        for (k, (penalty, size)) in ties.numbers(places).iter_mut().zip(sizes).enumerate() {
+            let acts = self.model.forces.ties.row(k).0 < self.acting;
+            *penalty = if acts && size > 0.0 { PENALTY * energy / size } else { 0.0 };
         }
         self.penalised = true;
     }
@@ -183,17 +187,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         self.penalised = false;
     }
 
-    /// Closes all ties, or opens them as far as they are in the current state.
-    pub(super) fn set_openings(&mut self, open: bool) {
+    /// Opens some ties as far as they are in the current state, and closes the others.
+    pub(super) fn set_openings(&mut self, open: std::ops::Range<usize>) {
         let model = self.model();
         let ties = &model.forces.ties;
         self.evaluate();
         let mut design = self.data().design.forces.ties.clone();
         ties.close(&mut design);
-        if open {
-            let at = self.data().state(model, self.state(), self.load());
-            ties.open(&at, &mut design);
-        }
+        let at = self.data().state(model, self.state(), self.load());
+        ties.open(&at, &mut design, open);
         self.data_mut().design.forces.ties = design;
     }
 

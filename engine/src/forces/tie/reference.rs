@@ -46,10 +46,15 @@ impl<const P: usize> Ties<P> {
         self.ties.iter().any(|tie| tie.rotation != [0.0; 3])
     }
 
-    /// Opens all ties as far as they are in this state: closing begins with the target where the second place
-    /// is.
-    pub fn open<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>, design: &mut TieDesign<P>) {
-        for index in 0..self.ties.len() {
+    /// Opens some ties as far as they are in this state: closing begins with the target where the second
+    /// place is.
+    pub fn open<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        design: &mut TieDesign<P>,
+        ties: std::ops::Range<usize>,
+    ) {
+        for index in ties {
             let tie = &self.ties[index];
             let turns = tie.rows.clone().any(|row| self.row(row).1);
             let frame = self.driven_frame(at, design, index);

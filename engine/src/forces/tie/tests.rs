@@ -77,7 +77,7 @@ fn opened<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let mut design = data.design.forces.ties.clone();
     let start: Vec<f64> = q.iter().map(|q| 0.5 * q).collect();
     data.evaluate(model, &start, &load);
-    ties.open(&data.state(model, &start, &load), &mut design);
+    ties.open(&data.state(model, &start, &load), &mut design, 0..ties.count());
     data.design.forces.ties = design;
     *load.last_mut().unwrap() = 0.5;
     let conditions = data.ties.as_mut().unwrap();
@@ -169,7 +169,7 @@ fn closes<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description) {
     let mut load = vec![0.0; model.inputs().len() + 1];
     data.evaluate(&model, &q, &load);
     let mut design = data.design.forces.ties.clone();
-    ties.open(&data.state(&model, &q, &load), &mut design);
+    ties.open(&data.state(&model, &q, &load), &mut design, 0..ties.count());
     let closed = data.design.forces.ties.clone();
     data.design.forces.ties = design;
     data.evaluate_residual(&model, &q, &load);
