@@ -188,6 +188,41 @@ def test_a_free_link_rests_in_a_bowl() -> None:
     np.testing.assert_allclose(path.contact_forces(-1).force.sum(axis=0)[2], weight, rtol=1e-7)
 
 
+@pytest.mark.parametrize("planar", [True, False])
+def test_a_free_link_rests_on_the_floor_of_a_box(planar: bool) -> None:
+    """In the plane it may slide, which is said; in space a small stiffness keeps it in place."""
+    held = "" if planar else ', stiffness = "1e-4 N*m/rad", linear_stiffness = "0.01 N/m"'
+    text = f"""
+    name = "box"
+    planar = {str(planar).lower()}
+    gravity = {{ z = "-9.81 m/s^2" }}
+
+    [bodies.stick]
+    kind = "link"
+    length = "6 cm"
+    radius = "1 cm"
+    density = "1000 kg/m^3"
+    joint = {{ kind = "free"{held} }}
+
+    [spheres.ends]
+    points = [{{ body = "stick", at = "base" }}, {{ body = "stick", at = "tip" }}]
+
+    [obstacles.box]
+    kind = "box"
+    inside = true
+    size = {{ x = "20 cm", y = "20 cm", z = "10 cm" }}
+    spheres = ["ends"]
+    stiffness = "2 kN/m"
+    """
+    path = Model(parse(text)).equilibrium([0.0])
+    assert path.converged.all()
+    assert path.stability[0] == ("neutral" if planar else "stable")
+    weight = 9.81 * 1000.0 * np.pi * 0.01**2 * 0.06
+    sunk = weight / (2.0 * STIFFNESS + (0.0 if planar else 0.01))
+    heights = path.frames(-1)["stick"][[0, -1], 2, 3]
+    np.testing.assert_allclose(heights, -0.05 + 0.01 - sunk, atol=1e-6)
+
+
 def test_a_chain_hangs_over_a_cylinder() -> None:
     count, length, radius = 6, 0.03, 0.005
     links = "".join(
