@@ -237,14 +237,29 @@ class Generator:
             normal = self.direction()
             self.document["obstacles"] = {
                 "wall": {
-                    "kind": "half-space",
+                    **self.obstacle(normal),
                     "spheres": [f"g{self.random.choice(names)}"],
                     "point": self.vector(-normal * self.made.length * self.between(0.05, 1), "m"),
-                    "normal": normal.tolist(),
                     "stiffness": si(stiffness * self.between(1.0, 1e4), "N/m"),
                 }
             }
             self.made.kinds["obstacle"] += 1
+
+    def obstacle(self, normal: Array) -> Json:
+        """Return the shape of an obstacle: often a plane with this normal."""
+        if self.chance(0.5):
+            return {"kind": "half-space", "normal": normal.tolist()}
+        kind = str(self.random.choice(["sphere", "capsule", "cylinder", "box"]))
+        size = self.made.length * self.between(0.02, 0.5)
+        if kind == "box":
+            sides = {axis: si(size * self.between(1.0, 3.0), "m") for axis in "xyz"}
+            return {"kind": kind, "size": sides, "rounding": si(0.4 * size, "m")}
+        shape: Json = {"kind": kind, "radius": si(size, "m")}
+        if kind != "sphere":
+            shape["axis"] = self.direction().tolist()
+        if kind == "capsule":
+            shape["length"] = si(size * self.between(0.1, 3.0), "m")
+        return shape
 
     def add_actuator(self, number: int) -> None:
         rods = [name for name, body in self.bodies.items() if body["kind"] == "rod"]

@@ -107,7 +107,8 @@ def follow(count: Count, number: int, keep: Path, draws: type[Generator]) -> Non
     try:
         model = Model(check(made.document, source=f"model {number}"))
     except InputError as error:
-        if ".section" in str(error) and " cannot be made: " in str(error):
+        section = ".section" in str(error) and " cannot be made: " in str(error)
+        if section or " contains the base of " in str(error):
             count.ends["refused"] = count.ends.get("refused", 0) + 1
             return
         count.failures.append(f"model {number}: refused: {error}")

@@ -15,9 +15,11 @@ from flexor.model import Model, parse, schema
 from flexor.model.schema.actuator import Actuator
 from flexor.model.schema.force import Force
 from flexor.model.schema.material import Material
+from flexor.model.schema.obstacle import HalfSpace
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section import KINDS
 from flexor.model.schema.skin import Layer
+from flexor.model.schema.solid import Ball, Box, Capsule, Cylinder
 from flexor.model.schema.strain import BASES, MODES
 from flexor.model.schema.table import Table
 
@@ -71,6 +73,19 @@ def test_every_key_is_listed_with_its_default(section: str) -> None:
         assert (documented == "required") == field.is_required(), key
         if field.default is not PydanticUndefined and (text := as_written(field.default)):
             assert documented == f"`{text}`", key
+
+
+def test_every_key_of_obstacles_is_listed_with_its_default() -> None:
+    found = rows("Obstacles")
+    keys: set[str] = set()
+    for kind in (HalfSpace, Ball, Capsule, Cylinder, Box):
+        keys |= kind.model_fields.keys()
+        for key, field in kind.model_fields.items():
+            documented = found[key][1]
+            assert documented.startswith("required") == field.is_required(), key
+            if field.default is not PydanticUndefined and (text := as_written(field.default)):
+                assert documented == f"`{text}`", key
+    assert set(found) == keys
 
 
 def test_joints() -> None:

@@ -85,7 +85,7 @@ impl AnyModel {
             State {
                 volumes,
                 tensions: data.spring_tensions(model),
-                obstacles: data.half_space_forces(model),
+                obstacles: data.obstacle_forces(model),
                 loops: data.loop_tensions(model),
                 energy: data.energy(),
                 residual: data.residual().to_vec(),

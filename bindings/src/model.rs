@@ -166,7 +166,7 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.loops.into_pyarray(py))
     }
 
-    fn half_space_forces<'py>(
+    fn obstacle_forces<'py>(
         &self,
         py: Python<'py>,
         parameters: Numbers<'_>,

@@ -4,7 +4,7 @@ use crate::assembly::Assembly;
 use crate::control::Controls;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
-use crate::forces::element::{ContactForce, Switch};
+use crate::forces::element::{ContactForce, Switch, Velocities};
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::state::{Law, State};
 use crate::kinematics::Kinematics;
@@ -233,10 +233,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.loops.tensions(&self.assembly.forces.loops)
     }
 
-    /// Force on each half-space along its normal [N] at the last state evaluated.
-    pub fn half_space_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
+    /// Sum of the normal forces on each obstacle [N] at the last state evaluated.
+    pub fn obstacle_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
         let at = self.state(model, &[], &[]);
-        model.forces.half_spaces.forces(&at, &self.assembly.forces.half_spaces)
+        model.forces.obstacles.forces(&at, &self.assembly.forces.obstacles)
     }
 
     /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are
@@ -322,7 +322,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Stores the forces that springs and contacts have after a motion of the points from the state
     /// evaluated last, with distances to first order.
-    pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &[Vector<P>]) {
+    pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &Velocities<D, P>) {
         let Self { design, kinematics, assembly, law, .. } = self;
         let (tree, geometry) = (&model.tree, &design.geometry);
         let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexor.inverse import reach
-from flexor.model import load, presets
+from flexor.model import Model, load, parse, presets
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -65,3 +65,25 @@ def test_a_syringe_needs_pressure() -> None:
 def test_the_plate_feels_the_actuator() -> None:
     force = load("load-cell").equilibrium().obstacle_forces()["plate"]
     assert (np.diff(force) > 0.0).all()
+
+
+def test_a_finger_grasps_a_cylinder() -> None:
+    """The more pressure, the more force; all of it acts across the surface of the cylinder."""
+    model = load("grasp")
+    path = model.equilibrium()
+    assert path.stable.all()
+    force = path.obstacle_forces()["cylinder"]
+    assert force[0] == 0.0
+    assert (np.diff(force[1:]) > 0.0).all()
+    found = path.contact_forces(-1)
+    held = found.second < 0
+    bar = model.file.obstacles["cylinder"]
+    outward = found.point[held] - bar.point.components
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
+    along = np.einsum("ij,ij->i", found.force[held], outward)
+    np.testing.assert_allclose(along, np.linalg.norm(found.force[held], axis=1), rtol=1e-9)
+    assert along.sum() == pytest.approx(force[-1], rel=1e-9)
+    # It holds the finger back.
+    file = model.file.to_toml().replace('stiffness = "5 kN/m"', 'stiffness = "1e-3 N/m"')
+    free = Model(parse(file)).equilibrium()
+    assert path.joint_angles[-1].sum() < 0.9 * free.joint_angles[-1].sum()

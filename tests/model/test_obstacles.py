@@ -1,4 +1,4 @@
-"""A half-space stops what is pushed into it, and says what is wrong with it."""
+"""A half-space stops what is pushed into it, and what is wrong with it is said."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
             "normal = [0, 1, 2]",
             "obstacles.floor.normal is [0.0, 1.0, 2.0]: in a planar model it must lie in",
         ),
-        ('kind = "half-space"', 'kind = "ball"', 'obstacles.floor.kind is "ball": expected'),
+        ('kind = "half-space"', 'kind = "ball"', 'obstacles.floor has an unknown kind "ball"'),
         ('stiffness = "200 N/m"', 'stiffness = "0 N/m"', "obstacles.floor.stiffness is"),
         ('point = { z = "-2 cm" }', 'point = { y = "1 cm" }', "obstacles.floor.point.y is"),
     ],

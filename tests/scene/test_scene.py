@@ -256,6 +256,39 @@ def test_obstacles_are_planes_through_their_point() -> None:
     np.testing.assert_allclose(plane.vertices()[:, 2], -0.03, atol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("solid", "size", "volume"),
+    [
+        ('kind = "sphere"\nradius = "1 cm"', (0.02, 0.02, 0.02), 4.0 / 3.0 * np.pi * 1e-6),
+        (
+            'kind = "capsule"\nradius = "1 cm"\nlength = "3 cm"\naxis = "x"',
+            (0.05, 0.02, 0.02),
+            (4.0 / 3.0 + 3.0) * np.pi * 1e-6,
+        ),
+        (
+            'kind = "box"\nsize = { x = "1 cm", y = "3 cm", z = "2 cm" }\nrounding = "0 mm"',
+            (0.01, 0.03, 0.02),
+            6e-6,
+        ),
+        ('kind = "sphere"\nradius = "1 m"\ninside = true', (2.0, 2.0, 2.0), -4.0 / 3.0 * np.pi),
+    ],
+)
+def test_solid_obstacles_have_their_size_and_volume(
+    solid: str, size: tuple[float, ...], volume: float
+) -> None:
+    """A mesh of eight steps a quarter is smaller by two percent; a sleeve is seen from inside."""
+    text = flexor.load("finger").file.to_toml() + (
+        '\n[obstacles.thing]\nspheres = ["exosuit"]\npoint = { z = "-9 cm" }\n'
+        'stiffness = "1 N/mm"\n' + solid + "\n"
+    )
+    model = flexor.load(parse(text))
+    (thing,) = [o for o in scene(model.equilibrium([0.0])).objects if o.kind == "obstacle"]
+    np.testing.assert_allclose(np.ptp(thing.vertices(), axis=0), size, rtol=1e-9)
+    assert thing.volume() == pytest.approx(volume, rel=0.02)
+    edges = np.sort(thing.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+
+
 def test_springs_are_coils_between_their_ends() -> None:
     """They follow the apex of the truss, and their coil stays as wide."""
     path = flexor.load("truss").equilibrium()

@@ -51,8 +51,8 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         self.pairs.clear();
         let model = system.model();
         let data = system.data();
-        let points = &self.motion.points;
-        let fastest = points.iter().map(|v| v.dot(v)).fold(0.0, f64::max).sqrt();
+        let velocities = self.motion.velocities();
+        let fastest = velocities.points.iter().map(|v| v.dot(v)).fold(0.0, f64::max).sqrt();
         // Pairs further apart do not meet at this speed; those accelerated by a change may be missed.
         let margin = fastest * h;
         let [rate_margin, speed_margin] = [options.closing_rate_margin, options.point_speed_margin];
@@ -64,7 +64,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
                 }
                 return;
             }
-            let rate = switch.rate(points);
+            let rate = switch.rate::<G, D>(&velocities);
             // Far apart and not approaching.
             if -switch.depth > (rate_margin * rate.max(0.0) + speed_margin * fastest) * h {
                 return;
@@ -98,7 +98,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
     pub fn set_velocity<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, velocity: &[f64]) {
         self.motion.update(system, velocity);
         for pair in &mut self.pairs {
-            pair.rate = pair.switch.rate(&self.motion.points);
+            pair.rate = pair.switch.rate::<G, D>(&self.motion.velocities());
         }
     }
 
@@ -112,14 +112,21 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
     ) -> f64 {
         let (model, data) = (system.model(), system.data());
         let pair = &mut self.pairs[pair];
-        let Switch { points, t, normal, stiffness, .. } = &pair.switch;
+        let Switch { points, t, carrier, normal, stiffness, .. } = &pair.switch;
         let stiffness = if pair.touching { -stiffness } else { *stiffness };
         pair.touching = !pair.touching;
         pair.changed = true;
         self.wrenches.fill(Vector::ZERO);
-        for (&point, share) in points.iter().zip([-1.0, 1.0 - t, *t]) {
-            let jacobian = G::point_jacobian(&data.kinematics.points[point]);
-            self.wrenches[model.points[point].frame] += jacobian.transpose_times(normal) * share;
+        let mut push = |frame: usize, place: &Vector<P>, share: f64| {
+            self.wrenches[frame] += G::point_jacobian(place).transpose_times(normal) * share;
+        };
+        let shares = [-1.0, 1.0 - t, *t];
+        let moving = if carrier.is_some() { 1 } else { 3 };
+        for (&point, share) in points.iter().zip(shares).take(moving) {
+            push(model.points[point].frame, &data.kinematics.points[point], share);
+        }
+        if let Some((frame, place)) = carrier {
+            push(*frame, place, 1.0);
         }
         gradient.fill(0.0);
         data.assembly.add_forces(model, &mut self.wrenches, gradient);

@@ -51,7 +51,7 @@ impl<const D: usize, const P: usize> MixedNewton<D, P> {
     pub fn start<G: LieGroup<D, P>>(&mut self, system: &mut System<G, D, P>) {
         system.evaluate();
         self.motion.points.fill(Vector::ZERO);
-        system.keep_forces(&self.motion.points);
+        system.keep_forces(&self.motion.velocities());
     }
 
     /// Iterates from the system's state until Newton's method for the energy can take over; `None` if the steps
@@ -78,7 +78,7 @@ impl<const D: usize, const P: usize> MixedNewton<D, P> {
             }
             system.complete_columns();
             self.motion.update(system, &self.step);
-            system.keep_forces(&self.motion.points);
+            system.keep_forces(&self.motion.velocities());
             system.advance(&self.step);
             let size = system.evaluate();
             let settled = length <= self.newton.small_step && !(size < self.newton.progress * before);

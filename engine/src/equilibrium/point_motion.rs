@@ -1,6 +1,7 @@
 //! Velocities of all points for a velocity of the coordinates.
 
 use super::system::System;
+use crate::forces::element::Velocities;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
@@ -16,6 +17,11 @@ pub(super) struct PointMotion<const D: usize, const P: usize> {
 }
 
 impl<const D: usize, const P: usize> PointMotion<D, P> {
+    /// Of frames and points.
+    pub fn velocities(&self) -> Velocities<'_, D, P> {
+        Velocities { twists: &self.twists, points: &self.points }
+    }
+
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>) -> Self {
         Self {
             points: vec![Vector::ZERO; model.points.len()],

@@ -8,10 +8,10 @@ use super::projection::Projection;
 use super::stability::Stability;
 use super::vector::dot;
 use crate::Data;
+use crate::forces::element::Velocities;
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::state::Law;
 use crate::lie::LieGroup;
-use crate::linalg::Vector;
 use crate::model::Model;
 use crate::tolerances::{
     DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, REGULAR_PIVOTS, ROUNDING_FACTOR,
@@ -394,7 +394,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     }
 
     /// Stores the forces that stiff terms have after a motion of the points.
-    pub(super) fn keep_forces(&mut self, motion: &[Vector<P>]) {
+    pub(super) fn keep_forces(&mut self, motion: &Velocities<D, P>) {
         self.data.keep_forces(self.model, motion);
     }
 

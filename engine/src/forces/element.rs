@@ -41,6 +41,8 @@ pub(crate) struct Switch<const P: usize> {
     /// p, a, b.
     pub points: [usize; 3],
     pub t: f64,
+    /// The frame that carries what p touches, and where p is, if that moves other than by a and b.
+    pub carrier: Option<(usize, Vector<P>)>,
     pub normal: Vector<P>,
     /// d.
     pub depth: f64,
@@ -49,10 +51,14 @@ pub(crate) struct Switch<const P: usize> {
 }
 
 impl<const P: usize> Switch<P> {
-    /// The rate of d for these velocities of all points.
+    /// The rate of d for these velocities.
     #[inline]
-    pub fn rate(&self, velocities: &[Vector<P>]) -> f64 {
-        let [p, a, b] = self.points.map(|i| velocities[i]);
+    pub fn rate<G: LieGroup<D, P>, const D: usize>(&self, velocities: &Velocities<D, P>) -> f64 {
+        let [p, a, b] = self.points.map(|i| velocities.points[i]);
+        if let Some((frame, place)) = &self.carrier {
+            let touched = G::point_jacobian(place) * velocities.twists[*frame];
+            return -self.normal.dot(&(p - touched));
+        }
         -self.normal.dot(&(p - a * (1.0 - self.t) - b * self.t))
     }
 }
@@ -63,7 +69,7 @@ pub struct ContactForce<const P: usize> {
     /// The sphere of the first group.
     pub first: usize,
     /// The touched sphere, twice, or the spheres at the ends of the touched round cone; none for contact
-    /// with something fixed in the world.
+    /// with an obstacle.
     pub second: Option<[usize; 2]>,
     /// The nearer of these.
     pub nearest: Option<usize>,
@@ -195,7 +201,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
 
     /// Stores the forces that stiff terms have after a motion of the points, with distances to first
     /// order, for [`Law::Kept`](super::state::Law).
-    fn keep(&self, _at: &State<G, D, P>, _motion: &[Vector<P>], _state: &mut Self::State) {}
+    fn keep(&self, _at: &State<G, D, P>, _motion: &Velocities<D, P>, _state: &mut Self::State) {}
 
     /// Whether the state is where the residual has one-sided derivatives only, for a motion of some of
     /// the points along a direction that `moves` confirms.

@@ -69,8 +69,19 @@ impl<const P: usize> Magnitudes<P> {
         force: f64,
         [stiffness, positions]: [f64; 2],
     ) {
+        self.add_of_distance_at(at.frame(point), *at.point(point), force, [stiffness, positions]);
+    }
+
+    /// The same at a place that moves with a frame.
+    pub fn add_of_distance_at(
+        &mut self,
+        frame: usize,
+        place: Vector<P>,
+        force: f64,
+        [stiffness, positions]: [f64; 2],
+    ) {
         let magnitudes = [force.abs(), (stiffness * positions).abs(), stiffness.abs()];
-        self.points.push((at.frame(point), *at.point(point), magnitudes));
+        self.points.push((frame, place, magnitudes));
     }
 
     /// A moment of this magnitude on a frame.

@@ -228,7 +228,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let depth = length - rest;
             if length > 0.0 && depth > -margin {
                 let normal = r * (-1.0 / length);
-                visit(Switch { points: [a, b, b], t: 0.0, normal, depth, stiffness: k });
+                visit(Switch { points: [a, b, b], t: 0.0, carrier: None, normal, depth, stiffness: k });
             }
         }
     }
@@ -237,12 +237,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.0.iter().for_each(|spring| visit(spring.stiffness, 1.0));
     }
 
-    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], kept: &mut Vec<Option<Vector<P>>>) {
+    fn keep(&self, at: &State<G, D, P>, motion: &Velocities<D, P>, kept: &mut Vec<Option<Vector<P>>>) {
         for (spring, kept) in self.0.iter().zip(kept) {
             let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
             let [a, b] = spring.ends;
             let r = *at.point(a) - *at.point(b);
-            let (moved, length) = (r + (motion[a] - motion[b]), r.norm());
+            let (moved, length) = (r + (motion.points[a] - motion.points[b]), r.norm());
             let direction = r * (1.0 / length);
             let stretch = moved.dot(&direction) - rest;
             *kept = if rest == 0.0 {

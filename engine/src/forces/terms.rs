@@ -159,4 +159,22 @@ impl<const D: usize> FrameTerms<D> {
         self.stiffness[frames[1]] += bt * hb + G::point_curvature(points[1], &-*f);
         self.couplings.push(Coupling { row: frames[0], column: frames[1], form: (at * hb) * -1.0 });
     }
+
+    /// The second derivative of a potential of the place that a point `p` of the first frame has in the second
+    /// one, with gradient `f` in the world; `form` is its Hessian by the world twist of `p`.
+    #[inline]
+    pub fn add_carried<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        [first, second]: [usize; 2],
+        p: &Vector<P>,
+        f: &Vector<P>,
+        form: Matrix<D, D>,
+    ) {
+        let relative = form + G::point_curvature(p, f);
+        self.stiffness[first] += relative;
+        self.stiffness[second] += relative;
+        // exp(−ζ₂) exp(ζ₁) = exp(ζ₁ − ζ₂ + ½ [ζ₁, ζ₂] + …).
+        let bracket = G::bracket_form(&G::point_jacobian(p).transpose_times(f));
+        self.couplings.push(Coupling { row: first, column: second, form: bracket * 0.5 - relative });
+    }
 }

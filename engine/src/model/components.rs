@@ -43,6 +43,13 @@ impl Components {
             let touching = d.spheres.iter().filter(|group| groups.contains(&&group.name));
             join(&mut touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str()));
         }
+        for obstacle in &d.obstacles {
+            let touching = d.spheres.iter().filter(|group| obstacle.spheres.contains(&group.name));
+            let spheres = touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str());
+            if let AttachmentDescription::Body { body, .. } = &obstacle.at {
+                join(&mut spheres.chain([body.as_str()]));
+            }
+        }
         let mut roots = root.clone();
         roots.sort_unstable();
         roots.dedup();

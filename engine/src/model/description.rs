@@ -8,7 +8,7 @@ pub use crate::forces::fibres::{
     FibreDescription, FibreRodDescription, FibreSectionDescription, Law, MaterialDescription,
 };
 pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription};
-pub use crate::forces::half_space::HalfSpaceDescription;
+pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
 pub use crate::forces::tie::{TieDescription, TieDrive, TieKind};
@@ -39,9 +39,9 @@ pub struct Description {
     /// Straps around links.
     #[serde(default)]
     pub loops: Vec<StrapLoopDescription>,
-    /// Fixed planes that spheres press on.
+    /// What spheres press on.
     #[serde(default)]
-    pub half_spaces: Vec<HalfSpaceDescription>,
+    pub obstacles: Vec<ObstacleDescription>,
     /// Chambers and cables.
     #[serde(default)]
     pub actuators: Vec<ActuatorDescription>,

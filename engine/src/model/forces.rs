@@ -8,9 +8,9 @@ use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Ve
 use crate::forces::fibres::FibreSections;
 use crate::forces::foundation::{Foundations, StrapLoops};
 use crate::forces::gravity::Gravity;
-use crate::forces::half_space::HalfSpaces;
 use crate::forces::joint::Joints;
 use crate::forces::magnitudes::Magnitudes;
+use crate::forces::obstacle::Obstacles;
 use crate::forces::pressure::Pressures;
 use crate::forces::spring::Springs;
 use crate::forces::state::State;
@@ -175,7 +175,7 @@ macro_rules! registry {
             pub fn keep<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 at: &State<G, D, P>,
-                motion: &[Vector<P>],
+                motion: &Velocities<D, P>,
                 states: &mut States<P>,
             ) {
                 $(self.$name.keep(at, motion, &mut states.$name);)*
@@ -251,7 +251,7 @@ registry! {
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
     foundations: Foundations = |tree, description| Foundations::build(tree, &description.foundations)?;
     loops: StrapLoops = |tree, description| StrapLoops::build(tree, &description.loops)?;
-    half_spaces: HalfSpaces<P> = |tree, description| HalfSpaces::build(tree, &description.half_spaces)?;
+    obstacles: Obstacles<P> = |tree, description| Obstacles::build(tree, &description.obstacles)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
     ties: Ties<P> = |tree, description| Ties::build(tree, &description.ties)?;
 }

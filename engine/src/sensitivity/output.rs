@@ -25,8 +25,8 @@ pub(crate) enum Output {
     Spring(usize),
     /// The tension of a strap around a link.
     Loop(usize),
-    /// The force on a half-space.
-    HalfSpace(usize),
+    /// The force on an obstacle.
+    Obstacle(usize),
     /// The volume of a cavity.
     Volume(usize),
     /// The angle between both ends of a rod.
@@ -49,7 +49,7 @@ pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
         ("stretch", 2 * model.material_count()),
         ("springs", model.forces.springs.count()),
         ("loops", model.forces.loops.count()),
-        ("half_spaces", model.forces.half_spaces.count()),
+        ("obstacles", model.forces.obstacles.count()),
         ("volume", model.pressure_count()),
         ("rod_bending", model.rod_count()),
         ("ties", TieOutput::ALL.len() * model.tie_count()),
@@ -68,7 +68,7 @@ impl Output {
             4 => Self::Stretch(index / 2, if index % 2 == 0 { -1.0 } else { 1.0 }),
             5 => Self::Spring(index),
             6 => Self::Loop(index),
-            7 => Self::HalfSpace(index),
+            7 => Self::Obstacle(index),
             8 => Self::Volume(index),
             9 => Self::RodBending(index),
             10 => {
@@ -115,8 +115,8 @@ impl Output {
             Self::Stretch(material, sign) => forces.fibres.add_stretch(material, sign, &at, weight, out),
             Self::Spring(spring) => forces.springs.add_tension(spring, &at, weight, out),
             Self::Loop(strap) => forces.loops.add_tension(strap, &at, &states.loops, weight, out),
-            Self::HalfSpace(index) => {
-                forces.half_spaces.add_force(index, &at, &states.half_spaces, weight, out);
+            Self::Obstacle(index) => {
+                forces.obstacles.add_force(index, &at, &states.obstacles, weight, out);
             }
             Self::Volume(index) => {
                 forces.pressures.add_volume(index, &at, &data.design.forces.pressures, weight, out);

@@ -85,7 +85,7 @@ def _on_obstacle(index: int) -> Callable[[ObservedPaths], Array]:
         found = np.full(paths.q.shape[:2], np.nan)
         for i, step in np.argwhere(np.isfinite(paths.q).all(axis=2)):
             engine, parameters = paths.model.engine, paths.parameters[i]
-            found[i, step] = engine.half_space_forces(parameters, paths.q[i, step])[index]
+            found[i, step] = engine.obstacle_forces(parameters, paths.q[i, step])[index]
         return found
 
     return forces

@@ -19,7 +19,7 @@ class ContactForces:
     """
 
     first: NDArray[np.uint32]  # (m,), index of the sphere, counted through all groups
-    # (m,), index of the other, -1 for a fixed obstacle; of a round cone that is touched between
+    # (m,), index of the other, -1 for an obstacle; of a round cone that is touched between
     # its ends, the nearer one
     second: NDArray[np.int64]
     cone: NDArray[np.bool_]  # (m,), whether the second is a round cone

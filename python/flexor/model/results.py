@@ -501,8 +501,8 @@ class Path(Displayed, Results):
         return {name: self.tie_loads[:, i, 6] for name, i in driven.items()}
 
     def obstacle_forces(self) -> dict[str, Array]:
-        """Return the force on each obstacle along its normal [N], likewise."""
-        return self._each(self.model.file.obstacles, self.model.engine.half_space_forces)
+        """Return the sum of the normal forces on each obstacle [N], likewise."""
+        return self._each(self.model.file.obstacles, self.model.engine.obstacle_forces)
 
     def _each(
         self, names: Iterable[str], evaluate: Callable[[Array, Array], Array]

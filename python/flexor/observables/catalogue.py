@@ -216,7 +216,7 @@ def _obstacles(model: Structure) -> dict[str, Member]:
     return {
         name: Member(
             lambda paths, i=i: quantities.obstacle_forces(paths)[:, :, i],  # type: ignore[misc]
-            slopes.member("half_spaces", i),
+            slopes.member("obstacles", i),
         )
         for i, name in enumerate(model.file.obstacles)
     }
@@ -371,7 +371,7 @@ _KINDS = (
     Kind(
         "obstacle-force",
         FORCE,
-        "force on an obstacle along its normal",
+        "sum of the normal forces on an obstacle",
         _obstacles,
         "obstacles",
         lowest=0.0,

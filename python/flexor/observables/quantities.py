@@ -100,9 +100,9 @@ def _tensed(model: Structure) -> tuple[list[str], list[str]]:
 
 
 def obstacle_forces(paths: Paths) -> Array:
-    """Return the force on each obstacle along its normal [N], (n, s, obstacles)."""
+    """Return the sum of the normal forces on each obstacle [N], (n, s, obstacles)."""
     engine, names = paths.model.engine, tuple(paths.model.file.obstacles)
-    found = _each(paths, names, engine.half_space_forces)
+    found = _each(paths, names, engine.obstacle_forces)
     return np.stack([found[name] for name in names], axis=2)
 
 

@@ -12,7 +12,7 @@ from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Mark, Pressure, Rod, Scene
 from flexor.plot.style import STRAP
-from flexor.plot.surroundings import planes, springs, ties
+from flexor.plot.surroundings import obstacles, springs, ties
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
@@ -68,7 +68,7 @@ def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Sce
     arrows = _contact_arrows(path, contacts)
     pressures = _pressures(path, contacts, frames)
     scene = Scene(list(rods.values()), links, lines, arrows, pressures=pressures)
-    return replace(scene, lines=[*lines, *planes(path, *scene.extent())])
+    return replace(scene, lines=[*lines, *obstacles(path, frames, *scene.extent())])
 
 
 def marked(scene: Scene, path: Path, step: int = -1) -> Scene:
@@ -160,8 +160,9 @@ def _pressures(path: Path, contacts: ContactForces, frames: dict[str, Array]) ->
 def _contact_arrows(path: Path, contacts: ContactForces) -> list[ContactArrow]:
     contact_arrows = []
     # Sum the forces on each sphere of the limb, and those through the skin of each link; on other
-    # round cones show each contact point.
-    places = np.where(contacts.cone, -1 - contacts.first.astype(np.int64), contacts.second)
+    # round cones and obstacles show each contact point.
+    apart = contacts.cone | (contacts.second < 0)
+    places = np.where(apart, -1 - contacts.first.astype(np.int64), contacts.second)
     spheres = path.model.sphere_places if np.isfinite(contacts.pressure).any() else ()
     names = list(dict.fromkeys(name for name, _ in spheres))
     for index in np.flatnonzero(np.isfinite(contacts.pressure)).tolist():

@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.arrays import Array
+from flexor.model.schema.obstacle import HalfSpace
+from flexor.model.schema.solid import Solid
 from flexor.plot.scene import Line
 from flexor.plot.style import LINE
 from flexor.scene.attachments import place_of
+from flexor.scene.obstacles import obstacle_poses
 
 if TYPE_CHECKING:
     from flexor.model import Path
@@ -42,19 +45,47 @@ def ties(path: Path, frames: dict[str, Array]) -> list[Line]:
     return lines
 
 
-def planes(path: Path, low: Array, high: Array) -> list[Line]:
-    """Return the outline of a square of each half-space, opposite bodies between two corners."""
-    lines, middle, size = [], 0.5 * (low + high), high - low
-    for name, obstacle in path.model.file.obstacles.items():
-        normal = np.array(obstacle.normal, dtype=float)
-        normal /= np.linalg.norm(normal)
-        given = np.array(obstacle.point.components, dtype=float)
-        centre = middle - ((middle - given) @ normal) * normal
-        first = np.cross(normal, (0.0, 1.0, 0.0) if abs(normal[1]) < 0.9 else (1.0, 0.0, 0.0))
-        first /= np.linalg.norm(first)
-        second = np.cross(normal, first)
-        half = 0.5 * float(np.linalg.norm(size[[0, 2]] if path.model.planar else size))
-        corners = [(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)]
-        points = [centre + half * (a * first + b * second) for a, b in corners]
-        lines.append(Line(name, np.array(points), "obstacle", OBSTACLE))
+def obstacles(path: Path, frames: dict[str, Array], low: Array, high: Array) -> list[Line]:
+    """Return outlines of obstacles, of endless ones opposite bodies between two corners."""
+    lines: list[Line] = []
+    found = path.model.file.obstacles
+    if not found:
+        return lines
+    size = (high - low)[[0, 2]] if path.model.planar else high - low
+    half = 0.5 * float(np.linalg.norm(size))
+    for name, obstacle in found.items():
+        pose = obstacle_poses(path, frames, obstacle)
+        if isinstance(obstacle, HalfSpace):
+            outlines = [_square(obstacle, pose, 0.5 * (low + high), half)]
+        else:
+            assert isinstance(obstacle, Solid)
+            sections = [(0, 2)] if path.model.planar else [(0, 2), (0, 1), (1, 2)]
+            outlines = [_section(obstacle, pair, half) for pair in sections]
+        for local in outlines:
+            points = local @ pose[:3, :3].T + pose[:3, 3]
+            lines.append(Line(name, points, "obstacle", OBSTACLE))
     return lines
+
+
+def _square(obstacle: HalfSpace, pose: Array, middle: Array, half: float) -> Array:
+    normal = np.array(obstacle.normal, dtype=float)
+    normal /= np.linalg.norm(normal)
+    seen = pose[:3, :3].T @ (middle - pose[:3, 3])
+    centre = seen - (seen @ normal) * normal
+    first = np.cross(normal, (0.0, 1.0, 0.0) if abs(normal[1]) < 0.9 else (1.0, 0.0, 0.0))
+    first /= np.linalg.norm(first)
+    second = np.cross(normal, first)
+    corners = [(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)]
+    return np.array([centre + half * (a * first + b * second) for a, b in corners])
+
+
+def _section(obstacle: Solid, axes: tuple[int, int], endless: float) -> Array:
+    """Return the outline (m, 3) in the plane of two of the obstacle's axes, in these."""
+    quarter = np.linspace(0.0, 0.5 * np.pi, 17)
+    angles = np.concatenate([quarter + k * 0.5 * np.pi for k in range(4)])
+    corners = np.repeat([(1, 1), (-1, 1), (-1, -1), (1, -1)], len(quarter), axis=0)
+    half = np.minimum(np.array(obstacle.half), endless)[list(axes)]
+    local = np.zeros((len(angles), 3))
+    turned = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    local[:, list(axes)] = corners * half + obstacle.rounded_by * turned
+    return np.concatenate([local, local[:1]])

@@ -44,6 +44,13 @@ def place_of(path: Path, frames: Mapping[str, Array], end: Attachment | Ground) 
     return _moved(along[..., 0, :, :], offset) + share * (tip - base)
 
 
+def frame_of(path: Path, frames: Mapping[str, Array], point: Attachment) -> Array:
+    """Return the frame (..., 4, 4) that a point moves with, of one step or of several."""
+    station = point.lower_point(path.model.file.bodies)["station"]
+    place = station["point"] if isinstance(station, dict) and "point" in station else 0
+    return np.asarray(frames[point.body][..., place, :, :])
+
+
 def _moved(frame: Array, offset: Array) -> Array:
     return np.asarray(frame[..., :3, 3] + frame[..., :3, :3] @ offset)
 

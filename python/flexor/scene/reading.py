@@ -14,6 +14,7 @@ from flexor.scene import pressure
 from flexor.scene.frames import frames_of
 from flexor.scene.links import link_objects
 from flexor.scene.objects import Attached, Free, Object
+from flexor.scene.obstacles import obstacle_objects
 from flexor.scene.rods import Swept, chambers, lines, rod_objects
 from flexor.scene.scale import Scale
 from flexor.scene.springs import spring_objects
@@ -98,7 +99,7 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
             objects += _link(path, name, frames[name], prints, shown)
     objects += strap_objects(path, rods, frames, shown)
     objects += spring_objects(path, frames, shown)
-    objects += _obstacles(path, objects, shown)
+    objects += obstacle_objects(path, frames, objects, shown)
     scales = {}
     for name, (label, unit, signed) in _FIELDS.items():
         values = [each.fields[name] for each in objects if name in each.fields]
@@ -130,31 +131,3 @@ def _link(
         if part.part == "skin":
             part.fields[PRESSURE] = pressure.on_link(part, mine)
         yield part
-
-
-def _obstacles(path: Path, solid: list[Object], file: ModelFile) -> Iterator[Object]:
-    """Yield a square of each half-space's plane, as large as what stands before it."""
-    if not file.obstacles:
-        return
-    points = np.concatenate([each.vertices(step) for each in solid for step in (0, -1)])
-    half = 0.6 * float(np.linalg.norm(np.ptp(points, axis=0)))
-    for name, obstacle in file.obstacles.items():
-        normal = np.array(obstacle.normal, dtype=float)
-        normal /= np.linalg.norm(normal)
-        first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-        first /= np.linalg.norm(first)
-        second = np.cross(normal, first)
-        given = np.array(obstacle.point.components, dtype=float)
-        middle = points.mean(axis=0)
-        centre = middle - ((middle - given) @ normal) * normal
-        corners = [
-            centre + half * (a * first + b * second)
-            for a, b in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-        ]
-        yield Free(
-            name=name,
-            kind="obstacle",
-            part="",
-            faces=np.array([[0, 1, 2], [0, 2, 3]]),
-            positions=np.broadcast_to(np.array(corners), (len(path), 4, 3)),
-        )

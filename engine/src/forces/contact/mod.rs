@@ -252,13 +252,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn keep(&self, at: &State<G, D, P>, motion: &[Vector<P>], state: &mut ContactState<P>) {
+    fn keep(&self, at: &State<G, D, P>, motion: &Velocities<D, P>, state: &mut ContactState<P>) {
         let ContactState { balls, kept, .. } = state;
         let before = std::mem::take(kept);
         for (index, contact) in self.0.iter().enumerate() {
             let k = at.parameters()[contact.stiffness];
             Self::for_each_near(at, balls, contact, contact.reach(&at.geometry.radii), |pair| {
-                let depth = pair.overlap + pair.closing(&pair.motion(at.tree, motion));
+                let depth = pair.overlap + pair.closing(&pair.motion(at.tree, motion.points));
                 let acts = pair.overlap > 0.0 || pair.is_among(of_contact(&before, index));
                 if acts && depth > 0.0 {
                     kept.push((index, KeptForce::new(&pair, k * pair.weight * depth)));
@@ -291,6 +291,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 visit(Switch {
                     points: pair.points(at.tree),
                     t: pair.t,
+                    carrier: None,
                     normal: pair.normal,
                     depth: pair.overlap,
                     stiffness: k * pair.weight,

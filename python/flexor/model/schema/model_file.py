@@ -15,11 +15,11 @@ from flexor.model.schema.contact import Contact
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
 from flexor.model.schema.foundation import skin_materials, touching
-from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.population import Population
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section_geometry import check_section
+from flexor.model.schema.solid import AnyObstacle
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
@@ -69,7 +69,7 @@ class ModelFile(BodySystem):
     """
 
     contacts: dict[Name, Contact] = Field(default_factory=dict)
-    obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
+    obstacles: dict[Name, AnyObstacle] = Field(default_factory=dict)
     actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     straps: dict[Name, Strap] = Field(default_factory=dict)

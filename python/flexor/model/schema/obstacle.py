@@ -1,62 +1,194 @@
-"""Obstacles: planes fixed in the world that contact spheres press on."""
+"""Obstacles: what contact spheres press on, fixed in the world or to a body."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import Discriminator, Field, Tag, model_validator
 
+from flexor.arrays import Array
+from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_known
 from flexor.model.schema.force import Force
 from flexor.model.schema.planar import in_plane
-from flexor.model.schema.table import Choice, Name
-from flexor.model.schema.vector import Axis, Offset, direction
+from flexor.model.schema.points import Attachment
+from flexor.model.schema.table import Name
+from flexor.model.schema.vector import Axis, Offset, Triple, direction
 from flexor.model.units import PositiveStiffness
 from flexor.model.validation import field_error, first_repeated
 
 
-class Obstacle(Force):
-    """A fixed plane, ``kind = "half-space"``, that the spheres of some groups press on.
+def _form(value: object) -> str:
+    on_body = isinstance(value, Attachment) or (isinstance(value, Mapping) and "body" in value)
+    return "attachment" if on_body else "world"
 
-    Each sphere is pushed back along the normal with ``stiffness`` times its depth behind the plane.
-    A round cone is deepest at one of its ends, so that spheres suffice for groups of round cones.
+
+Place = Annotated[
+    Annotated[Offset, Tag("world")] | Annotated[Attachment, Tag("attachment")],
+    Discriminator(_form),
+]
+
+
+class Obstacle(Force):
+    """Something solid that the spheres of some groups press on.
+
+    Each sphere is pushed back along the normal of the surface with ``stiffness`` times its depth.
+    ``point`` is the obstacle's origin: in the world, or on a body, which then carries it.
     """
 
-    description: ClassVar[str] = "half_spaces"
+    description: ClassVar[str] = "obstacles"
 
-    kind: Annotated[Literal["half-space"], Choice("half-space")]
+    kind: str
     spheres: Annotated[tuple[Name, ...], Field(min_length=1)]
-    point: Offset = Offset()
-    normal: Axis
+    point: Place = Offset()
     stiffness: PositiveStiffness
 
     @model_validator(mode="after")
-    def _check(self) -> Obstacle:
-        if not any(self.normal):
-            raise field_error("has no direction: it must not be zero", path="normal")
+    def _check_groups(self) -> Obstacle:
         if (group := first_repeated(self.spheres)) is not None:
             raise field_error(f'names the group "{group}" twice', path="spheres")
         return self
 
+    @abstractmethod
+    def excludes(self, rod: Rod, touching: bool) -> bool:
+        """Whether a rod, which touches it or not, must not begin in it."""
+
+    @property
+    def turn(self) -> Triple:
+        """Rotation vector of its axes relative to the world or the frame of its body [rad]."""
+        return (0.0, 0.0, 0.0)
+
+    @property
+    def axes(self) -> Array:
+        """Its axes in the world or the frame of its body, the columns (3, 3)."""
+        return turning(self.turn)
+
+    @abstractmethod
+    def distance(self, place: Array) -> float:
+        """Return how far a place (3,) in its axes is from its surface [m]; negative in it."""
+
+    @abstractmethod
+    def surfaces(self, planar: bool) -> list[dict[str, Any]]:
+        """Describe its surfaces to the engine."""
+
     def check(self, path: str, system: BodySystem) -> None:
-        """Check that the groups exist."""
+        """Check that the groups exist, that none moves with it, and that no rod begins in it."""
         for group in self.spheres:
             check_known(group, "sphere group", system.spheres, f"{path}.spheres")
+        if isinstance(self.point, Attachment):
+            self.point.check_point(f"{path}.point", system.bodies)
+            for group in self.spheres:
+                if self.point.body in _bodies(system, group):
+                    tail = f'names the group "{group}", which has spheres on "{self.point.body}"'
+                    raise field_error(f"{tail}, the body that carries it", f"{path}.spheres")
+        self._check_bases(path, system)
+
+    def _check_bases(self, path: str, system: BodySystem) -> None:
+        """Check that it contains the base of no rod that it has to stay clear of."""
+        touching = {body for group in self.spheres for body in _bodies(system, group)}
+        origin, axes = self.reference_pose(system)
+        for name, body in system.bodies.items():
+            carrier = isinstance(self.point, Attachment) and self.point.body == name
+            if carrier or not isinstance(body, Rod) or not self.excludes(body, name in touching):
+                continue
+            base = system.reference_frames[name](0.0)[:3, 3]
+            if self.distance(axes.T @ (base - origin)) < 0.0:
+                where = ", ".join(f"{100.0 * x + 0.0:.4g}" for x in base)
+                tail = f'contains the base of "{name}" at rest, which is at ({where}) cm'
+                raise field_error(f"{tail}: move the obstacle or the rod", path)
+
+    def check_planar(self, path: str) -> None:
+        """Reject an origin outside the plane."""
+        if isinstance(self.point, Attachment):
+            self.point.check_planar(f"{path}.point")
+        else:
+            in_plane(self.point, f"{path}.point")
+
+    def reference_pose(self, system: BodySystem) -> tuple[Array, Array]:
+        """Return its origin [m] and its axes, the columns (3, 3), in the reference state."""
+        if not isinstance(self.point, Attachment):
+            return np.array(self.point.components, dtype=float), self.axes
+        frame = system.reference_frames[self.point.body](_fraction(self.point, system))
+        offset = np.array(self.point.offset.components, dtype=float)
+        return frame[:3, 3] + frame[:3, :3] @ offset, frame[:3, :3] @ self.axes
+
+    def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
+        """Describe the obstacle to the engine."""
+        if isinstance(self.point, Attachment):
+            at = self.point.lower_point(system.bodies)
+        else:
+            at = {"world": list(self.point.components)}
+        return {
+            "name": name,
+            "spheres": list(self.spheres),
+            "at": at,
+            "rotation": list(self.turn),
+            "surfaces": self.surfaces(system.planar),
+            "stiffness": float(self.stiffness),
+        }
+
+
+class HalfSpace(Obstacle):
+    """A half-space, ``kind = "half-space"``, behind a plane through ``point``.
+
+    A round cone is deepest in it at one of its ends, so that spheres suffice for groups of round
+    cones.
+    """
+
+    kind: Literal["half-space"]
+    normal: Axis
+
+    @model_validator(mode="after")
+    def _check(self) -> HalfSpace:
+        if not any(self.normal):
+            raise field_error("has no direction: it must not be zero", path="normal")
+        return self
 
     def check_planar(self, path: str) -> None:
         """Reject a plane that is not normal to the model's."""
-        in_plane(self.point, f"{path}.point")
+        super().check_planar(path)
         if self.normal[1] != 0.0:
             tail = "in a planar model it must lie in the x-z plane"
             raise field_error(f"is {list(self.normal)}: {tail}", f"{path}.normal")
 
-    def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
-        """Describe the half-space to the engine."""
-        return {
-            "name": name,
-            "spheres": list(self.spheres),
-            "point": list(self.point.components),
-            "normal": direction(self.normal),
-            "stiffness": float(self.stiffness),
-        }
+    def excludes(self, rod: Rod, touching: bool) -> bool:
+        """Whether the rod touches it and its base is fixed in the world."""
+        return touching and rod.parent is None and rod.joint.kind == "fixed"
+
+    def distance(self, place: Array) -> float:
+        """Return how far a place is in front of the plane [m]."""
+        return float(np.array(direction(self.normal)) @ place)
+
+    def surfaces(self, planar: bool) -> list[dict[str, Any]]:
+        """Describe the plane to the engine."""
+        return [{"plane": {"normal": direction(self.normal), "distance": 0.0}}]
+
+
+def turning(rotation: Triple) -> Array:
+    """Return the matrix (3, 3) of a rotation vector [rad], by Rodrigues' formula."""
+    angle = float(np.linalg.norm(rotation))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = np.array(rotation) / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)
+
+
+def _bodies(system: BodySystem, group: str) -> set[str]:
+    found = system.spheres[group]
+    return {*found.bodies, *(point.body for point in found.points)}
+
+
+def _fraction(point: Attachment, system: BodySystem) -> float:
+    """Return where a point is along its body, as a share of the length."""
+    body = system.bodies[point.body]
+    if isinstance(body, Rod):
+        return float(body.sample_points[point.lower_point(system.bodies)["station"]["point"]])
+    if point.at == "centroid":
+        a, b = float(body.radius.base), float(body.radius.tip)
+        return (a**2 + 2.0 * a * b + 3.0 * b**2) / (4.0 * (a**2 + a * b + b**2))
+    return float({"base": 0.0, "tip": 1.0}.get(str(point.at), point.at or 0.0))

@@ -1,4 +1,4 @@
-//! Half-spaces: closed forms of a pressed link, and derivatives against differences.
+//! Obstacles: closed forms of a pressed link, and derivatives against differences.
 
 use crate::systems::differences::{derivatives, of_output};
 use crate::systems::{body, empty, joint, rod, strain};
@@ -14,12 +14,13 @@ fn sphere(body: &str, station: Station) -> SphereDescription {
     SphereDescription { body: body.into(), station }
 }
 
-fn floor(spheres: &[&str], point: [f64; 3], normal: [f64; 3]) -> HalfSpaceDescription {
-    HalfSpaceDescription {
+fn floor(spheres: &[&str], point: [f64; 3], normal: [f64; 3]) -> ObstacleDescription {
+    ObstacleDescription {
         name: "floor".into(),
         spheres: spheres.iter().map(|name| (*name).into()).collect(),
-        point,
-        normal,
+        at: AttachmentDescription::World { world: point },
+        rotation: [0.0; 3],
+        surfaces: vec![SurfaceDescription::Plane { normal, distance: 0.0 }],
         stiffness: STIFFNESS,
     }
 }
@@ -34,7 +35,7 @@ fn block(planar: bool) -> Description {
     d.bodies.push(body("block", None, [0.0; 3], slider, ShapeDescription::Link(link)));
     let spheres = vec![sphere("block", Station::Fraction(1.0))];
     d.spheres.push(SphereGroupDescription { name: "foot".into(), spheres });
-    d.half_spaces.push(floor(&["foot"], [0.3, 0.0, -0.02], [0.0, 0.0, 1.0]));
+    d.obstacles.push(floor(&["foot"], [0.3, 0.0, -0.02], [0.0, 0.0, 1.0]));
     d.wrenches.push(WrenchDescription {
         name: "push".into(),
         at: AttachmentDescription::Body {
@@ -77,7 +78,7 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
     let found = slope(("joints", 0)).by_parameters[0];
     assert!((found - depth / (50.0 + STIFFNESS)).abs() < 1e-12, "{found}");
     // And of the force on the floor, F − 50 |z|, by k and by the load.
-    let found = slope(("half_spaces", 0));
+    let found = slope(("obstacles", 0));
     let by_stiffness = 50.0 * depth / (50.0 + STIFFNESS);
     assert!((found.by_parameters[0] - by_stiffness).abs() < 1e-12, "{:?}", found.by_parameters);
     assert!((found.by_loads[0] - STIFFNESS / (50.0 + STIFFNESS)).abs() < 1e-12, "{:?}", found.by_loads);
@@ -116,13 +117,67 @@ fn sunk(planar: bool) -> Description {
     let stations = [Station::Fraction(0.0), Station::Centroid, Station::Fraction(1.0)];
     let spheres = stations.map(|station| sphere("hand", station)).to_vec();
     d.spheres.push(SphereGroupDescription { name: "hand".into(), spheres });
-    d.half_spaces.push(floor(&["arm", "hand"], [0.0, 0.0, 0.1], [0.28, 0.0, 0.96]));
+    d.obstacles.push(floor(&["arm", "hand"], [0.0, 0.0, 0.1], [0.28, 0.0, 0.96]));
     d
 }
 
+/// A sphere, a capsule, a box and cylinders, all around the middle of what is sunk in them.
+fn solids() -> Vec<SurfaceDescription> {
+    let rounded = |half, radius| SurfaceDescription::Rounded { half, radius, inside: false };
+    let sleeve = |half, radius| SurfaceDescription::Rounded { half, radius, inside: true };
+    let flat = |x| Some(x);
+    vec![
+        SurfaceDescription::Plane { normal: [0.28, 0.0, 0.96], distance: 0.1 },
+        rounded([flat(0.0); 3], 0.25),
+        rounded([flat(0.1), flat(0.0), flat(0.0)], 0.2),
+        rounded([flat(0.05), flat(0.04), flat(0.01)], 0.2),
+        rounded([None, flat(0.0), flat(0.0)], 0.1),
+        rounded([flat(0.0), None, flat(0.0)], 0.2),
+        sleeve([flat(0.0), None, flat(0.0)], 0.02),
+        sleeve([flat(0.0), flat(0.0), flat(0.04)], 0.02),
+    ]
+}
+
 fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
-    let checked = derivatives::<G, D, P>(&sunk(D == 3), 0.05, |contacts| contacts.len() > 3);
-    assert!(checked > 20);
+    for surface in solids() {
+        let mut d = sunk(D == 3);
+        d.obstacles[0].surfaces = vec![surface.clone()];
+        if !matches!(surface, SurfaceDescription::Plane { .. }) {
+            d.obstacles[0].at = AttachmentDescription::World { world: [0.22, 0.0, 0.03] };
+            d.obstacles[0].rotation = [0.0, 0.4, 0.0];
+        }
+        let checked = derivatives::<G, D, P>(&d, 0.05, |contacts| contacts.len() > 1);
+        assert!(checked > 20, "{surface:?}");
+    }
+}
+
+/// The same with an obstacle on a body that moves itself, at a place that follows its length.
+fn carried<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    // Within the steps of the differences nothing touches anew, and no sphere passes from a side to an end.
+    let size = if D == 3 { 0.05 } else { 0.044 };
+    for surface in solids() {
+        let mut d = sunk(D == 3);
+        let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
+        let mut joint = joint(JointKind::Free);
+        joint.stiffness = vec![1.0; D];
+        d.bodies.push(body("cup", None, [0.1, 0.0, 0.02], joint, ShapeDescription::Link(link)));
+        d.obstacles[0].surfaces = vec![surface.clone()];
+        d.obstacles[0].rotation = [0.0, 0.4, 0.0];
+        let offset = [0.02, 0.0, 0.01];
+        d.obstacles[0].at = AttachmentDescription::Body {
+            body: "cup".into(),
+            station: Station::Fraction(1.0),
+            offset,
+            surface: [0.0, 0.0, 0.1],
+        };
+        let checked = derivatives::<G, D, P>(&d, size, |contacts| !contacts.is_empty());
+        assert!(checked > 25, "{surface:?}");
+        // On a body before those that touch it.
+        let AttachmentDescription::Body { body, .. } = &mut d.obstacles[0].at else { unreachable!() };
+        *body = "hand".into();
+        d.obstacles[0].spheres = vec!["arm".into()];
+        derivatives::<G, D, P>(&d, size, |contacts| !contacts.is_empty());
+    }
 }
 
 #[test]
@@ -132,18 +187,39 @@ fn derivatives_are_those_of_differences() {
 }
 
 #[test]
-fn what_makes_no_half_space_is_refused() {
-    let refused = |change: &dyn Fn(&mut HalfSpaceDescription)| {
+fn derivatives_of_obstacles_on_bodies_are_those_of_differences() {
+    carried::<SE2, 3, 2>();
+    carried::<SE3, 6, 3>();
+}
+
+#[test]
+fn what_makes_no_obstacle_is_refused() {
+    let refused = |change: &dyn Fn(&mut ObstacleDescription)| {
         let mut d = block(true);
-        change(&mut d.half_spaces[0]);
+        change(&mut d.obstacles[0]);
         Model::<SE2, 3, 2>::new(&d).unwrap_err().to_string()
     };
-    let unit = refused(&|h| h.normal = [0.0, 0.0, 2.0]);
-    assert!(unit.starts_with("half_spaces.floor.normal: found"), "{unit}");
+    let plane = |normal| vec![SurfaceDescription::Plane { normal, distance: 0.0 }];
+    let unit = refused(&|h| h.surfaces = plane([0.0, 0.0, 2.0]));
+    assert!(unit.starts_with("obstacles.floor.normal: found"), "{unit}");
     let group = refused(&|h| h.spheres = vec!["hand".into()]);
-    assert_eq!(group, "half_spaces.floor.spheres: no sphere group is named `hand`");
-    let plane = refused(&|h| h.normal = [0.0, 1.0, 0.0]);
-    assert_eq!(plane, "half_spaces.floor.normal: leaves the x–z plane of a planar system");
+    assert_eq!(group, "obstacles.floor.spheres: no sphere group is named `hand`");
+    let plane = refused(&|h| h.surfaces = plane([0.0, 1.0, 0.0]));
+    assert_eq!(plane, "obstacles.floor.normal: leaves the x–z plane of a planar system");
     let stiffness = refused(&|h| h.stiffness = 0.0);
-    assert!(stiffness.starts_with("half_spaces.floor.stiffness: found 0"), "{stiffness}");
+    assert!(stiffness.starts_with("obstacles.floor.stiffness: found 0"), "{stiffness}");
+    let round = |half, radius| vec![SurfaceDescription::Rounded { half, radius, inside: false }];
+    let point = refused(&|h| h.surfaces = round([Some(0.0); 3], 0.0));
+    assert!(point.starts_with("obstacles.floor.radius: found 0"), "{point}");
+    let space = refused(&|h| h.surfaces = round([None; 3], 0.1));
+    assert_eq!(space, "obstacles.floor.half: endless along all axes");
+    let own = refused(&|h| {
+        h.at = AttachmentDescription::Body {
+            body: "block".into(),
+            station: Station::Fraction(0.0),
+            offset: [0.0; 3],
+            surface: [0.0; 3],
+        };
+    });
+    assert_eq!(own, "obstacles.floor.spheres: a sphere moves with the obstacle");
 }

@@ -1,0 +1,424 @@
+//! Obstacles that spheres press on: ½ k max(d, 0)² with d = R − φ(x), for each sphere of radius R at x and
+//! each surface, φ the distance from it.
+//!
+//! An obstacle moves with the frame that carries it: what the sphere feels, the frame feels in the opposite
+//! direction. A round cone, the convex hull of two spheres, is deepest in a plane at one of them; so its
+//! spheres suffice there.
+
+mod definition;
+mod surface;
+
+pub use definition::ObstacleDescription;
+pub use surface::SurfaceDescription;
+
+use super::differential::Differential;
+use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use super::magnitudes::Magnitudes;
+use super::state::{Law, State};
+use super::terms::Terms;
+use crate::geometry::add_radius_slope;
+use crate::lie::LieGroup;
+use crate::linalg::{Matrix, Vector};
+use crate::tolerances::SWITCHING_DISTANCE;
+use crate::tree::{ModelError, Tree};
+use definition::Obstacle;
+use surface::Slopes;
+
+/// All obstacles.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Obstacles<const P: usize>(Vec<Obstacle<P>>);
+
+/// A sphere in an obstacle, or near it.
+#[derive(Clone, Debug)]
+pub(crate) struct Touch<const P: usize> {
+    obstacle: usize,
+    surface: usize,
+    sphere: usize,
+    depth: f64,
+    /// Unit vector out of the obstacle.
+    normal: Vector<P>,
+    /// Hessian of the distance, where it is not zero.
+    curvature: Option<Matrix<P, P>>,
+}
+
+/// A kept force, with the indices of obstacle, surface and sphere.
+type Kept = ([usize; 3], f64);
+
+/// The spheres in contact.
+#[derive(Clone, Debug)]
+pub(crate) struct ObstacleState<const P: usize> {
+    touching: Vec<Touch<P>>,
+    kept: Vec<Kept>,
+}
+
+impl<const P: usize> Obstacles<P> {
+    pub fn build<G: LieGroup<D, P>, const D: usize>(
+        tree: &mut Tree<G, D, P>,
+        obstacles: &[ObstacleDescription],
+    ) -> Result<Self, ModelError> {
+        obstacles.iter().map(|obstacle| Obstacle::build(tree, obstacle)).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Sum of the normal forces on each obstacle [N], from what the residual left.
+    pub fn forces<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &ObstacleState<P>,
+    ) -> Vec<f64> {
+        let mut forces = vec![0.0; self.0.len()];
+        for Touch { obstacle, depth, .. } in &state.touching {
+            forces[*obstacle] += at.parameters()[self.0[*obstacle].stiffness] * depth;
+        }
+        forces
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds a multiple of the change of the force on one of them.
+    pub fn add_force<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &ObstacleState<P>,
+        weight: f64,
+        out: &mut Differential<D, P>,
+    ) {
+        let obstacle = &self.0[index];
+        for touch in state.touching.iter().filter(|touch| touch.obstacle == index) {
+            let slope = at.parameters()[obstacle.stiffness] * weight;
+            let point = touch.point(at);
+            out.points.push((point, touch.normal * -slope));
+            out.points.push((obstacle.point, touch.normal * slope));
+            if obstacle.frame != 0 {
+                let arm = *at.point(point) - *at.point(obstacle.point);
+                let turning = G::point_jacobian(&arm) - G::point_jacobian(&Vector::ZERO);
+                out.frames.push((obstacle.frame, turning.transpose_times(&(touch.normal * slope))));
+            }
+            out.parameters[obstacle.stiffness] += touch.depth * weight;
+            out.add_radius(at.tree, at.parameters(), touch.sphere, slope);
+            if let Some((radius, by_radius)) = obstacle.surfaces[touch.surface].radius() {
+                out.parameters[radius] -= by_radius * slope;
+            }
+        }
+    }
+
+    /// Visits the spheres whose gap to a surface is below `margin`.
+    #[inline]
+    fn for_each_near<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        margin: f64,
+        mut visit: impl FnMut(&Obstacle<P>, Touch<P>),
+    ) {
+        for (index, obstacle) in self.0.iter().enumerate() {
+            let axes = obstacle.world_axes(at);
+            for &sphere in &obstacle.spheres {
+                let place = obstacle.place(at, &axes, sphere);
+                for (s, surface) in obstacle.surfaces.iter().enumerate() {
+                    let depth = at.geometry.radii[sphere] - surface.distance(at.parameters(), &place);
+                    if depth > -margin {
+                        let Slopes { normal, curvature } = surface.slopes(&axes, &place);
+                        let touch = Touch { obstacle: index, surface: s, sphere, depth, normal, curvature };
+                        visit(obstacle, touch);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The spheres in contact with their obstacle and its stiffness.
+    fn touching<'a, G: LieGroup<D, P>, const D: usize>(
+        &'a self,
+        at: &'a State<G, D, P>,
+        state: &'a ObstacleState<P>,
+    ) -> impl Iterator<Item = (&'a Obstacle<P>, f64, &'a Touch<P>)> {
+        state.touching.iter().map(|touch| {
+            let obstacle = &self.0[touch.obstacle];
+            (obstacle, at.parameters()[obstacle.stiffness], touch)
+        })
+    }
+}
+
+impl<const P: usize> Touch<P> {
+    /// Whether a kept force is that of this sphere on this surface.
+    fn has(&self, (of, _): &Kept) -> bool {
+        *of == [self.obstacle, self.surface, self.sphere]
+    }
+
+    /// The sphere's point.
+    fn point<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> usize {
+        at.tree.spheres[self.sphere].point
+    }
+
+    /// Hessian of the energy by the sphere's place in the obstacle, of a curved surface.
+    fn form(&self, k: f64) -> Option<Matrix<P, P>> {
+        let curvature = self.curvature?;
+        Some(self.normal.outer(&self.normal) * k - curvature * (k * self.depth))
+    }
+}
+
+impl<const P: usize> Obstacle<P> {
+    #[inline]
+    fn world_axes<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> [Vector<P>; P] {
+        self.axes.map(|axis| at.kinematics.pose[self.frame].rotate(&axis))
+    }
+
+    /// A sphere's centre in the obstacle's axes.
+    #[inline]
+    fn place<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        axes: &[Vector<P>; P],
+        sphere: usize,
+    ) -> Vector<P> {
+        let r = *at.point(at.tree.spheres[sphere].point) - *at.point(self.point);
+        Vector(std::array::from_fn(|i| axes[i].dot(&r)))
+    }
+
+    /// Velocity with which the obstacle moves where a point of the tree is.
+    fn velocity<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        velocities: &Velocities<D, P>,
+        point: usize,
+    ) -> Vector<P> {
+        let arm = *at.point(point) - *at.point(self.point);
+        velocities.points[self.point] + velocities.shifted::<G>(self.frame, &arm)
+    }
+
+    /// Velocity of a point of the tree as seen from the obstacle.
+    fn relative_velocity<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        velocities: &Velocities<D, P>,
+        point: usize,
+    ) -> Vector<P> {
+        let own = velocities.points[point];
+        if self.frame == 0 { own } else { own - self.velocity(at, velocities, point) }
+    }
+}
+
+impl<const P: usize> ForceMemory<P> for Obstacles<P> {
+    type Design = ();
+    type State = ObstacleState<P>;
+    type Sensitivity = ();
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Obstacles<P> {
+    fn design(&self, _: &Tree<G, D, P>) {}
+
+    fn state(&self, _: &Tree<G, D, P>) -> ObstacleState<P> {
+        let most = self.0.iter().map(|obstacle| obstacle.spheres.len() * obstacle.surfaces.len()).sum();
+        ObstacleState { touching: Vec::with_capacity(most), kept: vec![] }
+    }
+
+    fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.0.iter().all(|obstacle| obstacle.is_admissible(parameters))
+    }
+
+    fn max_couplings(&self) -> usize {
+        let carried = self.0.iter().filter(|obstacle| obstacle.frame != 0);
+        carried.map(|obstacle| obstacle.spheres.len() * obstacle.surfaces.len()).sum()
+    }
+
+    fn has_switches(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn add_residual(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &mut ObstacleState<P>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        let ObstacleState { touching, kept } = state;
+        touching.clear();
+        let margin = if at.law == Law::Actual { 0.0 } else { f64::INFINITY };
+        self.for_each_near(at, margin, |obstacle, mut near| {
+            if at.law != Law::Actual {
+                let found = kept.iter().find(|kept| near.has(kept));
+                if found.is_none() && near.depth <= 0.0 {
+                    return;
+                }
+                if at.law == Law::Kept {
+                    near.depth = found.map_or(0.0, |kept| kept.1 / at.parameters()[obstacle.stiffness]);
+                }
+            }
+            touching.push(near);
+        });
+        for (obstacle, k, touch) in self.touching(at, state) {
+            let point = touch.point(at);
+            out.energy += 0.5 * k * touch.depth * touch.depth;
+            let force = touch.normal * (-k * touch.depth);
+            out.add_force::<G, P>(at.frame(point), at.point(point), &force);
+            if obstacle.frame != 0 {
+                out.add_force::<G, P>(obstacle.frame, at.point(point), &-force);
+            }
+        }
+    }
+
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ObstacleState<P>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        for (obstacle, k, touch) in self.touching(at, state) {
+            let point = touch.point(at);
+            let (frame, p, n) = (at.frame(point), at.point(point), &touch.normal);
+            let jacobian = G::point_jacobian(p);
+            let force = *n * (-k * touch.depth);
+            let form = touch.form(k).map_or_else(
+                || {
+                    let row = jacobian.transpose_times(n);
+                    row.outer(&row) * k
+                },
+                |form| jacobian.transpose() * (form * jacobian),
+            );
+            if obstacle.frame == 0 {
+                out.stiffness[frame] += form;
+                out.add_curvature::<G, P>(frame, p, &force);
+            } else {
+                out.add_carried::<G, P>([frame, obstacle.frame], p, &force, form);
+            }
+        }
+    }
+
+    fn for_each_stiffness(&self, _: &[f64], visit: &mut impl FnMut(usize, f64)) {
+        self.0.iter().for_each(|obstacle| visit(obstacle.stiffness, 1.0));
+    }
+
+    fn keep(&self, at: &State<G, D, P>, motion: &Velocities<D, P>, state: &mut ObstacleState<P>) {
+        let before = std::mem::take(&mut state.kept);
+        self.for_each_near(at, f64::INFINITY, |obstacle, near| {
+            let acts = near.depth > 0.0 || before.iter().any(|kept| near.has(kept));
+            let moved = obstacle.relative_velocity(at, motion, near.point(at));
+            let depth = near.depth - near.normal.dot(&moved);
+            if acts && depth > 0.0 {
+                let force = at.parameters()[obstacle.stiffness] * depth;
+                state.kept.push(([near.obstacle, near.surface, near.sphere], force));
+            }
+        });
+    }
+
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &ObstacleState<P>, out: &mut Magnitudes<P>) {
+        for (obstacle, k, touch) in self.touching(at, state) {
+            let point = touch.point(at);
+            let places =
+                at.point(point).norm() + at.point(obstacle.point).norm() + at.geometry.radii[touch.sphere];
+            out.add_of_distance(at, point, k * touch.depth, [k, places]);
+            if obstacle.frame != 0 {
+                out.add_of_distance_at(obstacle.frame, *at.point(point), k * touch.depth, [k, places]);
+            }
+        }
+    }
+
+    fn for_each_switch(
+        &self,
+        at: &State<G, D, P>,
+        _: &ObstacleState<P>,
+        margin: f64,
+        visit: &mut impl FnMut(Switch<P>),
+    ) {
+        self.for_each_near(at, margin, |obstacle, touch| {
+            let point = touch.point(at);
+            visit(Switch {
+                points: [point, obstacle.point, obstacle.point],
+                t: 0.0,
+                carrier: (obstacle.frame != 0).then(|| (obstacle.frame, *at.point(point))),
+                normal: touch.normal,
+                depth: touch.depth,
+                stiffness: at.parameters()[obstacle.stiffness],
+            });
+        });
+    }
+
+    fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {
+        let mut found = false;
+        self.for_each_near(at, SWITCHING_DISTANCE * largest(&at.geometry.radii), |obstacle, touch| {
+            let size = at.geometry.radii[touch.sphere];
+            let points = [touch.point(at), obstacle.point];
+            let points = if obstacle.frame == 0 { &points[..1] } else { &points };
+            if touch.depth.abs() < SWITCHING_DISTANCE * size {
+                found |= moves(points, &touch.normal);
+            } else if touch.depth > 0.0 {
+                let axes = obstacle.world_axes(at);
+                let place = obstacle.place(at, &axes, touch.sphere);
+                let mut seams = obstacle.surfaces[touch.surface].seams(&place, size);
+                found |= seams.any(|i| moves(points, &axes[i]));
+            }
+        });
+        found
+    }
+
+    fn contact_forces(&self, at: &State<G, D, P>, state: &ObstacleState<P>, out: &mut Vec<ContactForce<P>>) {
+        for (_, k, touch) in self.touching(at, state) {
+            let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
+            out.push(ContactForce {
+                first: touch.sphere,
+                second: None,
+                nearest: None,
+                cone: false,
+                force: touch.normal * (k * touch.depth),
+                depth: touch.depth,
+                pressure: None,
+                point: *at.point(touch.point(at)) - touch.normal * inward,
+            });
+        }
+    }
+
+    fn add_parameter_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ObstacleState<P>,
+        _: &(),
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
+    ) {
+        for (obstacle, k, touch) in self.touching(at, state) {
+            let closing =
+                -touch.normal.dot(&obstacle.relative_velocity(at, &motion.velocities, touch.point(at)));
+            gradient[obstacle.stiffness] += touch.depth * closing;
+            let radius = at.tree.spheres[touch.sphere].radius;
+            add_radius_slope(at.tree, at.parameters(), radius, k * closing, gradient);
+            if let Some((radius, by_radius)) = obstacle.surfaces[touch.surface].radius() {
+                gradient[radius] -= by_radius * k * closing;
+            }
+        }
+    }
+
+    fn add_geometric_work(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        state: &ObstacleState<P>,
+        motion: &VirtualMotion<D, P>,
+        velocities: &Velocities<D, P>,
+        work: &mut f64,
+    ) {
+        for (obstacle, k, touch) in self.touching(at, state) {
+            let (point, n) = (touch.point(at), &touch.normal);
+            let own = &velocities.points[point];
+            let change = obstacle.relative_velocity(at, velocities, point);
+            let virtual_change = obstacle.relative_velocity(at, &motion.velocities, point);
+            let mut turned = n.dot(&motion.velocities.shifted::<G>(at.frame(point), own));
+            if obstacle.frame != 0 {
+                turned -= n.dot(&motion.velocities.shifted::<G>(obstacle.frame, own));
+                turned += velocities.shifted::<G>(obstacle.frame, n).dot(&virtual_change);
+            }
+            if let Some(curvature) = touch.curvature {
+                turned += (curvature * change).dot(&virtual_change);
+            }
+            *work += k * (n.dot(&change) * n.dot(&virtual_change) - touch.depth * turned);
+        }
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}

@@ -1,0 +1,135 @@
+//! Surfaces of obstacles: distances of points, with their first and second derivatives.
+
+use crate::linalg::{Matrix, Vector};
+use crate::tolerances::SWITCHING_DISTANCE;
+use serde::Deserialize;
+
+/// A surface in the axes of its obstacle.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum SurfaceDescription {
+    /// The half-space of all points x with n·x below `distance`.
+    Plane {
+        /// Unit vector n out of the obstacle.
+        normal: [f64; 3],
+        /// Distance of the plane from the origin along it [m].
+        distance: f64,
+    },
+    /// All points within a radius of a box around the origin: a sphere around a point, a capsule around a
+    /// segment, an endless cylinder around a line, a box with rounded edges around a box.
+    Rounded {
+        /// Half of the box's size along each axis [m]; none where it is endless.
+        half: [Option<f64>; 3],
+        /// The radius [m].
+        radius: f64,
+        /// Whether the obstacle is what lies outside: a sleeve.
+        inside: bool,
+    },
+}
+
+/// A surface in the axes of its obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Surface<const P: usize> {
+    Plane {
+        normal: Vector<P>,
+        distance: f64,
+    },
+    Rounded {
+        /// Half of the box's size; infinite where it is endless.
+        half: Vector<P>,
+        /// Parameter holding the radius.
+        radius: usize,
+        /// −1 if the obstacle is what lies outside, otherwise 1.
+        side: f64,
+    },
+}
+
+/// How the distance of a point from a surface changes as the point moves.
+#[derive(Clone, Debug)]
+pub(crate) struct Slopes<const P: usize> {
+    /// Gradient: unit vector out of the obstacle.
+    pub normal: Vector<P>,
+    /// Hessian, where it is not zero.
+    pub curvature: Option<Matrix<P, P>>,
+}
+
+impl<const P: usize> Surface<P> {
+    /// Distance of a place, given in the obstacle's axes, from the surface; negative in the obstacle.
+    ///
+    /// Outside a box it is ‖(|x| − b)₊‖ and continuously differentiable; in it, max(|x| − b).
+    #[inline]
+    pub fn distance(&self, parameters: &[f64], place: &Vector<P>) -> f64 {
+        match self {
+            Self::Plane { normal, distance } => normal.dot(place) - distance,
+            Self::Rounded { half, radius, side } => {
+                let beyond = beyond(half, place);
+                let squared: f64 = beyond.iter().map(|x| x.max(0.0).powi(2)).sum();
+                let from_box = if squared > 0.0 {
+                    squared.sqrt()
+                } else {
+                    beyond.into_iter().fold(f64::NEG_INFINITY, f64::max)
+                };
+                side * (from_box - parameters[*radius])
+            }
+        }
+    }
+
+    /// Its derivatives, in the world in which the obstacle's axes are these.
+    pub fn slopes(&self, axes: &[Vector<P>; P], place: &Vector<P>) -> Slopes<P> {
+        match self {
+            Self::Plane { normal, .. } => {
+                let along = axes.iter().enumerate().map(|(i, axis)| *axis * normal[i]);
+                Slopes { normal: along.fold(Vector::ZERO, |sum, part| sum + part), curvature: None }
+            }
+            Self::Rounded { half, side, .. } => {
+                let beyond = beyond(half, place);
+                let outside = (0..P).filter(|i| beyond[*i] > 0.0);
+                let away = |i: usize| axes[i] * 1f64.copysign(place[i]);
+                let normal = outside.clone().fold(Vector::ZERO, |sum, i| sum + away(i) * beyond[i]);
+                let length = normal.norm();
+                if length == 0.0 {
+                    let nearest = (1..P).fold(0, |best, i| if beyond[i] > beyond[best] { i } else { best });
+                    return Slopes { normal: away(nearest) * *side, curvature: None };
+                }
+                let normal = normal * (1.0 / length);
+                let curved = outside.clone().count() > 1;
+                let curvature = curved.then(|| {
+                    let across = outside.fold(Matrix::ZERO, |sum, i| sum + axes[i].outer(&axes[i]));
+                    (across - normal.outer(&normal)) * (side / length)
+                });
+                Slopes { normal: normal * *side, curvature }
+            }
+        }
+    }
+
+    /// The parameter holding its radius, with the derivative of the distance by it.
+    pub fn radius(&self) -> Option<(usize, f64)> {
+        match self {
+            Self::Plane { .. } => None,
+            Self::Rounded { radius, side, .. } => Some((*radius, -side)),
+        }
+    }
+
+    /// The axes along which a place is where a face or side ends and an edge or cap begins, at which the
+    /// curvature jumps.
+    pub fn seams(&self, place: &Vector<P>, size: f64) -> impl Iterator<Item = usize> {
+        let beyond = match self {
+            Self::Plane { .. } => [f64::NEG_INFINITY; P],
+            Self::Rounded { half, .. } => beyond(half, place),
+        };
+        let half = match self {
+            Self::Plane { .. } => Vector::ZERO,
+            Self::Rounded { half, .. } => *half,
+        };
+        (0..P).filter(move |i| {
+            let others = (0..P).any(|j| j != *i && beyond[j] > 0.0);
+            others && half[*i] > 0.0 && beyond[*i].abs() < SWITCHING_DISTANCE * size
+        })
+    }
+}
+
+/// How far a place is beyond the faces of a box, along each axis.
+#[inline]
+fn beyond<const P: usize>(half: &Vector<P>, place: &Vector<P>) -> [f64; P] {
+    std::array::from_fn(|i| place[i].abs() - half[i])
+}
