@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import flexor
 from flexor.errors import InputError
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.path_figure import MAX_LEGEND_ENTRIES, draw_path
@@ -143,3 +144,12 @@ def test_designs_in_three_dimensions_have_their_sections() -> None:
         low, high = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()]).T
         vertices = np.concatenate([each.vertices() for each in drawn])
         assert (100.0 * vertices > low).all() and (100.0 * vertices < high).all()
+
+
+def test_only_load_steps_that_have_converged_are_drawn() -> None:
+    model = flexor.load("truss")
+    path = model.equilibrium([0.0, 1.0, 2.0], max_iterations=1)
+    assert path.converged.tolist() == [True, False, False]
+    assert len(flexor.plot.path(path).legends[0].get_texts()) == 1
+    with pytest.raises(InputError, match="no load step has converged"):
+        flexor.plot.path(path[1:])

@@ -165,5 +165,5 @@ def _event(event: Event, path: Path) -> str:
             f"{fixed(degrees(end))}°" if turns else f"{fixed(1e3 * end)} mm" for end in ends
         )
         moves.append(f"{path.model.joint_labels[name]} {before} to {after}")
-    what = f"{_kind(event)} at {path.model.show_load(event.force, '.4g')}"
+    what = f"{_kind(event)} at {path.model.show_loads(event.loads, '.4g')}"
     return f"{what}: {', '.join(moves)}" if moves else what

@@ -108,10 +108,12 @@ def simulate(
         elif force is None and path.model.inputs and not path.loads.any():
             name, dimension = next(iter(path.model.input_dimensions.items()))
             say(f'no load is given: --load {name}="{dimension.example}" applies one')
-    if plot is not None:
+    if plot is not None and path.converged.any():
         from flexor import plot as figures
 
         figures.save(figures.path(path), plot)
         note(f"figure: {plot}")
+    elif plot is not None:
+        note("no figure: no load step has converged")
     reached = inverse is None or inverse.reached
     return 0 if reached and bool(path.converged.all()) else 1

@@ -250,7 +250,7 @@ class _Search:
         for limit in (self.upper, self.lower):
             for event in self.follow(limit)[0].events:
                 if event.kind == "snap" and event.step == len(self.found):
-                    at = self.model.show_load(event.force, ".4g")
+                    at = self.model.show_loads(event.loads, ".4g")
                     return f"the branch ends in a snap at {at}, which passes these values"
         return "no loads within their range give these values"
 

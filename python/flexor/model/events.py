@@ -23,7 +23,8 @@ class Event:
 
     kind: str  # what happened, one of `flexor._engine.EVENTS`
     step: int  # the step of the path during which it happened, or 0 if before it
-    force: float  # the force of the first input at that moment [N]
+    force: float  # the load of the first input at that moment
+    loads: Array  # (inputs,), the loads of all inputs at that moment
     angles_before: Array  # (joints,), coordinates of the joints [rad; m for translations]
     angles_after: Array  # (joints,), the same afterwards
 
@@ -35,25 +36,28 @@ def event_table(
 
     Kinds are codes of `EVENTS`, states those of the ``joints``; ``lead`` steps precede the path.
     """
-    table = np.empty(len(found["design"]), dtype=_fields(len(joints)))
+    inputs = found["load"].shape[1]
+    table = np.empty(len(found["design"]), dtype=_fields(len(joints), inputs))
     table["kind"] = found["kind"]
     table["step"] = np.maximum(found["step"].astype(np.int64), lead) - lead
-    table["force"] = found["load"][:, 0] if found["load"].shape[1] else 0.0
+    table["force"] = found["load"][:, 0] if inputs else 0.0
+    table["loads"] = found["load"]
     table["before"], table["after"] = found["before"][:, joints], found["after"][:, joints]
-    by_design = no_events(count, len(joints))
+    by_design = no_events(count, len(joints), inputs)
     for design in np.unique(found["design"]).tolist():
         by_design[design] = table[found["design"] == design]
     return by_design
 
 
-def no_events(count: int, joints: int) -> NDArray[np.object_]:
+def no_events(count: int, joints: int, inputs: int) -> NDArray[np.object_]:
     """Return an empty table for each of ``count`` designs."""
-    empty = np.empty(0, dtype=_fields(joints))
+    empty = np.empty(0, dtype=_fields(joints, inputs))
     return np.fromiter(repeat(empty, count), dtype=object, count=count)
 
 
-def _fields(joints: int) -> np.dtype[Any]:
+def _fields(joints: int, inputs: int) -> np.dtype[Any]:
     fields: list[Any] = [("kind", np.uint8), ("step", np.int64), ("force", np.float64)]
+    fields.append(("loads", np.float64, (inputs,)))
     states: list[Any] = [("before", np.float64, (joints,)), ("after", np.float64, (joints,))]
     return np.dtype(fields + states)
 
@@ -61,8 +65,8 @@ def _fields(joints: int) -> np.dtype[Any]:
 def events(table: NDArray[Any]) -> tuple[Event, ...]:
     """Return the events of one design."""
     return tuple(
-        Event(EVENTS[kind], int(step), float(force), before, after)
-        for kind, step, force, before, after in table
+        Event(EVENTS[kind], int(step), float(force), loads, before, after)
+        for kind, step, force, loads, before, after in table
     )
 
 

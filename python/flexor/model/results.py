@@ -438,6 +438,7 @@ class Path(Displayed, Results):
                 {
                     "kind": event.kind,
                     "force": event.force,
+                    **(_loads(event.loads, inputs) if len(inputs) > 1 else {}),
                     "angles_before": _plain(event.angles_before),
                     "angles_after": _plain(event.angles_after),
                 }
@@ -727,6 +728,10 @@ class Paths(Results):
 
 
 _LEVELS: dict[str, type[Results]] = {each.axes: each for each in (State, States, Path, Paths)}
+
+
+def _loads(loads: Array, inputs: Sequence[str]) -> dict[str, dict[str, float]]:
+    return {"loads": dict(zip(inputs, loads.tolist(), strict=True))}
 
 
 def _is_integer(index: Any) -> bool:

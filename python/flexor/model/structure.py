@@ -103,12 +103,12 @@ class Structure:
         size, unit = self.load_unit(index)
         return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
 
-    def show_loads(self, loads: Array) -> str:
+    def show_loads(self, loads: Array, spec: str = "g") -> str:
         """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
-        shown = [self.show_load(load, index=index) for index, load in enumerate(loads.tolist())]
+        shown = [self.show_load(load, spec, index) for index, load in enumerate(loads.tolist())]
         if len(shown) > 1:
             shown = [f"{name} {text}" for name, text in zip(self.inputs, shown, strict=True)]
-        return ", ".join(shown) or self.show_load(0.0)
+        return ", ".join(shown) or self.show_load(0.0, spec)
 
     @cached_property
     def ties(self) -> tuple[str, ...]:

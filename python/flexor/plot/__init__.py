@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.errors import InputError
 from flexor.plot.animation import animation
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.front_figure import front
@@ -48,20 +49,27 @@ def path(path: Path) -> Figure:
         One column wide. Bodies are coloured by load: the last is filled, with arrows for contact
         forces and heights below rods for the pressure on skins. Where loads fall or not all states
         are stable, a panel below shows the joint angles over the load, with arrows along the path
-        and dashes where it is not stable.
+        and dashes where it is not stable. Steps that have not converged are left out.
+
+    Raises
+    ------
+    InputError
+        If no step has converged.
     """
+    steps = np.flatnonzero(path.converged)
+    if len(steps) == 0:
+        raise InputError("no load step has converged: there is nothing to draw.")
     history = read_history(path)
-    steps = range(len(path))
     if history is not None:
         # The panel has every step; in the scene, so many would hide one another.
-        found = np.flatnonzero(path.converged)
-        steps = found[np.unique(np.linspace(0, len(found) - 1, MOST_SCENES).round().astype(int))]
+        steps = steps[np.unique(np.linspace(0, len(steps) - 1, MOST_SCENES).round().astype(int))]
     scenes = [read_scene(path, int(step)) for step in steps]
-    if scenes and path.converged[steps[-1]]:
-        scenes[-1] = marked(scenes[-1], path, int(steps[-1]))
+    scenes[-1] = marked(scenes[-1], path, int(steps[-1]))
     planar_model = path.model.planar
-    size, unit = path.model.load_unit()
-    loads = path.force[list(steps)] / size
+    # With several inputs, the one that varies most.
+    most = int(np.argmax(np.ptp(path.loads, axis=0))) if path.loads.shape[1] else 0
+    size, unit = path.model.load_unit(most)
+    loads = (path.loads[:, most] if path.loads.shape[1] else path.force)[steps] / size
     return draw_path(scenes, loads, planar_model=planar_model, history=history, unit=unit)
 
 

@@ -97,7 +97,7 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
                 "kind": event.kind,
                 "step": event.step,
                 "at": event.force / model.load_unit()[0] if one else event.step,
-                "text": f"{event.kind} at {model.show_load(event.force, '.4g')}",
+                "text": f"{event.kind} at {model.show_loads(event.loads, '.4g')}",
             }
             for event in path.events
         ],
