@@ -51,6 +51,7 @@ def test_json_is_one_object_with_the_gain(flexor) -> None:
     assert ran.code == 0
     told = json.loads(ran.out)
     assert "# Table I" in Path("best.toml").read_text(encoding="utf-8")
+    assert flexor("optimize", "--resume", told["folder"], "--save", "best.toml").code == 0
     saved = json.loads(flexor("simulate", "best.toml", "--json").out)
     assert saved["joint_angles"][-1] == pytest.approx(told["best"]["joint_angles"], rel=1e-12)
     study = Study.open(told["folder"])
@@ -195,7 +196,7 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
     assert shown.code == 0
     assert "overlap <= 1.5 mm" in shown.out
     first, _, *own = (tmp_path / "light.toml").read_text(encoding="utf-8").splitlines()
-    assert first.startswith("# Point 1 of the front of s: exosuit.section.wall = ")
+    assert first.startswith("# Saved by flexor: point 1 of the front of s: exosuit.section.wall = ")
     preset = locate("pneumatic-finger").read_text(encoding="utf-8").splitlines()
     changed = [line.split()[0] for line, now in zip(preset, own, strict=True) if line != now]
     assert changed == ["radius", "section"]
@@ -215,10 +216,12 @@ def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
         (("nowhere",), "is not a study"),
         (("nowhere", "--save", "x.toml"), "--save needs --point"),
         (("nowhere", "--point", "1", "--save", "x.txt"), "must end in .toml"),
+        (("nowhere", "--point", "1", "--save", "mine.toml"), "was not saved by flexor"),
         (("nowhere", "--point", "0"), "at least 1"),
     ],
 )
 def test_bad_fronts_get_one_sentence(flexor, arguments, words) -> None:
+    Path("mine.toml").write_text("# My own finger", encoding="utf-8")
     assert words in flexor("front", *arguments).error
 
 

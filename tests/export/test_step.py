@@ -38,5 +38,5 @@ def test_without_the_extra_its_command_is_named(
 ) -> None:
     monkeypatch.setitem(sys.modules, "OCP", None)
     assert flexor_in(tmp_path, "export", "half-round-actuator", "--body", "body.step") == 2
-    assert "solids need the package OCP" in (said := capsys.readouterr().err)
+    assert "STEP files need the package OCP" in (said := capsys.readouterr().err)
     assert "flexor[step]" in said

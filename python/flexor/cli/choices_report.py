@@ -36,7 +36,7 @@ def carry_out(
         outcome.draw(found.best, found.best.best, plot, quiet=as_json)
         if not as_json:
             say(f"model:  {place / 'best.toml'}")
-        save_model(found.best.best, save, f"The best design of {place}")
+        save_model(found.best.best, save, f"the best design of {place}")
 
     def stopped(error: BaseException) -> int:
         return interrupted(place, "flexor optimize --resume", error, is_choices(place))

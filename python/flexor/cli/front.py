@@ -55,7 +55,7 @@ def front(
                 print_json(_as_json(found.as_json()[point - 1], design))
             else:
                 _print_point(found.headings, found.shown[point - 1].tolist(), design)
-            save_model(design, save, f"Point {point} of the front of {study}")
+            save_model(design, save, f"point {point} of the front of {study}")
         elif as_json:
             print_json(front_report.front_as_json(opened, found))
         else:

@@ -211,7 +211,7 @@ def optimize(
             outcome.print_summary(study, best, seconds, resumed=resume is not None)
         if plot is not None or not as_json:
             outcome.draw(study, best, plot, quiet=as_json)
-        save_model(best, save, f"The best design of {place}")
+        save_model(best, save, f"the best design of {place}")
         if show:
             _open(study)
         return 0

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from flexor.arguments import integer
-from flexor.errors import InputError
+from flexor.cli.saving import check_model_file
 
 
 def _writable(figure: Path | None) -> Path | None:
@@ -19,17 +19,6 @@ def _writable(figure: Path | None) -> Path | None:
 
         writable(figure)
     return figure
-
-
-def _model_file(file: Path | None) -> Path | None:
-    """Reject a file that cannot be written before anything is computed."""
-    if file is not None:
-        from flexor.store import check_writable
-
-        if file.suffix != ".toml":
-            raise InputError(f'--save is "{file}": a model file must end in .toml.')
-        check_writable(file)
-    return file
 
 
 def preset_names(incomplete: str) -> list[str]:
@@ -221,7 +210,7 @@ Save = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        callback=_model_file,
+        callback=check_model_file,
         help="Write the design as a model file: yours, with its values in place.",
     ),
 ]

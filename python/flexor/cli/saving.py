@@ -6,10 +6,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexor.cli.console import note
-from flexor.errors import one_line
+from flexor.errors import InputError, one_line
 
 if TYPE_CHECKING:
     from flexor.study import Design
+
+# How a file that was saved begins: it may be saved again.
+_MARK = "# Saved by flexor: "
+
+
+def check_model_file(file: Path | None) -> Path | None:
+    """Reject a file that cannot or should not be written, before anything is computed."""
+    if file is None:
+        return None
+    from flexor.store import check_regular, check_writable
+
+    if file.suffix != ".toml":
+        raise InputError(f'--save is "{file}": a model file must end in .toml.')
+    check_writable(file)
+    if check_regular(file):
+        with file.open(encoding="utf-8", errors="replace") as opened:
+            if opened.readline(len(_MARK)) != _MARK:
+                raise InputError(
+                    f'--save is "{file}", which exists and was not saved by flexor: choose '
+                    "another name."
+                )
+    return file
 
 
 def save_model(design: Design, file: Path | None, what: str) -> None:
@@ -18,5 +40,5 @@ def save_model(design: Design, file: Path | None, what: str) -> None:
         return
     from flexor.store import write_text
 
-    write_text(file, f"{one_line(f'# {what}: {design.text}')}\n\n{design.model.to_toml()}")
+    write_text(file, f"{one_line(f'{_MARK}{what}: {design.text}')}\n\n{design.model.to_toml()}")
     note(f"model file: {file}")

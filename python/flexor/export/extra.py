@@ -30,6 +30,7 @@ def required(name: str, extra: str = MAKE) -> Any:
         return import_module(name)
     except ModuleNotFoundError as error:
         missing = (error.name or name).partition(".")[0]
+        what = "STEP files" if extra == STEP else "solids"
         raise InputError(
-            f"solids need the package {missing}, which is not installed: {install_command(extra)}."
+            f"{what} need the package {missing}, which is not installed: {install_command(extra)}."
         ) from None
