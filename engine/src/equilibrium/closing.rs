@@ -107,13 +107,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         self.system.set_load(target);
         self.system.forget_reactions();
         self.system.penalised = true;
-        let tolerance = self.options.tolerance;
-        let found = if self.system.is_conservative() {
-            let target = Target { tolerance, tangent_reuse: 0.0 };
-            self.trust_region.minimize_energy(&mut self.system, radius, target)
-        } else {
-            self.damped_newton.solve(&mut self.system, tolerance)
-        };
+        let found = self.find_free(radius, 0.0);
         self.system.penalised = false;
         if !found.is_equilibrium() {
             self.system.set_state(&start);

@@ -27,7 +27,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) options: ContinuationOptions,
     pub(super) corrector: Corrector<D, P>,
     pub(super) trust_region: TrustRegion,
-    pub(super) damped_newton: DampedNewton,
+    damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
@@ -381,10 +381,17 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     }
 
     fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
-        let tolerance = self.options.tolerance;
         if self.system.is_conservative() && self.system.has_ties() {
             self.find_tied(radius, tangent_reuse)
-        } else if self.system.is_conservative() {
+        } else {
+            self.find_free(radius, tangent_reuse)
+        }
+    }
+
+    /// The same without regard to ties.
+    pub(super) fn find_free(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+        let tolerance = self.options.tolerance;
+        if self.system.is_conservative() {
             let target = Target { tolerance, tangent_reuse };
             self.trust_region.minimize_energy(&mut self.system, radius, target)
         } else {

@@ -35,21 +35,25 @@ def write_step(points: Array, triangles: Any, path: Path) -> None:
         If the file cannot be written.
     """
     solid = _solid(points, triangles)
-    control = required("OCP.STEPControl", STEP)
-    messages = required("OCP.Message", STEP)
+    control = _ocp("STEPControl")
+    messages = _ocp("Message")
     messages.Message.DefaultMessenger_s().RemovePrinters(
         messages.Message_PrinterOStream.get_type_descriptor_s()
     )
     writer = control.STEPControl_Writer()
     writer.Transfer(solid, control.STEPControl_AsIs)
-    if writer.Write(str(path)) != required("OCP.IFSelect", STEP).IFSelect_RetDone:
+    if writer.Write(str(path)) != _ocp("IFSelect").IFSelect_RetDone:
         raise OSError("the STEP writer failed")
+
+
+def _ocp(module: str) -> Any:
+    return required(f"OCP.{module}", STEP)
 
 
 def _solid(points: Array, triangles: Any) -> Any:
     """Return the body within a surface, a TopoDS_Solid."""
-    build = required("OCP.BRepBuilderAPI", STEP)
-    upgrade = required("OCP.ShapeUpgrade", STEP)
+    build = _ocp("BRepBuilderAPI")
+    upgrade = _ocp("ShapeUpgrade")
     surface = build.BRepBuilderAPI_MakeShapeOnMesh(_mesh(points, triangles))
     surface.Build()
     sewn = build.BRepBuilderAPI_Sewing(_GAP)
@@ -63,14 +67,14 @@ def _solid(points: Array, triangles: Any) -> Any:
     for shell in _shells(merged.Shape()):
         body.Add(shell)
     solid = body.Solid()
-    if not required("OCP.BRepCheck", STEP).BRepCheck_Analyzer(solid).IsValid():
+    if not _ocp("BRepCheck").BRepCheck_Analyzer(solid).IsValid():
         raise InputError("the solid cannot be written as STEP: write it as STL or 3MF.")
     return solid
 
 
 def _mesh(points: Array, triangles: Any) -> Any:
     """Return a Poly_Triangulation, whose indices begin at one."""
-    poly, place = required("OCP.Poly", STEP), required("OCP.gp", STEP)
+    poly, place = _ocp("Poly"), _ocp("gp")
     mesh = poly.Poly_Triangulation(len(points), len(triangles), False)
     for i, point in enumerate(points.tolist(), start=1):
         mesh.SetNode(i, place.gp_Pnt(*point))
@@ -81,8 +85,8 @@ def _mesh(points: Array, triangles: Any) -> Any:
 
 def _shells(shape: Any) -> list[Any]:
     """Return the closed surfaces of a shape: the outside and those of hollows."""
-    kinds, explore = required("OCP.TopAbs", STEP), required("OCP.TopExp", STEP)
-    cast = required("OCP.TopoDS", STEP).TopoDS
+    kinds, explore = _ocp("TopAbs"), _ocp("TopExp")
+    cast = _ocp("TopoDS").TopoDS
     explorer, found = explore.TopExp_Explorer(shape, kinds.TopAbs_SHELL), []
     while explorer.More():
         found.append(cast.Shell(explorer.Current()))

@@ -16,7 +16,7 @@ from flexor.errors import InputError
 from flexor.plot.animation import animation
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.front_figure import front
-from flexor.plot.history import read_history
+from flexor.plot.history import read_history, varied_input
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
@@ -66,8 +66,7 @@ def path(path: Path) -> Figure:
     scenes = [read_scene(path, int(step)) for step in steps]
     scenes[-1] = marked(scenes[-1], path, int(steps[-1]))
     planar_model = path.model.planar
-    # With several inputs, the one that varies most.
-    most = int(np.argmax(np.ptp(path.loads, axis=0))) if path.loads.shape[1] else 0
+    most = varied_input(path)
     size, unit = path.model.load_unit(most)
     loads = (path.loads[:, most] if path.loads.shape[1] else path.force)[steps] / size
     return draw_path(scenes, loads, planar_model=planar_model, history=history, unit=unit)

@@ -31,12 +31,17 @@ class History:
     load: str = "force / N"  # what the loads are, with their unit
 
 
+def varied_input(path: Path) -> int:
+    """Return which input varies most; 0 without inputs."""
+    return int(np.argmax(np.ptp(path.loads, axis=0))) if path.loads.shape[1] else 0
+
+
 def read_history(path: Path) -> History | None:
     """Return what the panel shows; None where loads only rise and every state is stable."""
     found = path.converged
     if path.loads.shape[1] == 0 or found.sum() < 2:
         return None
-    most = int(np.argmax(np.ptp(path.loads, axis=0)))
+    most = varied_input(path)
     size, unit = path.model.load_unit(most)
     load = f"{path.model.load_name(most)} / {unit}".removesuffix(" / ")
     loads = path.loads[:, most] / size
