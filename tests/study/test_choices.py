@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,24 @@ def model() -> Model:
     for name, place in (("proximal", 0.25), ("middle", 0.625), ("distal", 0.875)):
         document["straps"][name]["at"] = place
     return flexor.load(check(document))
+
+
+TOLERANCED: dict[str, Any] = {
+    "tolerance": {"exosuit.section.wall": "0.1 mm", "exosuit.length": "0.5 mm"},
+    "subject_to": ["overlap <= 1 mm"],
+    "budget": 90,
+}
+
+
+def everything(folder: Path) -> list[Any]:
+    """Return the answer of choices, and every evaluation of each combination."""
+    found = [(folder / name).read_text() for name in ("best.toml", "choices.json")]
+    for each in sorted(folder.glob("?/record.sqlite")):
+        with sqlite3.connect(f"file:{each}?mode=ro", uri=True) as record:
+            columns = "search, design, value, violation, constraints, slopes"
+            found += record.execute(f"SELECT {columns} FROM evaluations ORDER BY id").fetchall()
+            found += record.execute("SELECT * FROM about ORDER BY key").fetchall()
+    return found
 
 
 def content(found: Choices) -> list[Any]:
@@ -63,6 +82,52 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
     assert content(resume_choices(tmp_path / "s")) == content(whole)
     # Also where everything is known.
     assert content(resume_choices(tmp_path / "whole")) == content(whole)
+
+
+@pytest.fixture(scope="module")
+def toleranced(model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("choices") / "whole"
+    found = choices(model, VARIED, AIM, CHOICES, folder=folder, **TOLERANCED)
+    assert found.evaluated == found.evaluations > 0
+    # The search for a robust design has begun, or else a resumed one could not take another way.
+    assert any("round 1" in each.search for each in found.best.records)
+    found.close()
+    return folder
+
+
+def test_finished_choices_evaluate_nothing_when_they_are_resumed(toleranced: Path) -> None:
+    before = everything(toleranced)
+    for _ in range(2):
+        found = resume_choices(toleranced)
+        assert found.evaluated == 0
+        found.close()
+    assert everything(toleranced) == before
+
+
+@pytest.mark.parametrize("moment", [2, 9, 16])
+def test_tolerances_do_not_change_what_interrupted_choices_find(
+    moment: int, toleranced: Path, model: Model, tmp_path: Path
+) -> None:
+    calls = 0
+
+    def kill(_: object) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == moment:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        choices(model, VARIED, AIM, CHOICES, folder=tmp_path, progress=kill, **TOLERANCED)
+    found = resume_choices(tmp_path)
+    assert 0 < found.evaluated <= found.evaluations
+    found.close()
+    assert everything(tmp_path) == everything(toleranced)
+
+
+def test_choices_are_resumed_as_they_were_stated(toleranced: Path, model: Model) -> None:
+    other = {**TOLERANCED, "subject_to": ["overlap <= 0.9 mm"]}
+    with pytest.raises(InputError, match="made with another subject to"):
+        choices(model, VARIED, AIM, CHOICES, folder=toleranced, resume=True, **other)
 
 
 def test_what_there_is_not_does_not_vary(model: Model) -> None:
