@@ -21,8 +21,10 @@ from flexor.errors import InputError
 from flexor.model.loading import require_model
 from flexor.optimizers import Search
 from flexor.optimizers import method as named_method
-from flexor.store import SETTINGS, check_regular, write_text
+from flexor.store import SETTINGS, write_text
 from flexor.study.executors import AnyExecutor
+from flexor.study.members import CHOICES as FILE
+from flexor.study.members import is_choices
 from flexor.study.optimization import optimize
 from flexor.study.settings import model_files, recorded_model
 from flexor.study.study import Study, StudyCallback
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 # Designs that all combinations have together.
 BUDGET = 3000
-FILE, BEST = "choices.json", "best.toml"
+BEST = "best.toml"
 _FORMAT = 1
 
 
@@ -63,7 +65,7 @@ class Tried:
 
     @property
     def rank(self) -> tuple[float, bool, float]:
-        """By which combinations are ordered: feasible ones first, of these those that bear errors."""
+        """By which combinations are ordered: feasible ones first, of these robust ones."""
         return self.violation, self.robust is False, self.value
 
 
@@ -248,11 +250,6 @@ def resume_choices(
     )
 
 
-def is_choices(folder: Path) -> bool:
-    """Return whether a folder holds choices."""
-    return check_regular(folder / FILE)
-
-
 def _read(place: Path) -> dict[str, Any]:
     try:
         read = json.loads((place / FILE).read_text(encoding="utf-8"))
@@ -267,7 +264,8 @@ def _note_end(place: Path, order: Sequence[int], tried: Sequence[Tried]) -> None
     """Write what was found, in the order of the combinations that are given by their numbers."""
     rows = [
         {
-            "study": index + 1,
+            "study": str(index + 1),
+            "name": each.name,
             "rounds": each.rounds,
             "violation": each.violation if isfinite(each.value) else None,
             "value": each.value if isfinite(each.value) else None,
