@@ -13,6 +13,7 @@ import flexor
 from flexor.design import combinations
 from flexor.errors import InputError
 from flexor.model import Model
+from flexor.model.changes import path_of
 from flexor.model.reading import check
 from flexor.study import Choices, choices, optimize, resume_choices
 
@@ -64,8 +65,9 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
     for each in combinations(CHOICES, model):
         there = each.values["middle"] == "with"
         varied = {k: v for k, v in VARIED.items() if there or not k.startswith("middle")}
-        shown[each.name] = optimize(each.model, varied, AIM, budget=20).best.shown
-    assert whole.combination.name == max(shown, key=lambda name: shown[name])
+        best = optimize(each.model, varied, AIM, budget=20).best
+        shown[each.name] = best.violation, best.value
+    assert whole.combination.name == min(shown, key=lambda name: shown[name])
     saved = flexor.load(tmp_path / "whole" / "best.toml")
     assert saved.title.endswith(f"({whole.combination.name})")
     assert saved.hash == whole.best.best.model.hash
@@ -144,12 +146,40 @@ def test_what_there_is_not_does_not_vary(model: Model) -> None:
     assert design is not None
     assert "middle.to.at" not in design.varied
     assert "middle.to.at" not in design.tolerance
-    assert bare.file.rod("exosuit").material == "ecoflex-00-50"
+    assert bare.file.rod("exosuit").material == "ecoflex-00-50-hoop"
     layers = combinations({"exosuit.section.layer": ["with", "without"]}, model)
     assert [each.model.file.rod("exosuit").section.layer is None for each in layers] == [
         False,
         True,
     ]
+
+
+def test_a_wound_exosuit_stays_wound(model: Model) -> None:
+    """As if the material had been stated in the file with the thread around it."""
+    found = combinations({"exosuit.material": ["silicone", "ecoflex-00-50"]}, model)[1].model
+    material = found.file.materials["ecoflex-00-50-hoop"]
+    assert (material.library, material.winding) == ("ecoflex-00-50", "hoop")
+    document = model.file.to_document()
+    document["materials"]["soft"] = {"library": "ecoflex-00-50", "winding": "hoop"}
+    document["bodies"]["exosuit"]["material"] = "soft"
+    by_hand = flexor.load(check(document))
+    assert np.array_equal(
+        found.equilibrium().joint_angles, by_hand.equilibrium().joint_angles, equal_nan=True
+    )
+    assert not any("widens" in each for each in found.equilibrium().warnings)
+    # What is stated in the file is taken as it is stated, and so are layers and skins.
+    document["materials"]["soft"]["winding"] = "none"
+    stated = flexor.load(check(document))
+    for field, value, name in (
+        ("exosuit.material", "silicone", "silicone"),
+        ("exosuit.section.layer.material", "dragon-skin-30", "dragon-skin-30"),
+        ("exosuit.skin.material", "ecoflex-00-50", "ecoflex-00-50"),
+    ):
+        made = combinations({field: [value, "elastosil-m4601"]}, stated)[0].model
+        node = made.file.to_document()
+        for key in path_of(node, field, ""):
+            node = node[int(key)] if isinstance(node, (list, tuple)) else node[key]
+        assert node == name
 
 
 def test_a_material_of_the_library_changes_as_in_the_file(model: Model) -> None:

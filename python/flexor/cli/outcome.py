@@ -145,6 +145,7 @@ def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
         "feasible": best.feasible,
         "constraints": verdict.constraints_as_json(best),
         "within_tolerances": verdict.within_as_json(best),
+        "warnings": verdict.warnings_of(best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,

@@ -38,7 +38,8 @@ def share(
 
     It shows the model in three dimensions at every load, with the pressure of contact and the
     strain as colours, plots along the load, all observables, the verdict of the constraints and
-    where the design comes from. Of a study, the optimum and its start.
+    where the design comes from. Of a study, the optimum and its start; of one with several
+    objectives, the best design for each of them and the start.
 
     Examples
     --------
