@@ -71,8 +71,8 @@ def run_rounds(
         # The best of the model as it is, which takes as many times less, is a good beginning.
         study.take_nominal()
         rounds.begin(search, start, "the model as it is")
-        best = _several(study)
-        start, search = best if len(best) else problem.parameters.start[None, :], near
+        several = _several(study)
+        start, search = several if len(several) else problem.parameters.start[None, :], near
     toleranced = isinstance(problem, ScenarioProblem) and bool(problem.tolerances)
     _note(study, corners)
     rounds.begin(search, start, "without errors" if toleranced else "", whole=not toleranced)
