@@ -11,6 +11,7 @@ import flexor
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.model.reading import check
+from flexor.optimizers import Auto
 from flexor.scenarios import Scenario
 from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
 
@@ -109,6 +110,25 @@ def test_the_optimum_keeps_its_constraints_for_every_error(model: Model, tmp_pat
         assert again.evaluations == evaluations
         again.close()
     assert flexor.study.rerun(folder).same
+
+
+def test_few_designs_are_enough_where_each_is_many_paths(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As good as what a pattern search with small steps finds, with fewer designs."""
+    words = {"subject_to": ["overlap <= 1.4 mm"], "tolerance": TOLERANCE, "samples": 16}
+    few = flexor.optimize(model, VARIED, AIM, **words)
+    one = flexor.optimize(model, VARIED, AIM, executor=flexor.study.Threads(1), **words)
+    for each, other in zip(few.records, one.records, strict=True):
+        assert each.designs().tobytes() == other.designs().tobytes()
+        assert each.outcomes().value.tobytes() == other.outcomes().value.tobytes()
+    assert few.best.vector.tobytes() == one.best.vector.tobytes()
+    assert few.robust
+    monkeypatch.setattr(Auto, "from_optimum_of_many", Auto.from_optimum)
+    many = flexor.optimize(model, VARIED, AIM, **words)
+    assert many.robust
+    assert few.best.shown > many.best.shown * (1.0 - 1e-4)
+    assert few.evaluations < many.evaluations
 
 
 def test_a_budget_leaves_a_share_for_the_robust_design(model: Model, tmp_path: Path) -> None:

@@ -157,6 +157,13 @@ def optimize(
             where = executor_for(threads, cluster)
             return choices_report.carry_out(chosen_work, where, place, plot, save, as_json)
         if sizes is not None:
+            if len(problem.aims) > 1:
+                raise InputError("sizes are found for one objective, not for several.")
+            if tolerance or samples is not None:
+                raise InputError(
+                    "--sizes are found for wearers and scenarios without errors: leave out "
+                    f"{'--tolerance' if tolerance else '--samples'}."
+                )
             say_unapplied(loaded, "sizes")
             over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
             found = partial(

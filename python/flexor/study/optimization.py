@@ -178,8 +178,8 @@ def optimize(
     )
     if stated and problem.objective.count:
         raise InputError(
-            "scenarios, wearers and tolerances need one objective: leave them out for a front of "
-            "several."
+            "scenarios, wearers, tolerances, samples and aggregates need one objective: leave them "
+            "out for a front of several."
         )
     if stated:
         problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))

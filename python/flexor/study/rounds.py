@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.constraints import ranks
 from flexor.optimizers import Budget, Search, SearchResult
 from flexor.store import Database
 from flexor.study.margins import ROUNDS, next_corners, worst_errors
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 # Cases of a design beyond which a search begins with the model as it is.
 MANY = 8
+# Designs of that search, and how far they are apart as shares of the ranges, from which the search
+# over all cases begins.
+SEVERAL, APART = 4, 0.1
 # Evaluations below which what is left of a budget is not divided any more.
 LEAST = 20
 
@@ -59,13 +63,16 @@ def run_rounds(
     """
     problem, corners = study.problem, list[FloatArray]()
     near = getattr(search, "from_optimum", search)
+    many = isinstance(problem, ScenarioProblem) and problem.count > MANY
+    if many:
+        near = getattr(search, "from_optimum_of_many", near)
     rounds = _Rounds(study, run, budget, divided)
-    if isinstance(problem, ScenarioProblem) and problem.count > MANY and near != search:
+    if many and near != search:
         # The best of the model as it is, which takes as many times less, is a good beginning.
         study.take_nominal()
         rounds.begin(search, start, "the model as it is")
-        best = rounds.best
-        start, search = np.atleast_2d(problem.parameters.start if best is None else best), near
+        several = _several(study)
+        start, search = several if len(several) else problem.parameters.start[None, :], near
     toleranced = isinstance(problem, ScenarioProblem) and bool(problem.tolerances)
     _note(study, corners)
     rounds.begin(search, start, "without errors" if toleranced else "", whole=not toleranced)
@@ -83,6 +90,19 @@ def run_rounds(
             stage = f"round {len(corners)} with worst errors"
             rounds.begin(near, np.atleast_2d(best), stage, few=True)
     return rounds.reason
+
+
+def _several(study: Study) -> FloatArray:
+    """Return the best designs of a search (s, k) that are apart from each other, the best first."""
+    chosen, record = study.problem.parameters, study.record
+    designs, outcomes = record.designs(), record.outcomes()
+    inside = (designs - chosen.lower) / (chosen.upper - chosen.lower)
+    order = np.argsort(ranks(outcomes.value, outcomes.violation), kind="stable")
+    rows: list[int] = []
+    for row in order[np.isfinite(outcomes.value[order])].tolist():
+        if len(rows) < SEVERAL and (np.abs(inside[rows] - inside[row]).max(axis=1) > APART).all():
+            rows.append(row)
+    return designs[rows]
 
 
 def _next_errors(study: Study, best: FloatArray) -> tuple[FloatArray | None, bool, bool]:

@@ -55,7 +55,8 @@ class Uncertainty:
     wearers: int = 0  # of the population that the model's file states, besides the scenarios
 
     def __bool__(self) -> bool:
-        return bool(self.scenarios) or bool(self.tolerance) or bool(self.wearers)
+        several = bool(self.scenarios) or bool(self.tolerance) or bool(self.wearers)
+        return several or bool(self.samples) or self.aggregate != "mean"
 
 
 @dataclass(frozen=True, eq=False)
