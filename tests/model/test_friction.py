@@ -191,3 +191,30 @@ def test_skins_rub() -> None:
     assert bend[1][4] < bend[0][4]
     assert bend[1][5] > bend[0][3]
     assert (np.diff(paths[1].dissipated) > -1e-15).all()
+
+
+def test_friction_balances_the_other_forces() -> None:
+    """The residual without friction is the work of the friction on differenced motions."""
+    model = flexor.load("capstan")
+    path = model.equilibrium([0.0, 0.5, 1.0, 2.0, 1.5])
+    rubbing, q, engine = path.friction_forces(), path.q[-1], model.engine
+    assert rubbing.slides.any() and not rubbing.slides.all()
+    start, _ = engine.body_frames["strip"]
+    first, _ = engine.sphere_groups["strip"]
+    # The first sphere is at the joint, where the first sample point is as well.
+    at = start + np.maximum(rubbing.sphere - first - 1, 0)
+
+    def places(q: np.ndarray) -> np.ndarray:
+        pose = engine.frames(path.parameters, q)[at]
+        return np.einsum("mij,mj->mi", pose[:, :3, :3], local) + pose[:, :3, 3]
+
+    pose = engine.frames(path.parameters, q)[at]
+    local = np.einsum("mji,mj->mi", pose[:, :3, :3], rubbing.place - pose[:, :3, 3])
+    h = 1e-6
+    work = [
+        np.sum(rubbing.force * (places(q + step) - places(q - step))) / (2.0 * h)
+        for step in h * np.eye(len(q))
+    ]
+    other = engine.residual(path.parameters, q, path.loads[-1])
+    assert np.abs(other).max() > 1e-3
+    np.testing.assert_allclose(other, work, atol=1e-8 * np.abs(other).max() + 1e-9)
