@@ -61,8 +61,13 @@ def _loop(path: Path, steps: int) -> list[str]:
 
 
 def _searches(budget: int) -> Table:
-    """Search for the best pneumatic finger, without its tolerances."""
-    table = Table("friction", "start", "best", "best design", "designs")
+    """Search for the best pneumatic finger, without its tolerances, from the one without friction.
+
+    Its value without friction is that with the friction of each row; a search with friction, which
+    has no derivatives, starts there.
+    """
+    table = Table("friction", "the best without friction", "best", "best design")
+    start: np.ndarray | None = None
     for friction in COEFFICIENTS:
         model = flexor.load("pneumatic-finger", changes={"bodies.exosuit.friction": friction})
         stated = model.file.design
@@ -74,10 +79,18 @@ def _searches(budget: int) -> Table:
             subject_to=stated.subject_to,
             without=stated.without,
             budget=budget,
+            start=start,
         )
         best = study.best
-        shown = [study.start.result, best.result, best.text, str(len(study.record))]
-        table.add_row(f"{friction:g}", *shown)
+        start = best.vector if start is None else start
+        before = study.problem.evaluate(start[None, :])
+        kept = (
+            ""
+            if before.violation[0] == 0.0
+            else f" (breaks a constraint by {before.violation[0]:.2g})"
+        )
+        shown = f"{before.shown[0]:.2f} {study.problem.unit}{kept}"
+        table.add_row(f"{friction:g}", shown, best.result, best.text)
     return table
 
 

@@ -94,6 +94,15 @@ def test_a_path_goes_on_from_a_state_or_a_file_with_its_slips(tmp_path: FilePath
     assert abs(free.q[1, 1] - whole.q[4, 1]) > 1e-4
 
 
+def test_what_only_friction_holds_is_found_where_press_and_pull_grow_together() -> None:
+    loose = Model(parse(SLEDGE.replace('stiffness = "300 N/m"', 'stiffness = "0 N/m"')))
+    path = loose.equilibrium({"press": [0.0, 0.5, 5.0, 5.0], "pull": [0.0, 0.0, 1.5, 2.5]})
+    # 1.5 N are more than the 0.2 N at the beginning of the step, but less than the 2 N at its end.
+    assert path.converged.tolist() == [True, True, True, False]
+    assert path.q[2, 1] == pytest.approx(1.5 / (2e4 / 1.5), rel=1e-6)
+    assert not path.events
+
+
 def test_a_load_that_is_held_changes_nothing() -> None:
     held = {name: loads[:5] + [loads[4]] * 50 for name, loads in LOADS.items()}
     path = Model(parse(SLEDGE)).equilibrium(held)
@@ -191,6 +200,16 @@ def test_skins_rub() -> None:
     assert bend[1][4] < bend[0][4]
     assert bend[1][5] > bend[0][3]
     assert (np.diff(paths[1].dissipated) > -1e-15).all()
+
+
+def test_a_search_varies_lengths_and_the_coefficient_without_derivatives() -> None:
+    rough = flexor.load("pneumatic-finger", changes={"bodies.exosuit.friction": 0.3})
+    varied = {"exosuit.length": ("9 cm", "11 cm"), "exosuit.friction": (0.1, 0.5)}
+    study = flexor.optimize(
+        rough, varied, "maximise range-of-motion", budget=12, force="0:30:10 kPa"
+    )
+    assert study.best.value <= study.start.value
+    assert study.best.sensitivity.regularity == "differences"
 
 
 def test_friction_balances_the_other_forces() -> None:

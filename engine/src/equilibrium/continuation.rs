@@ -137,16 +137,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 let tangent_reuse = if last { 0.0 } else { self.options.accuracy.tangent_reuse_at_listed };
                 let step = LoadStep { index, tangent_reuse };
                 status = if index == 0 {
-                    self.system.set_load(target);
-                    let radius = self.options.trust_region.initial_radius;
-                    let found = if self.system.has_ties() {
-                        self.close_ties(target, step, sink)
-                    } else {
-                        self.find_stable(radius, tangent_reuse)
-                    };
-                    let status = self.hold(found, target, step, sink);
-                    self.unstable = status == Status::Unstable;
-                    self.settle_friction(status, target, step, sink)
+                    self.begin_with_friction(target, step, sink)
                 } else if self.system.has_friction() && *target == loads[index - 1] {
                     held = true;
                     if self.unstable { Status::Unstable } else { Status::Converged }
@@ -174,6 +165,25 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 self.end_friction_step();
             }
         }
+    }
+
+    /// Finds an equilibrium at the first load from the current state.
+    pub(super) fn begin(
+        &mut self,
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        self.system.set_load(target);
+        let radius = self.options.trust_region.initial_radius;
+        let found = if self.system.has_ties() {
+            self.close_ties(target, step, sink)
+        } else {
+            self.find_stable(radius, step.tangent_reuse)
+        };
+        let status = self.hold(found, target, step, sink);
+        self.unstable = status == Status::Unstable;
+        status
     }
 
     /// From the equilibrium at the current load to the one at `target`, in sub-steps.

@@ -71,6 +71,37 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         })
     }
 
+    /// Finds an equilibrium at the first load from the current state; with friction, where that fails in the
+    /// contacts of this state, first one without.
+    pub(super) fn begin_with_friction(
+        &mut self,
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        if !self.system.has_friction() {
+            return self.begin(target, step, sink);
+        }
+        let start = self.system.state().to_vec();
+        let mut events = Deferred::default();
+        let status = self.begin(target, step, &mut events);
+        let status = self.settle_friction(status, target, step, &mut events);
+        if status.is_equilibrium() || self.system.budget.exhausted().is_some() {
+            events.release(step, sink);
+            return status;
+        }
+        self.system.set_state(&start);
+        self.system.data_mut().recall_friction(FrictionMemory::default());
+        let mut events = Deferred::default();
+        let again = self.begin(target, step, &mut events);
+        let again = self.settle_friction(again, target, step, &mut events);
+        if again.is_equilibrium() {
+            events.release(step, sink);
+            return again;
+        }
+        status
+    }
+
     /// Follows the branch to a listed load; with friction, where that fails because too little holds the
     /// bodies, on the assumption that all points stick.
     pub(super) fn follow_with_friction(
