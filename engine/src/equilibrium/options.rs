@@ -276,6 +276,11 @@ options! {
         /// Where another branch crosses, the displacement is compared with that at this fraction of the
         /// distance beyond the critical load.
         earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// Where the state found is far away, nearby states are sought from this dimensionless distance to
+        /// both sides.
+        departure: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Such a state is on a branch that leaves continuously if it is nearer by this factor.
+        nearness: f64 = 0.3, Interval::above(0.0).to(1.0);
         /// The crossing is a snap if the displacement there is at least this fraction of the full one.
         constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
     }
