@@ -33,7 +33,7 @@ def model() -> Model:
 
 
 def test_shares_integrate_polynomials_exactly(model: Model) -> None:
-    """Of degrees that the Gauss points of an element resolve; slopes are the integrand at the ends."""
+    """Of degrees that the points of an element resolve; slopes are the integrand at the ends."""
     rod = model.file.rod("exosuit")
     nodes, weights = np.polynomial.legendre.leggauss(rod.gauss_points)
     place = (np.arange(rod.elements)[:, None] + 0.5 * (nodes + 1.0)) / rod.elements

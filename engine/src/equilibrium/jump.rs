@@ -163,7 +163,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 
     /// Whether stability is lost somewhere between `start` and the state found.
-    fn crosses_a_barrier(&mut self) -> bool {
+    pub(super) fn crosses_a_barrier(&mut self) -> bool {
         let found = self.system.state().to_vec();
         let points = gauss_legendre(BARRIER_POINTS);
         let crosses = points.into_iter().rev().any(|(place, _)| {

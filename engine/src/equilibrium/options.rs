@@ -118,6 +118,8 @@ options! {
         controlled: ControlledOptions;
         /// Closing of ties.
         closing: ClosingOptions;
+        /// Normal forces of points with friction.
+        friction: FrictionOptions;
         /// Newton and chord steps, common to all methods.
         newton: NewtonOptions;
     }
@@ -433,6 +435,16 @@ options! {
         residual_share: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Dimensionless displacement by which Newton's method may close ties then.
         reach: f64 = 1.0, Interval::from(0.0).to(1e3);
+    }
+}
+
+options! {
+    /// Steps with friction.
+    pub struct FrictionOptions {
+        /// Largest number of times that the normal forces are renewed in a step of the load.
+        max_rounds: usize = 200, Interval::from(1.0).to(1e6);
+        /// Initial radius of the trust region where Newton's method then fails.
+        radius: f64 = 0.03, Interval::above(0.0).to(1e3);
     }
 }
 

@@ -521,6 +521,9 @@ def _keep(described: dict[str, object], own: dict[str, object]) -> None:
         mine = own.get(key, [])
         if key in described or mine:
             described[key] = mine
+    rubbing: dict[str, object] = {each["name"]: each for each in described.get("frictions", [])}  # type: ignore[attr-defined]
+    if frictions := own.get("frictions"):
+        described["frictions"] = [rubbing.get(each["name"], each) for each in frictions]  # type: ignore[attr-defined]
     for new, old in zip(described.get("foundations", ()), own.get("foundations", ()), strict=False):  # type: ignore[call-overload]
         new["tip"], new["alignment"] = old["tip"], old["alignment"]
 

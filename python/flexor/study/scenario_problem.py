@@ -154,7 +154,7 @@ class ScenarioProblem(Problem):
     @property
     def differentiable(self) -> bool:
         """Whether its value has a gradient."""
-        return self.objective.differentiable and self.aggregate.differentiable
+        return super().differentiable and self.aggregate.differentiable
 
     def with_corners(self, corners: FloatArray) -> ScenarioProblem:
         """Return the problem with other errors for which constraints have to hold."""
