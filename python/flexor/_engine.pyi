@@ -63,6 +63,7 @@ class Paths(TypedDict):
     tie_loads: NDArray[np.float64]  # (…, ties, 7): force, moment, drive
     tie_gaps: NDArray[np.float64]  # (…, ties, 2): distance, angle
     tie_redundancy: NDArray[np.float64]  # (…, ties): redundant conditions
+    tie_singularity: NDArray[np.float64]  # (…, ties): shares in a singular configuration
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events

@@ -113,6 +113,8 @@ class Results:
         How far each tie is from being closed: a distance [m] and an angle [rad].
     tie_redundancy : (n, s, ties) array
         Number of conditions of each tie that follow from others before them in the file.
+    tie_singularity : (n, s, ties) array
+        Where the status is ``"singular"``, the share of each tie in what becomes dependent there.
     event_table : (n,) array of structured arrays
         Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
@@ -182,6 +184,7 @@ class Results:
     tie_loads: Array = field(default=_NONE, metadata=_PATH)
     tie_gaps: Array = field(default=_NONE, metadata=_PATH)
     tie_redundancy: Array = field(default=_NONE, metadata=_PATH)
+    tie_singularity: Array = field(default=_NONE, metadata=_PATH)
     slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
