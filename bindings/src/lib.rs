@@ -5,6 +5,7 @@
 
 mod dispatch;
 mod error;
+mod friction;
 mod interrupt;
 mod model;
 mod options;

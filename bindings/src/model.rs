@@ -3,7 +3,7 @@
 use crate::dispatch::{AnyModel, ContactForce, State, on_model};
 use crate::error::value_error;
 use crate::interrupt::interruptible;
-use crate::{options, structure};
+use crate::{friction, options, structure};
 use flexor_engine::model::{Description, Structure};
 use flexor_engine::sensitivity::{KnownEquilibria, output_groups};
 use flexor_engine::{Batch, PathEvent, PathResults};
@@ -231,7 +231,7 @@ impl Model {
 
     /// Solves a batch of designs along a list of loads, the same for all or, of so many `steps` each, of one
     /// design after another.
-    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, steps=None, base=None, start=None, **solver_options))]
+    #[pyo3(signature = (slot_indices, values, loads, threads=0, *, steps=None, base=None, start=None, slips=None, **solver_options))]
     #[allow(clippy::too_many_arguments)]
     fn path<'py>(
         &self,
@@ -243,6 +243,7 @@ impl Model {
         steps: Option<usize>,
         base: Option<Numbers<'_>>,
         start: Option<Numbers<'_>>,
+        slips: Option<Table<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let default = on_model!(&self.inner, m => m.parameters().to_vec());
@@ -271,6 +272,7 @@ impl Model {
             return value_error("loads: must be finite numbers");
         }
         let start = self.start(start)?;
+        let slips = friction::slips(slips)?;
         let values: Vec<f64> = values.as_array().iter().copied().collect();
         let loads: Vec<f64> = loads.as_array().iter().copied().collect();
         let options = options::read(solver_options)?;
@@ -282,6 +284,7 @@ impl Model {
             loads: &loads,
             steps,
             start: start.as_deref(),
+            slips: &slips,
             cancel: None,
         };
         let pieces = interruptible(py, batch.is_parallel(threads), |cancel| {
@@ -454,6 +457,7 @@ impl Model {
             ("tip_force", found.tip_force),
             ("max_overlap", found.overlap),
             ("max_contact_pressure", found.pressure),
+            ("dissipated", found.dissipated),
         ] {
             out.set_item(name, values.into_pyarray(py).reshape(shape)?)?;
         }
@@ -475,6 +479,7 @@ impl Model {
         for (name, values) in per_tie {
             out.set_item(name, values.into_pyarray(py).reshape([designs, steps, ties])?)?;
         }
+        out.set_item("friction", friction::rows(py, &found.frictions)?)?;
         out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 3])?)?;
         out.set_item("events", events(py, &found.events, inputs, dof)?)?;
         Ok(out)

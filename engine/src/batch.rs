@@ -5,7 +5,7 @@ use crate::equilibrium::{
 };
 use crate::lie::LieGroup;
 use crate::model::Model;
-use crate::results::PathResults;
+use crate::results::{PathFriction, PathResults};
 use rayon::prelude::*;
 
 /// Designs that differ in some parameters, all taken along the same loads.
@@ -26,6 +26,8 @@ pub struct Batch<'a> {
     pub steps: usize,
     /// The state that every path starts from; the reference state unless given.
     pub start: Option<&'a [f64]>,
+    /// Slips with which points with friction start there; none has slipped if empty.
+    pub slips: &'a [PathFriction],
     /// If requested during the solve, ends it soon; steps that were not solved have [`Status::Cancelled`].
     pub cancel: Option<&'a dyn Cancel>,
 }
@@ -89,6 +91,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let start = batch.start.map_or_else(|| vec![0.0; self.dof], <[f64]>::to_vec);
         let solve = |first: usize| {
             let mut path = Continuation::new(self, options, batch.cancel);
+            path.start_with(batch.slips);
             let mut parameters = batch.base.to_vec();
             let last = (first + CHUNK).min(batch.designs);
             let mut results = PathResults::with_capacity(self, (last - first) * steps);

@@ -32,7 +32,8 @@ pub use branch::Branch;
 pub use data::Data;
 pub use forces::contact::ContactSummary;
 pub use forces::element::ContactForce;
-pub use results::{PathEvent, PathResults};
+pub use forces::friction::FrictionForce;
+pub use results::{PathEvent, PathFriction, PathResults};
 
 // The systems of the integration tests, for tests of private items.
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Results of paths, collected step by step into arrays.
 
 use crate::equilibrium::{Event, EventKind, Stability, Status, StepReport, System};
+use crate::forces::friction::FrictionForce;
 use crate::forces::tie::TIE_NUMBERS;
 use crate::lie::LieGroup;
 use crate::model::Model;
@@ -51,10 +52,39 @@ pub struct PathResults {
     pub tie_redundancy: Vec<f64>,
     /// In a singular configuration, the share of each tie in what becomes dependent.
     pub tie_singularity: Vec<f64>,
+    /// Energy that friction dissipated along the path [J].
+    pub dissipated: Vec<f64>,
+    /// Points with friction of all designs and steps, in order.
+    pub frictions: Vec<PathFriction>,
     /// (design, step, coordinate) of free motions, in order.
     pub free: Vec<[usize; 3]>,
     /// Events of all designs, in order.
     pub events: Vec<PathEvent>,
+}
+
+/// A point with friction in one step of a design; vectors are in space.
+#[derive(Clone, Copy, Debug)]
+pub struct PathFriction {
+    /// Index of the design.
+    pub design: usize,
+    /// Index of the load step.
+    pub step: usize,
+    /// Index of the friction in the model's description.
+    pub friction: usize,
+    /// The sphere of the first body.
+    pub sphere: usize,
+    /// What it rubs on: a body, or a surface of an obstacle.
+    pub other: usize,
+    /// Where [m].
+    pub place: [f64; 3],
+    /// Force on the first body [N].
+    pub force: [f64; 3],
+    /// Largest size of the force, μN [N].
+    pub limit: f64,
+    /// Elastic slip [m].
+    pub slip: [f64; 3],
+    /// Whether it slid in this step.
+    pub slides: bool,
 }
 
 /// An event of one design.
@@ -105,6 +135,14 @@ impl PathResults {
         if !found {
             return;
         }
+        if model.friction_count() > 0 {
+            self.dissipated[row] = data.dissipated(model);
+            self.frictions.extend(data.friction_forces(model).into_iter().map(|at| {
+                let FrictionForce { friction, sphere, other, limit, slides, .. } = at;
+                let [place, force, slip] = [at.place, at.force, at.slip].map(|v| G::point_to_spatial(&v));
+                PathFriction { design, step, friction, sphere, other, place, force, limit, slip, slides }
+            }));
+        }
         let contact = data.contact_summary(model);
         self.energy[row] = data.potential(model);
         self.pairs[row] = contact.pairs;
@@ -134,7 +172,7 @@ impl PathResults {
         for counts in [&mut self.iterations, &mut self.pairs, &mut self.touching] {
             counts.resize(counts.len() + steps, 0);
         }
-        for zero in [&mut self.tip_force, &mut self.overlap, &mut self.pressure] {
+        for zero in [&mut self.tip_force, &mut self.overlap, &mut self.pressure, &mut self.dissipated] {
             zero.resize(zero.len() + steps, 0.0);
         }
         for (values, width) in self.missing_as_nan(model) {
@@ -153,7 +191,9 @@ impl PathResults {
         for counts in [&mut results.iterations, &mut results.pairs, &mut results.touching] {
             counts.reserve_exact(steps);
         }
-        for zero in [&mut results.tip_force, &mut results.overlap, &mut results.pressure] {
+        let numbers =
+            [&mut results.tip_force, &mut results.overlap, &mut results.pressure, &mut results.dissipated];
+        for zero in numbers {
             zero.reserve_exact(steps);
         }
         for (values, width) in results.missing_as_nan(model) {
@@ -211,6 +251,8 @@ impl PathResults {
         self.tie_gaps.extend(other.tie_gaps);
         self.tie_redundancy.extend(other.tie_redundancy);
         self.tie_singularity.extend(other.tie_singularity);
+        self.dissipated.extend(other.dissipated);
+        self.frictions.extend(other.frictions);
         self.free.extend(other.free);
         self.events.extend(other.events);
     }

@@ -42,6 +42,20 @@ class Events(TypedDict):
     before: NDArray[np.float64]
     after: NDArray[np.float64]
 
+class Friction(TypedDict):
+    """A row for each of m points with friction."""
+
+    design: NDArray[np.uint64]
+    step: NDArray[np.uint64]
+    friction: NDArray[np.uint64]  # index in the description
+    sphere: NDArray[np.uint64]
+    other: NDArray[np.uint64]  # body, or surface of an obstacle
+    place: NDArray[np.float64]  # (m, 3)
+    force: NDArray[np.float64]  # (m, 3), on the first body
+    slip: NDArray[np.float64]  # (m, 3)
+    limit: NDArray[np.float64]
+    slides: NDArray[np.bool_]
+
 class Paths(TypedDict):
     """Arrays over n designs and s steps, (n, s) unless stated; a branch has one design."""
 
@@ -65,6 +79,8 @@ class Paths(TypedDict):
     tie_redundancy: NDArray[np.float64]  # (…, ties): redundant conditions
     tie_singularity: NDArray[np.float64]  # (…, ties): shares in a singular configuration
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
+    dissipated: NDArray[np.float64]
+    friction: Friction
     free: NDArray[np.uint64]  # (m, 3): design, step, coordinate
     events: Events
 
@@ -129,6 +145,7 @@ class Model:
         steps: int | None = None,
         base: ArrayLike | None = None,
         start: ArrayLike | None = None,
+        slips: ArrayLike | None = None,  # (m, 6): friction, sphere, other, slip
         **solver_options: float,
     ) -> Paths: ...
     @property

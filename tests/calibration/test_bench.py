@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ import pytest
 import flexor as package
 from flexor.calibration import calibrate, read
 
+ROOT = Path(__file__).resolve().parents[2]
 FILE = "examples/bench-targets.toml"
 TRUTH = {"E": 1.8e6, "k": 150.0, "K_1": 0.055}
 NAMES = {"E": "exosuit.young_modulus", "k": "skin.stiffness", "K_1": "ph_1.joint.stiffness"}
@@ -84,6 +88,31 @@ def test_the_confidence_intervals_are_those_of_repeated_measurements(bench, tmp_
         told.append(deviation)
     # Six draws of three constants: chi-squared with 18 degrees of freedom, 99.9 % of it.
     assert 4.9 < float(np.sum(np.square(scatter))) < 42.3
+
+
+def documented() -> list[list[str]]:
+    """Return every command of the documentation that fits these measurements."""
+    texts = [page.read_text(encoding="utf-8") for page in (ROOT / "docs").glob("*.md")]
+    found = re.findall(
+        rf"flexor calibrate [^\n`]*{FILE}[^\n`]*", "\n".join([*texts, read(FILE)[1]])
+    )
+    return [shlex.split(each)[1:] for each in sorted(set(found))]
+
+
+def test_the_documented_commands_fit_the_model_that_was_measured() -> None:
+    """With other constants that are not fitted, such as the lever, no fit is good."""
+    assert len(documented()) >= 4
+    for words in documented():
+        assert words[words.index("--variant") + 1] == "calibrated", words
+
+
+def test_the_documented_command_recovers_the_constants(flexor, tmp_path) -> None:
+    (words,) = (each for each in documented() if each[-2:] == ["--variant", "calibrated"])
+    assert flexor(*words, "--samples", 64, "--starts", 2).code == 0
+    (written,) = tmp_path.glob("calibrations/*/calibration.json")
+    constants = json.loads(written.read_text())["fits"][0]["constants"]
+    assert constants["E"] == pytest.approx(TRUTH["E"], rel=0.02)
+    assert constants["K_1"] == pytest.approx(TRUTH["K_1"], rel=0.06)
 
 
 def test_the_command_writes_constants_that_a_model_file_takes(flexor, tmp_path) -> None:

@@ -184,6 +184,34 @@ SEVERAL = (
 )
 
 
+ONE = ["--maximise", "range-of-motion", "--vary", "exosuit.length=9 cm:10 cm"]
+TWO = [*ONE, "--minimise", "mass"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*TWO, "--tolerance", "exosuit.section.wall=0.1 mm"], "need one objective"),
+        ([*TWO, "--samples", "4"], "need one objective"),
+        ([*TWO, "--aggregate", "worst"], "need one objective"),
+        ([*TWO, "--wearers", "4"], "need one objective"),
+        ([*TWO, "--wearers", "4", "--sizes", "2"], "sizes are found for one objective"),
+        ([*TWO, "--choose", "middle=with,without"], "choices are made for one objective"),
+        (
+            [*ONE, "--wearers", "4", "--sizes", "2", "--tolerance", "exosuit.length=1 mm"],
+            "leave out --tolerance",
+        ),
+        ([*ONE, "--wearers", "4", "--sizes", "2", "--samples", "4"], "leave out --samples"),
+    ],
+)
+def test_what_does_not_go_with_several_objectives_or_sizes_is_refused(
+    flexor, words: list[str], message: str
+) -> None:
+    ran = flexor("optimize", "pneumatic-finger", *words)
+    assert ran.code == 2
+    assert message in " ".join(ran.err.split())
+
+
 def test_several_objectives_give_a_front(flexor, tmp_path) -> None:
     ran = flexor(*SEVERAL)
     assert ran.code == 0

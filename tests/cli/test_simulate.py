@@ -40,7 +40,7 @@ def test_no_digit_is_lost_in_a_narrow_terminal(flexor, monkeypatch) -> None:
         monkeypatch.setenv("COLUMNS", width)
         ran = flexor("simulate", "finger", *snapping)
         rows = [line.split() for line in ran.out.splitlines() if line.split()[:1] == ["3"]]
-        assert len(rows) == 1, width
+        assert rows, width  # in a narrow one there are several tables, angles in the first
         assert sum(map(float, rows[0][1:4])) == pytest.approx(float(rows[0][4]), abs=0.011), width
         assert "-0.00" not in ran.out
 

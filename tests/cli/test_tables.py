@@ -77,9 +77,7 @@ def test_texts_are_aligned_to_the_left(printed: io.StringIO) -> None:
     assert first.index("0.7") + 3 == second.index("1.2 mm") + 6
 
 
-def test_rounding_is_no_number() -> None:
-    """Beside real ones, and alone."""
-    assert table.numbers([5e-15, 2.0, -1e-10]) == ["0", "2", "0"]
-    assert table.numbers([5e-15, -3e-16]) == ["0", "0"]
-    assert table.numbers([4e-10, 1e-9]) == ["4e-10", "1e-09"]
-    assert table.numbers([4e-10, float("nan")], largest=1.0) == ["0", "nan"]
+def test_what_is_less_than_it_is_known_to_is_no_number() -> None:
+    assert table.numbers([5e-15, 2.0, -1e-10, float("nan")], [1e-9] * 4) == ["0", "2", "0", "nan"]
+    assert table.numbers([4e-10, 1e9], [1e-12, 1e-12]) == ["4e-10", "1e+09"]
+    assert table.stated([5e-15, 2.0, 1e-9]) == ["0", "2", "1e-09"]

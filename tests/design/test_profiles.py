@@ -190,7 +190,19 @@ def test_a_tolerance_of_a_size_is_one_of_each_control_value(model: Model) -> Non
     chosen = variables({"exosuit.radius": ENDS["exosuit.radius"]}, model)
     given = {"exosuit.radius.base": "0.5 mm", "exosuit.radius.tip": "0.2 mm"}
     found = tolerances(given, chosen, chosen.prepared(model))
-    assert [each.field for each in found] == ["exosuit.radius.spline.0", "exosuit.radius.spline.3"]
+    assert [each.field for each in found] == list(chosen.labels)
+    # Between both ends the radius is made as exactly as at the worse one.
+    assert [each.size for each in found] == [0.5e-3, 0.5e-3, 0.5e-3, 0.2e-3]
+    one = tolerances({"exosuit.radius.tip": "0.1 mm normal"}, chosen, chosen.prepared(model))
+    assert [each.field for each in one] == list(chosen.labels)[1:]
+    assert {each.text for each in one} == {"0.1 mm normal"}
+    own = {**given, "exosuit.radius.spline.1": "0.3 mm"}
+    found = tolerances(own, chosen, chosen.prepared(model))
+    assert sorted(each.size for each in found) == [0.2e-3, 0.3e-3, 0.5e-3, 0.5e-3]
     every = tolerances({"exosuit.radius": "0.5 mm"}, chosen, chosen.prepared(model))
     assert [each.field for each in every] == list(chosen.labels)
     assert {each.size for each in every} == {0.5e-3}
+    # So it is where the file has the spline and nothing of it varies.
+    length = variables({"exosuit.length": ("9 cm", "11 cm")}, model)
+    of_file = tolerances({"exosuit.radius": "0.5 mm"}, length, chosen.prepared(model))
+    assert [each.field for each in of_file] == list(chosen.labels)

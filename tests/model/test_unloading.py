@@ -93,14 +93,15 @@ input = true
 """
 
 
-@pytest.mark.parametrize(("side", "kind"), [(-1, "bifurcation"), (1, "snap")])
+@pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("loads", [[0, 80], [0, 55], [0, 49.99, 50.01], np.linspace(0, 80, 11)])
-def test_an_asymmetric_branch_point_is_found_at_its_load(
-    side: int, kind: str, loads: list[float]
-) -> None:
-    # A bar held by a spring at 45° loses stability at kL/2; some sub-steps end exactly there.
+def test_an_asymmetric_branch_point_is_found_at_its_load(side: int, loads: list[float]) -> None:
+    # A bar held by a spring at 45° loses stability at kL/2; some sub-steps end exactly there. It
+    # leans continuously to the side of the spring, and would fall to the other.
     model = Model(parse(KOITER.format(rest=np.sqrt(2.0), side=side)))
     path = model.equilibrium(loads)
     assert path.converged.all()
-    assert [event.kind for event in path.events] == [kind]
+    assert [event.kind for event in path.events] == ["bifurcation"]
+    if loads[-1] > 50.1:
+        assert side * path.q[-1, 0] < 0.0
     assert path.events[0].force == pytest.approx(50.0, rel=1e-6)

@@ -110,3 +110,16 @@ def test_what_is_fragile_is_so_in_models_of_their_own() -> None:
         changed = [{name: f"{size * factor!r} {unit}"} for factor in (0.99, 1.01)]
         found = any(moved(flexor.load(model.file, changes=each)) for each in changed)
         assert found == (name in named), name
+
+
+def test_the_verdict_has_the_warnings_of_the_model() -> None:
+    """Those of the design, loaded as a model of its own: without thread the chamber balloons."""
+    changes = {"silicone.winding": "none", "evaluation.pressure": "12 kPa"}
+    model = flexor.load("pneumatic-finger", changes=changes)
+    varied = {"exosuit.section.wall": ("1.5 mm", "3 mm")}
+    study = flexor.optimize(model, varied, "minimise mass", budget=3, without=["defaults"])
+    own = flexor.load(model.file, changes=study.problem.parameters.changes(study.best.vector))
+    assert list(study.best.verdict.warnings) == own.equilibrium().warnings
+    assert any("widens" in each for each in study.best.verdict.warnings)
+    # That is not the estimate for the wall of the file.
+    assert list(study.best.verdict.warnings) != model.equilibrium().warnings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import flexor
 from flexor.design import combinations
 from flexor.errors import InputError
 from flexor.model import Model
+from flexor.model.changes import path_of
 from flexor.model.reading import check
 from flexor.study import Choices, choices, optimize, resume_choices
 
@@ -27,6 +29,24 @@ def model() -> Model:
     for name, place in (("proximal", 0.25), ("middle", 0.625), ("distal", 0.875)):
         document["straps"][name]["at"] = place
     return flexor.load(check(document))
+
+
+TOLERANCED: dict[str, Any] = {
+    "tolerance": {"exosuit.section.wall": "0.1 mm", "exosuit.length": "0.5 mm"},
+    "subject_to": ["overlap <= 1 mm"],
+    "budget": 90,
+}
+
+
+def everything(folder: Path) -> list[Any]:
+    """Return the answer of choices, and every evaluation of each combination."""
+    found = [(folder / name).read_text() for name in ("best.toml", "choices.json")]
+    for each in sorted(folder.glob("?/record.sqlite")):
+        with sqlite3.connect(f"file:{each}?mode=ro", uri=True) as record:
+            columns = "search, design, value, violation, constraints, slopes"
+            found += record.execute(f"SELECT {columns} FROM evaluations ORDER BY id").fetchall()
+            found += record.execute("SELECT * FROM about ORDER BY key").fetchall()
+    return found
 
 
 def content(found: Choices) -> list[Any]:
@@ -45,8 +65,9 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
     for each in combinations(CHOICES, model):
         there = each.values["middle"] == "with"
         varied = {k: v for k, v in VARIED.items() if there or not k.startswith("middle")}
-        shown[each.name] = optimize(each.model, varied, AIM, budget=20).best.shown
-    assert whole.combination.name == max(shown, key=lambda name: shown[name])
+        best = optimize(each.model, varied, AIM, budget=20).best
+        shown[each.name] = best.violation, best.value
+    assert whole.combination.name == min(shown, key=lambda name: shown[name])
     saved = flexor.load(tmp_path / "whole" / "best.toml")
     assert saved.title.endswith(f"({whole.combination.name})")
     assert saved.hash == whole.best.best.model.hash
@@ -65,6 +86,52 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
     assert content(resume_choices(tmp_path / "whole")) == content(whole)
 
 
+@pytest.fixture(scope="module")
+def toleranced(model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("choices") / "whole"
+    found = choices(model, VARIED, AIM, CHOICES, folder=folder, **TOLERANCED)
+    assert found.evaluated == found.evaluations > 0
+    # The search for a robust design has begun, or else a resumed one could not take another way.
+    assert any("round 1" in each.search for each in found.best.records)
+    found.close()
+    return folder
+
+
+def test_finished_choices_evaluate_nothing_when_they_are_resumed(toleranced: Path) -> None:
+    before = everything(toleranced)
+    for _ in range(2):
+        found = resume_choices(toleranced)
+        assert found.evaluated == 0
+        found.close()
+    assert everything(toleranced) == before
+
+
+@pytest.mark.parametrize("moment", [2, 9, 16])
+def test_tolerances_do_not_change_what_interrupted_choices_find(
+    moment: int, toleranced: Path, model: Model, tmp_path: Path
+) -> None:
+    calls = 0
+
+    def kill(_: object) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == moment:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        choices(model, VARIED, AIM, CHOICES, folder=tmp_path, progress=kill, **TOLERANCED)
+    found = resume_choices(tmp_path)
+    assert 0 < found.evaluated <= found.evaluations
+    found.close()
+    assert everything(tmp_path) == everything(toleranced)
+
+
+def test_choices_are_resumed_as_they_were_stated(toleranced: Path, model: Model) -> None:
+    other = {**TOLERANCED, "subject_to": ["overlap <= 0.9 mm"]}
+    with pytest.raises(InputError, match="made with another subject to"):
+        choices(model, VARIED, AIM, CHOICES, folder=toleranced, resume=True, **other)
+
+
 def test_what_there_is_not_does_not_vary(model: Model) -> None:
     found = {each.name: each for each in combinations(CHOICES, model)}
     assert list(found) == [
@@ -79,12 +146,40 @@ def test_what_there_is_not_does_not_vary(model: Model) -> None:
     assert design is not None
     assert "middle.to.at" not in design.varied
     assert "middle.to.at" not in design.tolerance
-    assert bare.file.rod("exosuit").material == "ecoflex-00-50"
+    assert bare.file.rod("exosuit").material == "ecoflex-00-50-hoop"
     layers = combinations({"exosuit.section.layer": ["with", "without"]}, model)
     assert [each.model.file.rod("exosuit").section.layer is None for each in layers] == [
         False,
         True,
     ]
+
+
+def test_a_wound_exosuit_stays_wound(model: Model) -> None:
+    """As if the material had been stated in the file with the thread around it."""
+    found = combinations({"exosuit.material": ["silicone", "ecoflex-00-50"]}, model)[1].model
+    material = found.file.materials["ecoflex-00-50-hoop"]
+    assert (material.library, material.winding) == ("ecoflex-00-50", "hoop")
+    document = model.file.to_document()
+    document["materials"]["soft"] = {"library": "ecoflex-00-50", "winding": "hoop"}
+    document["bodies"]["exosuit"]["material"] = "soft"
+    by_hand = flexor.load(check(document))
+    assert np.array_equal(
+        found.equilibrium().joint_angles, by_hand.equilibrium().joint_angles, equal_nan=True
+    )
+    assert not any("widens" in each for each in found.equilibrium().warnings)
+    # What is stated in the file is taken as it is stated, and so are layers and skins.
+    document["materials"]["soft"]["winding"] = "none"
+    stated = flexor.load(check(document))
+    for field, value, name in (
+        ("exosuit.material", "silicone", "silicone"),
+        ("exosuit.section.layer.material", "dragon-skin-30", "dragon-skin-30"),
+        ("exosuit.skin.material", "ecoflex-00-50", "ecoflex-00-50"),
+    ):
+        made = combinations({field: [value, "elastosil-m4601"]}, stated)[0].model
+        node = made.file.to_document()
+        for key in path_of(node, field, ""):
+            node = node[int(key)] if isinstance(node, (list, tuple)) else node[key]
+        assert node == name
 
 
 def test_a_material_of_the_library_changes_as_in_the_file(model: Model) -> None:

@@ -13,6 +13,7 @@ import flexor
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.study import Study
+from flexor.viewer.share import shared_designs
 
 VARIED = {"exosuit.section.wall": ("1.5 mm", "3 mm"), "exosuit.radius.base": ("6 mm", "10 mm")}
 AIMS = ["maximise range-of-motion", "minimise mass"]
@@ -36,6 +37,19 @@ def study(model: Model, tmp_path_factory: pytest.TempPathFactory) -> Study:
         method_options=SMALL,
         folder=tmp_path_factory.mktemp("front") / "study",
     )
+
+
+def test_a_page_of_a_front_calls_its_ends_what_they_are(study: Study) -> None:
+    front, shown = study.front, shared_designs(study)
+    assert [each.title for each in shown] == [
+        "point 1 of the front, to maximise range-of-motion",
+        f"point {len(front)} of the front, to minimise mass",
+        "start",
+    ]
+    for each, row in zip(shown, (0, len(front) - 1), strict=False):
+        values = [value for _, value, _ in each.parameters]
+        expected = front.designs[row] / study.problem.parameters.scale
+        np.testing.assert_allclose(values, expected, rtol=1e-12)
 
 
 def test_no_design_is_better_than_one_of_the_front(study: Study) -> None:

@@ -112,7 +112,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
     ) -> f64 {
         let (model, data) = (system.model(), system.data());
         let pair = &mut self.pairs[pair];
-        let Switch { points, t, carrier, normal, stiffness, .. } = &pair.switch;
+        let Switch { points, t, own, carrier, normal, stiffness, .. } = &pair.switch;
         let stiffness = if pair.touching { -stiffness } else { *stiffness };
         pair.touching = !pair.touching;
         pair.changed = true;
@@ -121,12 +121,17 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
             self.wrenches[frame] += G::point_jacobian(place).transpose_times(normal) * share;
         };
         let shares = [-1.0, 1.0 - t, *t];
-        let moving = if carrier.is_some() { 1 } else { 3 };
+        let moving = match (own, carrier) {
+            (Some(_), _) => 0,
+            (None, Some(_)) => 1,
+            (None, None) => 3,
+        };
         for (&point, share) in points.iter().zip(shares).take(moving) {
             push(model.points[point].frame, &data.kinematics.points[point], share);
         }
         if let Some((frame, place)) = carrier {
             push(*frame, place, 1.0);
+            own.iter().for_each(|own| push(*own, place, -1.0));
         }
         gradient.fill(0.0);
         data.assembly.add_forces(model, &mut self.wrenches, gradient);

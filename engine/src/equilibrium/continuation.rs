@@ -18,6 +18,7 @@ use super::trust_region::{Target, TrustRegion};
 use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
+use crate::results::PathFriction;
 use crate::tolerances::{PARALLEL, SOFT_PIVOTS, ZERO_EIGENVALUE};
 
 /// Finds and follows equilibria; owns all memory it needs.
@@ -51,6 +52,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) set_points: SetPoints,
     /// What is known of ties along the path.
     pub(super) passage: Passage,
+    /// Slips that points with friction have in the state in which paths begin; none has slipped if empty.
+    pub(super) start_slips: Vec<PathFriction>,
 }
 
 /// The listed load that is being approached.
@@ -93,7 +96,13 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             work: zeros(),
             set_points: SetPoints::new(inputs),
             passage: Passage::default(),
+            start_slips: vec![],
         }
+    }
+
+    /// Lets paths begin with the slips that points with friction had in a step of another one.
+    pub fn start_with(&mut self, slips: &[PathFriction]) {
+        self.start_slips = slips.to_vec();
     }
 
     /// Takes over a vector of parameters; `false` when they are not admissible.
@@ -116,33 +125,28 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
         let loads = if closed.is_empty() { loads } else { &closed };
         self.set_ranges(loads);
-        self.begin_passage();
         self.system.set_state(q0);
+        if self.system.has_friction() {
+            self.system.begin_friction(&self.start_slips);
+        }
         self.system.measure_units(loads);
         self.predictor.forget_curvature();
         self.rate.fill(0.0);
         let mut status = Status::Converged;
         for (index, target) in loads.iter().enumerate() {
             self.system.budget.restart();
+            let mut held = false;
             if status.is_equilibrium() {
                 let last = loads[index..].iter().all(|later| later == target);
                 let tangent_reuse = if last { 0.0 } else { self.options.accuracy.tangent_reuse_at_listed };
                 let step = LoadStep { index, tangent_reuse };
                 status = if index == 0 {
-                    self.system.set_load(target);
-                    let radius = self.options.trust_region.initial_radius;
-                    let found = if self.system.has_ties() {
-                        let closed = self.close_ties(target, step, sink);
-                        self.start_regular(closed)
-                    } else {
-                        self.find_stable(radius, tangent_reuse)
-                    };
-                    self.passage.watched = self.system.has_ties();
-                    let status = self.hold(found, target, step, sink);
-                    self.unstable = status == Status::Unstable;
-                    status
+                    self.begin_with_friction(target, step, sink)
+                } else if self.system.has_friction() && *target == loads[index - 1] {
+                    held = true;
+                    if self.unstable { Status::Unstable } else { Status::Converged }
                 } else {
-                    let status = self.follow_to(target, step, sink);
+                    let status = self.follow_with_friction(target, step, sink);
                     self.why_ended(status, target)
                 };
             } else {
@@ -163,7 +167,32 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let reached = self.reached_load(status);
             let report = StepReport { status, q, iterations, stability, accuracy, reached, free: &free };
             sink.step(index, report, &self.system);
+            if status.is_equilibrium() && self.system.has_friction() && !held {
+                self.end_friction_step();
+            }
         }
+    }
+
+    /// Finds an equilibrium at the first load from the current state.
+    pub(super) fn begin(
+        &mut self,
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut impl PathSink<G, D, P>,
+    ) -> Status {
+        self.begin_passage();
+        self.system.set_load(target);
+        let radius = self.options.trust_region.initial_radius;
+        let found = if self.system.has_ties() {
+            let closed = self.close_ties(target, step, sink);
+            self.start_regular(closed)
+        } else {
+            self.find_stable(radius, step.tangent_reuse)
+        };
+        self.passage.watched = self.system.has_ties();
+        let status = self.hold(found, target, step, sink);
+        self.unstable = status == Status::Unstable;
+        status
     }
 
     /// From the equilibrium at the current load to the one at `target`, in sub-steps.
@@ -400,7 +429,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         }
     }
 
-    fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+    pub(super) fn find_stable_from_here(&mut self, radius: f64, tangent_reuse: f64) -> Status {
         if self.system.is_conservative() && self.system.has_ties() {
             self.find_tied(radius, tangent_reuse)
         } else {

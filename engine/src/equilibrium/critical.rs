@@ -52,6 +52,7 @@ impl CriticalSearch {
         let (start, load) = (system.state().to_vec(), system.load().to_vec());
         system.load_gradient(rate, &mut self.load);
         let tied = system.is_projected();
+        self.mode.fill(0.0);
         let definite = system.factorise(0.0) || system.factorise(ZERO_EIGENVALUE);
         if !definite || system.is_singular() {
             return Some(0.0);
@@ -100,6 +101,11 @@ impl CriticalSearch {
             0.0
         };
         distance(eigenvalue, by_mode * eigenvalue, total - by_mode)
+    }
+
+    /// The mode along which stability is lost, normalised; zero where it was lost already.
+    pub fn mode(&self) -> &[f64] {
+        &self.mode
     }
 
     /// Replaces the mode of the lowest eigenvalue by that of the eigenvalue which vanishes first, by power

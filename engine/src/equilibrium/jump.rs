@@ -5,7 +5,7 @@ use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink};
 use super::status::Status;
 use super::step_control::StepControl;
-use super::vector::{dot, max_norm};
+use super::vector::{dot, max_norm, norm};
 use crate::lie::LieGroup;
 use crate::strain::gauss_legendre;
 
@@ -46,7 +46,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             }
             BranchAhead::BranchPoint => {
                 self.find_stable_at(failed, step)?;
-                if let Some((kind, at)) = self.classify_branch_point(from, failed) {
+                if let Some((mut kind, at)) = self.classify_branch_point(from, failed) {
+                    if kind == EventKind::Snap && self.leave_continuously(failed) {
+                        kind = EventKind::Bifurcation;
+                    }
                     self.report(kind, at, failed, step, sink);
                 }
                 failed
@@ -160,7 +163,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 
     /// Whether stability is lost somewhere between `start` and the state found.
-    fn crosses_a_barrier(&mut self) -> bool {
+    pub(super) fn crosses_a_barrier(&mut self) -> bool {
         let found = self.system.state().to_vec();
         let points = gauss_legendre(BARRIER_POINTS);
         let crosses = points.into_iter().rev().any(|(place, _)| {
@@ -208,6 +211,31 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             EventKind::Bifurcation
         };
         Some((kind, at))
+    }
+
+    /// Goes to a nearby equilibrium at `lambda` instead of the one found, where there is one: from an
+    /// asymmetric branch point, a stable branch leaves to one side only.
+    fn leave_continuously(&mut self, lambda: f64) -> bool {
+        let (found, far) = (self.system.state().to_vec(), self.moved.clone());
+        let radius = self.options.jump.departure;
+        let mode = match self.critical.mode() {
+            mode if norm(mode) > 0.0 => mode,
+            _ => &far,
+        };
+        let step = radius / norm(mode);
+        let sides = [-step, step].map(|step| mode.iter().map(|m| step * m).collect::<Vec<_>>());
+        for side in sides {
+            self.system.advance_from(&self.start, &side, 1.0);
+            let status = self.find_stable(radius, 0.0);
+            self.system.displacement(&self.start, &mut self.moved);
+            if status.is_equilibrium() && norm(&self.moved) < self.options.jump.nearness * norm(&far) {
+                self.arrive();
+                return true;
+            }
+        }
+        self.restore_at(&found, lambda);
+        self.arrive();
+        false
     }
 
     /// Restores an equilibrium at `lambda`, with its tangent and factor.

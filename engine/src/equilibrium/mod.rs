@@ -28,6 +28,7 @@ mod corrector;
 mod critical;
 mod damped_newton;
 mod factor;
+mod friction;
 mod general;
 mod jump;
 mod mixed_newton;

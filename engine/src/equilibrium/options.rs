@@ -118,6 +118,8 @@ options! {
         controlled: ControlledOptions;
         /// Closing of ties.
         closing: ClosingOptions;
+        /// Normal forces of points with friction.
+        friction: FrictionOptions;
         /// Newton and chord steps, common to all methods.
         newton: NewtonOptions;
     }
@@ -276,6 +278,11 @@ options! {
         /// Where another branch crosses, the displacement is compared with that at this fraction of the
         /// distance beyond the critical load.
         earlier: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// Where the state found is far away, nearby states are sought from this dimensionless distance to
+        /// both sides.
+        departure: f64 = 1e-3, Interval::above(0.0).to(1.0);
+        /// Such a state is on a branch that leaves continuously if it is nearer by this factor.
+        nearness: f64 = 0.3, Interval::above(0.0).to(1.0);
         /// The crossing is a snap if the displacement there is at least this fraction of the full one.
         constant_share: f64 = 0.8, Interval::above(0.0).to(1.0);
     }
@@ -428,6 +435,16 @@ options! {
         residual_share: f64 = 1e-2, Interval::from(0.0).to(1.0);
         /// Dimensionless displacement by which Newton's method may close ties then.
         reach: f64 = 1.0, Interval::from(0.0).to(1e3);
+    }
+}
+
+options! {
+    /// Steps with friction.
+    pub struct FrictionOptions {
+        /// Largest number of times that the normal forces are renewed in a step of the load.
+        max_rounds: usize = 200, Interval::from(1.0).to(1e6);
+        /// Initial radius of the trust region where Newton's method then fails.
+        radius: f64 = 0.03, Interval::above(0.0).to(1e3);
     }
 }
 

@@ -142,6 +142,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
 
     /// The status of a path that ends on the way to a load.
     pub(super) fn why_ended(&mut self, status: Status, target: &[f64]) -> Status {
+        if !self.system.has_ties() {
+            return status;
+        }
         let [before, now] = [self.start.clone(), self.system.state().to_vec()];
         self.why_not_closed(status, target, &[&before, &now])
     }

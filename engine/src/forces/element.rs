@@ -41,6 +41,8 @@ pub(crate) struct Switch<const P: usize> {
     /// p, a, b.
     pub points: [usize; 3],
     pub t: f64,
+    /// The frame that carries p, if p is no point of the tree but a place of this frame, given by `carrier`.
+    pub own: Option<usize>,
     /// The frame that carries what p touches, and where p is, if that moves other than by a and b.
     pub carrier: Option<(usize, Vector<P>)>,
     pub normal: Vector<P>,
@@ -56,8 +58,8 @@ impl<const P: usize> Switch<P> {
     pub fn rate<G: LieGroup<D, P>, const D: usize>(&self, velocities: &Velocities<D, P>) -> f64 {
         let [p, a, b] = self.points.map(|i| velocities.points[i]);
         if let Some((frame, place)) = &self.carrier {
-            let touched = G::point_jacobian(place) * velocities.twists[*frame];
-            return -self.normal.dot(&(p - touched));
+            let moved = |frame: usize| G::point_jacobian(place) * velocities.twists[frame];
+            return -self.normal.dot(&(self.own.map_or(p, moved) - moved(*frame)));
         }
         -self.normal.dot(&(p - a * (1.0 - self.t) - b * self.t))
     }

@@ -11,6 +11,7 @@ pub(crate) mod elasticity;
 pub(crate) mod element;
 pub(crate) mod fibres;
 pub(crate) mod foundation;
+pub(crate) mod friction;
 pub(crate) mod gravity;
 pub(crate) mod joint;
 pub(crate) mod magnitudes;

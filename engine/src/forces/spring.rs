@@ -228,7 +228,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let depth = length - rest;
             if length > 0.0 && depth > -margin {
                 let normal = r * (-1.0 / length);
-                visit(Switch { points: [a, b, b], t: 0.0, carrier: None, normal, depth, stiffness: k });
+                visit(Switch {
+                    points: [a, b, b],
+                    t: 0.0,
+                    own: None,
+                    carrier: None,
+                    normal,
+                    depth,
+                    stiffness: k,
+                });
             }
         }
     }

@@ -8,6 +8,7 @@ pub use crate::forces::fibres::{
     FibreDescription, FibreRodDescription, FibreSectionDescription, Law, MaterialDescription,
 };
 pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription};
+pub use crate::forces::friction::FrictionDescription;
 pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
@@ -42,6 +43,9 @@ pub struct Description {
     /// What spheres press on.
     #[serde(default)]
     pub obstacles: Vec<ObstacleDescription>,
+    /// Friction in contacts, in foundations and on obstacles.
+    #[serde(default)]
+    pub frictions: Vec<FrictionDescription>,
     /// Chambers and cables.
     #[serde(default)]
     pub actuators: Vec<ActuatorDescription>,

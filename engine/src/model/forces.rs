@@ -7,6 +7,7 @@ use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::fibres::FibreSections;
 use crate::forces::foundation::{Foundations, StrapLoops};
+use crate::forces::friction::{Frictions, Source};
 use crate::forces::gravity::Gravity;
 use crate::forces::joint::Joints;
 use crate::forces::magnitudes::Magnitudes;
@@ -254,4 +255,28 @@ registry! {
     obstacles: Obstacles<P> = |tree, description| Obstacles::build(tree, &description.obstacles)?;
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
     ties: Ties<P> = |tree, description| Ties::build(tree, &description.ties)?;
+    frictions: Frictions = |tree, description| Frictions::build(tree, description)?;
+}
+
+impl<const P: usize> Forces<P> {
+    /// Renews what friction holds in a step, from what the residual left.
+    pub fn renew_friction<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        states: &mut States<P>,
+    ) {
+        let States { frictions: memory, contacts, foundations, obstacles, .. } = states;
+        self.frictions.renew(at, memory, |visit| {
+            for (friction, source) in self.frictions.sources().enumerate() {
+                let mut visit = |pressed| visit(friction, pressed);
+                match source {
+                    Source::Contact(i) => self.contacts.for_each_pressed(i, at, contacts, &mut visit),
+                    Source::Foundation(i) => {
+                        self.foundations.for_each_pressed(i, at, foundations, &mut visit)
+                    }
+                    Source::Obstacle(i) => self.obstacles.for_each_pressed(i, at, obstacles, &mut visit),
+                }
+            }
+        });
+    }
 }

@@ -104,6 +104,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.forces.ties.count()
     }
 
+    /// Number of contacts with friction.
+    pub fn friction_count(&self) -> usize {
+        self.forces.frictions.count()
+    }
+
     /// Number of loads in a solve: those of the inputs and, with ties, the progress of closing them.
     pub(crate) fn load_count(&self) -> usize {
         self.inputs().len() + usize::from(self.tie_count() > 0)

@@ -61,6 +61,7 @@ fn actuator(planar: bool, random: &[f64]) -> Description {
             })
             .collect(),
         torsion: draw(0.5, 1.0),
+        shear: [draw(0.5, 1.0), draw(0.5, 1.0)],
         rigidity: std::array::from_fn(|_| draw(0.0, 1e-3)),
         mass: {
             let centroid = [1.5e-3, -1e-3];

@@ -46,6 +46,7 @@ fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
         loads,
         steps: loads.len(),
         start: None,
+        slips: &[],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

@@ -220,7 +220,7 @@ fn tip_force<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> (f64, Vec<f64>) {
     let (varied, values, loads) = (&[], &[], &[0.0, 2.0]);
     let (designs, steps, start, cancel) = (1, 2, None, None);
-    let batch = Batch { base, varied, values, designs, loads, steps, start, cancel };
+    let batch = Batch { base, varied, values, designs, loads, steps, start, slips: &[], cancel };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);
     assert!(result.status.iter().all(|s| *s == Status::Converged as u8));
     let slopes = of_output(model, base, &result, ("tip_force", 0), gradient);

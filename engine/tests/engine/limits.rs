@@ -19,6 +19,7 @@ fn solve(designs: usize, options: ContinuationOptions, cancel: Option<&AtomicBoo
         steps: 2,
         cancel: cancel.map(|flag| flag as &dyn Cancel),
         start: None,
+        slips: &[],
     };
     model.solve_batch(batch, options, 2)
 }

@@ -36,6 +36,7 @@ fn solve(model: &Model<SE2, 3, 2>, young_modulus: f64, held: f64) -> PathResults
         steps: 6,
         cancel: None,
         start: None,
+        slips: &[],
     };
     model.solve_batch(batch, ContinuationOptions::default(), 1)
 }

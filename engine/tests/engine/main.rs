@@ -4,6 +4,7 @@ mod derivatives;
 mod fibres;
 mod follower;
 mod foundation;
+mod friction;
 mod invariants;
 mod limits;
 mod loads;

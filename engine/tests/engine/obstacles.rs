@@ -64,6 +64,7 @@ fn pressed_block<G: LieGroup<D, P>, const D: usize, const P: usize>() {
         loads: &loads,
         steps: loads.len(),
         start: None,
+        slips: &[],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

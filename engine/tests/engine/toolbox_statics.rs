@@ -25,6 +25,7 @@ fn joint_angles_of_the_default_design() {
         loads: &loads,
         steps: loads.len(),
         start: None,
+        slips: &[],
         cancel: None,
     };
     let result = model.solve_batch(batch, ContinuationOptions::default(), 1);

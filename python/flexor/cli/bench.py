@@ -30,10 +30,7 @@ def bench(
             help="Measured angles: `bench.csv` of `flexor export DESIGN --finger DIR`, filled in.",
         ),
     ],
-    index: Annotated[
-        int | None,
-        typer.Option("--design", metavar="N", callback=options.at_least(1), help="As for export."),
-    ] = None,
+    which: options.Which = None,
     variant: options.Variant = None,
     changes: options.Set = None,
     plot: options.Plot = None,
@@ -51,7 +48,7 @@ def bench(
     """
     from flexor.export import bench as benches
 
-    model, _, geometry = designed(design, index, variant, changes)
+    model, _, geometry = designed(design, which, variant, changes)
     found = benches.bench(model, table, geometry)
     if as_json:
         print_json(_as_json(found))

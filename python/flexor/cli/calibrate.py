@@ -77,9 +77,9 @@ def calibrate(
 
     Examples
     --------
-    * `flexor calibrate finger examples/bench-targets.toml`
-    * `flexor calibrate finger examples/bench-targets.toml --out bench`
-    * `flexor calibrate finger examples/bench-targets.toml --resume bench`
+    * `flexor calibrate finger examples/bench-targets.toml --variant calibrated`
+    * `flexor calibrate finger examples/bench-targets.toml --variant calibrated --out bench`
+    * `flexor calibrate finger examples/bench-targets.toml --variant calibrated --resume bench`
     * `flexor calibrate specimen-1.csv specimen-2.csv --name silicone --strains 0:1.5`
 
     With CSV files of tensile tests instead of a model, one per specimen, hyperelastic laws are

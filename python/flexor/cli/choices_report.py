@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flexor.cli import outcome
 from flexor.cli.console import print_json, say
 from flexor.cli.folders import carry_out_searches, interrupted
+from flexor.cli.progress import duration
 from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
 
@@ -24,6 +25,7 @@ def carry_out(
     plot: Path | None,
     save: Path | None,
     as_json: bool,
+    resumed: bool = False,
 ) -> int:
     """Try all combinations, print them and the best; return the exit code."""
     from flexor.study import is_choices
@@ -32,7 +34,7 @@ def carry_out(
         if as_json:
             print_json(_as_json(found, seconds, place))
         else:
-            _print(found, seconds)
+            _print(found, seconds, resumed)
         outcome.draw(found.best, found.best.best, plot, quiet=as_json)
         if not as_json:
             say(f"model:  {place / 'best.toml'}")
@@ -49,8 +51,10 @@ def _as_json(found: Choices, seconds: float, place: Path) -> dict[str, Any]:
     tried = [
         {
             "choices": dict(each.combination.values),
-            "violation": each.rank[0],
-            "value": each.rank[1],
+            "violation": each.violation,
+            "value": each.value,
+            "robust": each.robust,
+            "rounds": each.rounds,
             "evaluations": each.study.evaluations,
             "folder": each.study.folder,
         }
@@ -61,18 +65,26 @@ def _as_json(found: Choices, seconds: float, place: Path) -> dict[str, Any]:
     return {**chosen, **best, "folder": place, "evaluations": found.evaluations}
 
 
-def _print(found: Choices, seconds: float) -> None:
+def _print(found: Choices, seconds: float, resumed: bool) -> None:
     best = found.best
     problem = best.problem
     rows = []
     for each in found.tried:
-        violation, value = each.rank
         shown = "fails"
-        if value < float("inf"):
-            design = each.study.best
-            shown = number(design.shown) + ("" if violation == 0.0 else " (not feasible)")
+        if each.value < float("inf"):
+            mark = " (not feasible)" if each.violation else " (not robust)"
+            held = each.violation == 0.0 and each.robust is not False
+            shown = number(each.study.best.shown) + ("" if held else mark)
         rows.append((each.name, f"{each.study.evaluations:,}", str(each.rounds), shown))
     unit = f" / {problem.unit}" if problem.unit else ""
     show(("combination", "designs", "rounds", f"{problem.quantity}{unit}"), rows)
     say(f"best of {len(rows)} combinations: {found.combination.name}.")
-    outcome.print_summary(best, best.best, seconds)
+    outcome.print_summary(best, best.best, seconds, cost=_cost(found, seconds, resumed))
+
+
+def _cost(found: Choices, seconds: float, resumed: bool) -> str:
+    count = f"{found.evaluations:,} designs of all combinations"
+    if resumed and not found.evaluated:
+        return f"{count} in total: all searches had ended, and nothing was evaluated."
+    more = f"in total, {found.evaluated:,} of them now in" if resumed else "in"
+    return f"{count} {more} {duration(seconds)}."

@@ -67,15 +67,7 @@ def export(
             "fill in.",
         ),
     ] = None,
-    index: Annotated[
-        int | None,
-        typer.Option(
-            "--design",
-            metavar="N",
-            callback=options.at_least(1),
-            help="Number of a recorded design of the study, from 1 in the order of evaluation.",
-        ),
-    ] = None,
+    which: options.Which = None,
     rod: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which rod; by default the designed one.")
     ] = None,
@@ -153,7 +145,7 @@ def export(
         elif folder is not None:
             files.check_folder(folder, force)
     chosen, of_mould, of_finger = _options(given)
-    model, found, _ = designed(design, index, variant, changes)
+    model, found, _ = designed(design, which, variant, changes)
     written: list[FilePath] = []
     limb_only = body is None and mould is None and sheets is None and finger is not None
     if finger is not None:
@@ -167,8 +159,8 @@ def export(
     if found is None:
         device = making.device_of(model, rod, f'the model "{model.name}"')
     else:
-        which = "the best design" if index is None else f"design {index}"
-        device = making.device_of_design(found, rod, f"{which} of {design}")
+        called = "the best design" if which is None else f"design {which}"
+        device = making.device_of_design(found, rod, f"{called} of {design}")
     with working("making the body"):
         made = making.body(device, chosen)
         if body is not None:
@@ -230,24 +222,40 @@ def _value(name: str, text: str | float) -> float:
 
 
 def designed(
-    design: str, index: int | None, variant: str | None, changes: list[str] | None
+    design: str, which: str | None, variant: str | None, changes: list[str] | None
 ) -> tuple[Model, Design | None, SlotValues | Geometry | None]:
     """Return a model, and of a study the design and its values of the engine's parameters.
 
     The model is that of the file, or of the study without its design.
     """
-    from flexor import export as making
-
     if FilePath(design).is_dir():
         if variant is not None or changes:
             raise InputError(f'"{design}" is a study: its model has no --set and --variant.')
-        found = making.recorded(FilePath(design), index)
+        found = _recorded(FilePath(design), which)
         problem = found.problem
         values, _ = problem.parameters.designs(found.vector[None, :], problem.model)
         return problem.model, found, values
-    if index is not None:
+    if which is not None:
         raise InputError(f'--design is for a study folder, and "{design}" is none.')
     return load_changed(design, variant, changes), None, None
+
+
+def _recorded(folder: FilePath, which: str | None) -> Design:
+    """Return the best design of a folder, or that of a number or a name."""
+    from flexor import export as making
+    from flexor.study import has_members, member
+
+    if has_members(folder):
+        return making.recorded(member(folder, which), None)
+    if which is None:
+        return making.recorded(folder, None)
+    try:
+        number = int(which)
+    except ValueError:
+        raise InputError(
+            f'--design is "{which}": the study "{folder}" has designs by their number, from 1.'
+        ) from None
+    return making.recorded(folder, number)
 
 
 def _print_finger(

@@ -64,6 +64,19 @@ def check_resumable(
         )
 
 
+def study_folder(folder: Path, which: str | None) -> Path:
+    """Return a study folder, or of one with several studies the best, or that of `--design`."""
+    from flexor.study import has_members, member
+
+    if has_members(folder):
+        return member(folder, which)
+    if which is not None:
+        raise InputError(
+            f'--design is for a folder of --choose or --sizes, and "{folder}" is none.'
+        )
+    return folder
+
+
 @contextmanager
 def executor_for(threads: int, cluster: str | None) -> Iterator[DesignEvaluator]:
     """Provide the executor selected by `--threads` and `--cluster`."""

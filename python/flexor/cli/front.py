@@ -11,6 +11,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
+from flexor.cli.folders import study_folder
 from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
 from flexor.errors import InputError
@@ -27,6 +28,7 @@ def front(
             callback=options.at_least(1), help="Show this point, by its number in the table."
         ),
     ] = None,
+    which: options.OneOf = None,
     save: options.Save = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
@@ -47,6 +49,7 @@ def front(
 
     if save is not None and point is None:
         raise InputError("--save needs --point: the number of a point of the front.")
+    study = study_folder(study, which)
     with closing(Study.open(study)) as opened:
         found = opened.front
         if point is not None:

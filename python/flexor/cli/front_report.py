@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import err, out, say
 from flexor.cli.folders import save_figure
-from flexor.cli.progress import duration
+from flexor.cli.outcome import cost_of
 from flexor.cli.table import number, show
 
 if TYPE_CHECKING:
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 MOST_ROWS = 40
 
 
-def print_front(study: Study, front: Front, seconds: float | None = None) -> None:
+def print_front(
+    study: Study, front: Front, seconds: float | None = None, resumed: bool = False
+) -> None:
     """Print the front as a table, spread over its points, and the cost."""
     if not len(front):
         _print_empty(study)
@@ -29,8 +31,10 @@ def print_front(study: Study, front: Front, seconds: float | None = None) -> Non
             say(f"front: {count} that no other is better than in all, to {names}.")
         else:
             say(f"The study has one objective, to {names}: this is its best design.")
-    cost = "" if seconds is None else f" in {duration(seconds)}"
-    say(f"{study.evaluations:,} designs{cost}: {study.finished}.")
+    if seconds is None:
+        say(f"{study.evaluations:,} designs: {study.finished}.")
+    else:
+        say(cost_of(study, seconds, resumed))
     if len(front) and study.folder is not None:
         say(f"model file of a point: flexor front {study.folder} --point 1 --save point.toml")
 

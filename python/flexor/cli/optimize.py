@@ -117,7 +117,7 @@ def optimize(
             raise InputError("choices are resumed with their own budget: omit --budget.")
         chosen_work = partial(studies.resume_choices, resume)
         where = executor_for(threads, cluster)
-        return choices_report.carry_out(chosen_work, where, resume, plot, save, as_json)
+        return choices_report.carry_out(chosen_work, where, resume, plot, save, as_json, True)
     if resume is not None:
         place, work = resume, partial(studies.resume, resume, budget=budget)
     else:
@@ -157,6 +157,13 @@ def optimize(
             where = executor_for(threads, cluster)
             return choices_report.carry_out(chosen_work, where, place, plot, save, as_json)
         if sizes is not None:
+            if len(problem.aims) > 1:
+                raise InputError("sizes are found for one objective, not for several.")
+            if tolerance or samples is not None:
+                raise InputError(
+                    "--sizes are found for wearers and scenarios without errors: leave out "
+                    f"{'--tolerance' if tolerance else '--samples'}."
+                )
             say_unapplied(loaded, "sizes")
             over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
             found = partial(
@@ -203,7 +210,7 @@ def optimize(
         if study.problem.objective.count:
             if save is not None:
                 raise InputError("--save writes one design: see `flexor front` for one of several.")
-            return _report_front(study, seconds, plot, as_json)
+            return _report_front(study, seconds, plot, as_json, resume is not None)
         best = study.best
         if as_json:
             print_json(outcome.as_json(study, best, seconds))
@@ -220,14 +227,16 @@ def optimize(
     return carry_out("flexor optimize --resume", place, where, SearchProgress(), work, report)
 
 
-def _report_front(study: Study, seconds: float, plot: Path | None, as_json: bool) -> int:
+def _report_front(
+    study: Study, seconds: float, plot: Path | None, as_json: bool, resumed: bool
+) -> int:
     from flexor.cli import front_report
 
     front = study.front
     if as_json:
         print_json(front_report.front_as_json(study, front, seconds))
     else:
-        front_report.print_front(study, front, seconds)
+        front_report.print_front(study, front, seconds, resumed)
     front_report.draw_front(study, front, plot, quiet=as_json)
     return 0
 

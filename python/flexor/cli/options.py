@@ -162,6 +162,25 @@ Folder = Annotated[
     Path | None,
     typer.Option("--out", help="Output folder; by default a new one in `studies/`."),
 ]
+OneOf = Annotated[
+    str | None,
+    typer.Option(
+        "--design",
+        metavar="NAME",
+        help="Of a folder of --choose or --sizes another study than the best: its number, or the "
+        "name of the combination.",
+    ),
+]
+Which = Annotated[
+    str | None,
+    typer.Option(
+        "--design",
+        metavar="N|NAME",
+        help="Number of a recorded design of the study, from 1 in the order of evaluation; of a "
+        "folder of --choose or --sizes another study than the best: its number, or the name of "
+        "the combination.",
+    ),
+]
 Resume = Annotated[Path | None, typer.Option(help="Resume the work in this folder.")]
 Seed = Annotated[int, typer.Option(callback=at_least(0), help="Random seed.")]
 Threads = Annotated[

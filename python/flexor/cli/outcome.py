@@ -22,11 +22,14 @@ _CAVEATS = {
     "snapped": "The optimum is reached through a snap: sensitivities hold on the final branch.",
     "contact-threshold": "A contact is about to open or close: sensitivities are one-sided.",
     "nearly-singular": "The optimum is nearly unstable: sensitivities hold for tiny changes only.",
+    "differences": "With friction, sensitivities are central differences over the steps.",
     "no-equilibrium": "The optimum has no equilibrium, and hence no sensitivities.",
 }
 
 
-def print_summary(study: Study, best: Design, seconds: float, resumed: bool = False) -> None:
+def print_summary(
+    study: Study, best: Design, seconds: float, resumed: bool = False, cost: str | None = None
+) -> None:
     """Print start and optimum side by side, the improvement, and the cost."""
     rows = []
     if checked := _has_verdict(best):
@@ -51,10 +54,18 @@ def print_summary(study: Study, best: Design, seconds: float, resumed: bool = Fa
         verdict.print_tolerances(best)
     elif math.isfinite(best.value) and study.problem.model.joints:
         _print_sensitivity(best.sensitivity)
-    cost = f"{'in total, resumed for' if resumed else 'in'} {duration(seconds)}"
-    say(f"{study.evaluations:,} designs {cost}: {study.finished}.")
+    say(cost or cost_of(study, seconds, resumed))
     if checked and best.verdict.feasible and not best.verdict.robust:
         say(_search_on(study))
+
+
+def cost_of(study: Study, seconds: float, resumed: bool = False) -> str:
+    """Return how many designs a study evaluated, in which time, and why it ended."""
+    count = f"{study.evaluations:,} designs"
+    if resumed and not study.evaluated:
+        return f"{count} in total: nothing was left to evaluate: {study.finished}."
+    more = f"in total, {study.evaluated:,} of them now in" if resumed else "in"
+    return f"{count} {more} {duration(seconds)}: {study.finished}."
 
 
 def _has_verdict(design: Design) -> bool:
@@ -135,6 +146,7 @@ def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
         "feasible": best.feasible,
         "constraints": verdict.constraints_as_json(best),
         "within_tolerances": verdict.within_as_json(best),
+        "warnings": verdict.warnings_of(best),
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,

@@ -9,10 +9,11 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.cli.console import say
-from flexor.cli.table import fixed, numbers, show
+from flexor.cli.table import fixed, number, numbers, show, stated
 
 if TYPE_CHECKING:
     from flexor.model import Event, Path
+    from flexor.model.accuracy import Accuracy
 
 Columns = dict[str, list[str]]  # cells by heading
 
@@ -20,8 +21,10 @@ Columns = dict[str, list[str]]  # cells by heading
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
     from flexor.model import explained, why_not_closed, why_singular, why_stalled
+    from flexor.model.accuracy import accuracy
 
-    columns = _loads(path) | _joints(path) | _contacts(path) | _device(path)
+    known = accuracy(path)
+    columns = _loads(path, known) | _joints(path) | _contacts(path, known) | _device(path, known)
     columns["state"] = [_state(path, step) for step in range(len(path))]
     if path.events:
         columns["events"] = [
@@ -49,19 +52,23 @@ def report(path: Path) -> None:
         say(_event(event, path))
 
 
-def _loads(path: Path) -> Columns:
+def _loads(path: Path, known: Accuracy) -> Columns:
     model, columns = path.model, {}
     several = len(model.inputs) > 1
     loads = path.loads.T if several else path.force[None]
     for index, load in enumerate(loads):
         size, unit = model.load_unit(index)
         name = model.inputs[index] if several else model.load_name()
-        columns[f"{name} / {unit}".removesuffix(" / ")] = numbers((load / size).tolist())
+        columns[f"{name} / {unit}".removesuffix(" / ")] = stated((load / size).tolist())
     for name, found in path.found_loads().items():
         size, unit = model.controlled[name].shown
         what = model.controlled[name].noun
         heading = f"{what} of {name}" if several else what
-        columns[f"{heading} / {unit}"] = numbers((found / size).tolist())
+        least = known.force
+        if name in model.pressures:
+            volume = path.volume[:, model.pressures.index(name)]
+            least = known.moment / volume
+        columns[f"{heading} / {unit}"] = _cells(found / size, least / size)
     return columns
 
 
@@ -90,38 +97,43 @@ def _joints(path: Path) -> Columns:
     return columns
 
 
-def _contacts(path: Path) -> Columns:
+def _contacts(path: Path, known: Accuracy) -> Columns:
     if not path.model.first_spheres:
         return {}
     return {
         "contacts": [str(count) for count in path.touching],
-        "tip force / N": numbers(path.tip_force.tolist()),
+        "tip force / N": _cells(path.tip_force, known.force),
     }
 
 
-def _device(path: Path) -> Columns:
+def _device(path: Path, known: Accuracy) -> Columns:
     """Return contact, strain, volumes and forces of the device."""
-    model, found = path.model, {}
+    from flexor.model.accuracy import force_accuracy
+
+    model, cells = path.model, Columns()
     if model.foundations:
-        found["overlap / mm"] = 1e3 * path.max_overlap
-        found["contact pressure / kPa"] = path.max_contact_pressure / 1e3
+        cells["overlap / mm"] = _cells(1e3 * path.max_overlap, 1e3 * known.place)
+        touching = path.max_overlap > known.place
+        pressure = np.where(touching, path.max_contact_pressure / 1e3, 0.0)
+        cells["contact pressure / kPa"] = [number(each) for each in pressure.tolist()]
     if np.isfinite(path.stretch).any():
-        found["strain / %"] = 100.0 * path.max_strain
+        cells["strain / %"] = _cells(100.0 * path.max_strain, 100.0 * known.strain)
     for name, volume in zip(model.pressures, path.volume.T, strict=True):
-        found[f"volume of {name} / mL"] = 1e6 * volume
+        cells[f"volume of {name} / mL"] = [number(1e6 * each) for each in volume.tolist()]
+    least = force_accuracy(path, _forces)
+    cells |= {f"{name} / N": _cells(force, least[name]) for name, force in _forces(path).items()}
+    return cells | _ties(path, known)
+
+
+def _forces(path: Path) -> dict[str, Array]:
     forces = {f"strap {name}": force for name, force in path.strap_forces().items()}
-    forces |= {f"obstacle {name}": force for name, force in path.obstacle_forces().items()}
-    largest = max(
-        (float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0
-    )
-    cells = {heading: numbers(values.tolist()) for heading, values in found.items()}
-    cells |= {f"{what} / N": numbers(x.tolist(), largest) for what, x in forces.items()}
-    return cells | _ties(path)
+    return forces | {f"obstacle {name}": x for name, x in path.obstacle_forces().items()}
 
 
-def _ties(path: Path) -> Columns:
+def _ties(path: Path, known: Accuracy) -> Columns:
     """Return the reactions of ties: magnitudes of forces and moments, and what drives them."""
     found: dict[str, dict[str, Array]] = {"N": {}, "N*m": {}}
+    least = {"N": known.force, "N*m": known.moment}
     moments, drives = path.tie_moments(), path.tie_drives()
     for name, force in path.tie_forces().items():
         tie = path.model.file.ties[name]
@@ -131,12 +143,15 @@ def _ties(path: Path) -> Columns:
         if name in drives:
             unit = "N*m" if tie.drive == "rotation" else "N"
             found[unit][f"drive of {name}"] = drives[name]
-    cells: Columns = {}
-    for unit, each in found.items():
-        sizes = [float(np.nanmax(np.abs(x), initial=0.0)) for x in each.values()]
-        largest = max(sizes, default=0.0)
-        cells |= {f"{what} / {unit}": numbers(x.tolist(), largest) for what, x in each.items()}
-    return cells
+    return {
+        f"{what} / {unit}": _cells(values, least[unit])
+        for unit, each in found.items()
+        for what, values in each.items()
+    }
+
+
+def _cells(values: Array, least: Array) -> list[str]:
+    return numbers(values.tolist(), least.tolist())
 
 
 def _print_extremes(path: Path) -> None:

@@ -11,7 +11,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import note, print_json, say
-from flexor.cli.folders import INTERRUPTED, executor_for
+from flexor.cli.folders import INTERRUPTED, executor_for, study_folder
 from flexor.cli.progress import SearchProgress, duration
 from flexor.cli.table import show
 
@@ -25,6 +25,7 @@ def rerun(
         FilePath | None,
         typer.Option("--out", help="Save the new study to this folder; by default discarded."),
     ] = None,
+    which: options.OneOf = None,
     threads: options.Threads = 0,
     cluster: options.Cluster = None,
     as_json: options.Json = False,
@@ -51,7 +52,7 @@ def rerun(
     """
     from flexor import study as studies
 
-    began = time.monotonic()
+    study, began = study_folder(study, which), time.monotonic()
     try:
         with executor_for(threads, cluster) as executor, SearchProgress() as progress:
             result = studies.rerun(study, into=folder, progress=progress, executor=executor)

@@ -9,6 +9,7 @@ import typer
 
 from flexor.cli import options
 from flexor.cli.console import say
+from flexor.cli.folders import study_folder
 from flexor.cli.progress import working
 from flexor.cli.values import load_changed
 from flexor.errors import InputError
@@ -29,6 +30,7 @@ def share(
     force: Annotated[
         bool, typer.Option("--force", help="Replace the file if there is one.")
     ] = False,
+    design: options.OneOf = None,
     variant: options.Variant = None,
     changes: options.Set = None,
 ) -> int:
@@ -36,12 +38,14 @@ def share(
 
     It shows the model in three dimensions at every load, with the pressure of contact and the
     strain as colours, plots along the load, all observables, the verdict of the constraints and
-    where the design comes from. Of a study, the optimum and its start.
+    where the design comes from. Of a study, the optimum and its start; of one with several
+    objectives, the best design for each of them and the start.
 
     Examples
     --------
     * `flexor share pneumatic-finger --out finger.html`
     * `flexor share studies/press --out press.html`
+    * `flexor share studies/choices --design 2 --out second.html`
     """
     from flexor.store.files import check_writable, write_text
     from flexor.study import Study
@@ -52,7 +56,7 @@ def share(
     check_writable(out)
     if (out.exists() or out.is_symlink()) and not force:
         raise InputError(f'"{out}" exists: give --force to replace it, or another name.')
-    shown = _source(source, variant, changes)
+    shown = _source(source, design, variant, changes)
     if isinstance(shown, Study) and shown.best.has_verdict:
         with working("checking the best design") as progress:
             shown.best.evaluate_verdict(progress)
@@ -63,13 +67,17 @@ def share(
     return 0
 
 
-def _source(source: str, variant: str | None, changes: list[str] | None) -> Model | Study:
+def _source(
+    source: str, design: str | None, variant: str | None, changes: list[str] | None
+) -> Model | Study:
     from flexor.study import Study
 
     folder = Path(source)
     if not folder.is_dir():
+        if design is not None:
+            raise InputError(f'--design is for a folder of studies, and "{source}" is none.')
         return load_changed(source, variant, changes)
     if variant is not None or changes:
         given = "--variant" if variant is not None else "--set"
         raise InputError(f'{given} is for models: "{source}" is a folder, whose design is settled.')
-    return Study.open(folder)
+    return Study.open(study_folder(folder, design))

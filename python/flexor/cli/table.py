@@ -149,12 +149,17 @@ def with_unit(value: float, unit: str) -> str:
     return f"{number(value)} {unit}".rstrip()
 
 
-def numbers(values: Iterable[float], largest: float = 0.0) -> list[str]:
-    """Format a column of numbers, in which what is nothing but rounding is 0.
+def numbers(values: Iterable[float], least: Iterable[float]) -> list[str]:
+    """Format a column of numbers, in which what is less than it is known to is 0.
 
-    That is less than 1e-9 of the largest magnitude there, or of another, and less than 1e-12.
+    ``least`` has the accuracy of each number; see `flexor.model.accuracy`.
     """
+    rows = zip(values, least, strict=True)
+    return ["0" if abs(value) < least else number(value) for value, least in rows]
+
+
+def stated(values: Iterable[float]) -> list[str]:
+    """Format a column of numbers that were given, which steps between them round."""
     values = list(values)
-    sizes = [abs(value) for value in values if math.isfinite(value)]
-    least = max(1e-9 * max([*sizes, largest]), 1e-12)
-    return ["0" if abs(value) < least else number(value) for value in values]
+    largest = max((abs(value) for value in values if math.isfinite(value)), default=0.0)
+    return numbers(values, [1e-14 * largest] * len(values))

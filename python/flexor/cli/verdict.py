@@ -61,6 +61,8 @@ def print_tolerances(design: Design) -> None:
         )
     for text in cautions(design):
         say(text)
+    for text in found.warnings:
+        say(f"warning: {text}")
     _print_errors(found)
 
 
@@ -81,6 +83,11 @@ def _print_errors(found: Verdict) -> None:
 def within_as_json(design: Design) -> list[dict[str, Any]]:
     """Return the worst case within the tolerances of each constraint and the objective."""
     return [asdict(each) for each in design.verdict.within]
+
+
+def warnings_of(design: Design) -> list[str]:
+    """Return the warnings of the model with a design."""
+    return list(design.verdict.warnings)
 
 
 def constraints_as_json(design: Design) -> list[dict[str, Any]]:

@@ -8,8 +8,10 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from flexor.errors import InputError
+from flexor.materials import library
 from flexor.model.changes import changed, path_of, removed
 from flexor.model.reading import check
+from flexor.model.schema.material import own_keys
 from flexor.model.validation import describe
 
 if TYPE_CHECKING:
@@ -56,7 +58,7 @@ def combinations(
     Parameters
     ----------
     choices
-        Two or more values for each field, ``{"exosuit.material": ["dragon-skin-30", "sil-940"]}``,
+        Two or more values for each field, ``{"exosuit.material": ["ecoflex-00-30", "paper"]}``,
         or ``["with", "without"]`` for an entry such as a strap or a table such as a layer.
     model
         The model; its title then says the combination, and its ``[design]`` has no choices, nor
@@ -137,16 +139,41 @@ def _document(
 ) -> dict[str, Any]:
     """Return the tables of a model file with values of choices."""
     whole = document
+    document = dict(document)
     for field, value in values.items():
         if value in (WITH, WITHOUT):
             path_of(document, field, source)  # it has to be there
         else:
+            document, value = _with_thread(document, field, value, source)
             document = changed(document, field, value, source)
     for field in _gone(values):
         document = removed(document, field, source)
     if document.get("design"):
         document = {**document, "design": _design(document["design"], values, whole)}
     return {**document, "title": f"{model.title or model.name} ({named(values)})"}
+
+
+def _with_thread(
+    document: dict[str, Any], field: str, value: object, source: str
+) -> tuple[dict[str, Any], object]:
+    """Let a material of the library that takes the place of a wound one be wound likewise.
+
+    Thread belongs to what is made of a material, and the library has materials only.
+    """
+    if field.rpartition(".")[2] != "material" or not isinstance(value, str):
+        return document, value
+    keys = path_of(document, field, source)
+    node: Any = document
+    for key in keys:
+        node = node[int(key)] if isinstance(node, (list, tuple)) else node[key]
+    materials = document.get("materials", {})
+    winding = materials.get(node, {}).get("winding", "none")
+    own = own_keys(materials.get(value, {"library": value}))
+    if winding == "none" or "skin" in keys or value not in library() or set(own) != {"library"}:
+        return document, value
+    name = f"{value}-{winding}"
+    wound = {"library": value, "winding": winding}
+    return {**document, "materials": {**materials, name: wound}}, name
 
 
 def _design(

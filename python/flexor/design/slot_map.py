@@ -37,7 +37,7 @@ MAX_DEGREE = 12
 # such as the moment about an axis of symmetry.
 ROUNDING = 1e-16
 _CHECKS = 8  # points inside the box at which the polynomials are checked, besides vertices
-_FIRST = 24  # points of the first attempts at most
+_FIRST, _MOST = 24, 1200  # points of the first attempts at most, and of the last
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +249,7 @@ def slot_map(
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
     sampled = _Sampled(lowered, middle, half)
     # A few points suffice for most files; others take more besides them.
-    for count in _rounds(max((3 * comb(most + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)):
+    for count in _rounds(most):
         u, samples = sampled.first(count)
         for pattern in left:
             for form, degree in _attempts(len(pattern), count):
@@ -398,11 +398,18 @@ class _Sampled:
             return None
 
 
-def _rounds(last: int) -> list[int]:
-    """Return numbers of points, each about twice the one before."""
-    counts = [last]
+def _rounds(variables: int) -> list[int]:
+    """Return numbers of points, each about twice the one before.
+
+    The last but few suffice for polynomials of degree 3, the last for what is no polynomial but
+    close to one, such as the shear of a section by its walls.
+    """
+    counts = [max((3 * comb(variables + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)]
     while counts[0] > _FIRST:
         counts.insert(0, (counts[0] + 1) // 2)
+    most = min((3 * comb(variables + MAX_DEGREE, MAX_DEGREE) + 1) // 2, _MOST)
+    while counts[-1] < most:
+        counts.append(min(2 * counts[-1], most))
     return counts
 
 
@@ -514,6 +521,9 @@ def _keep(described: dict[str, object], own: dict[str, object]) -> None:
         mine = own.get(key, [])
         if key in described or mine:
             described[key] = mine
+    rubbing: dict[str, object] = {each["name"]: each for each in described.get("frictions", [])}  # type: ignore[attr-defined]
+    if frictions := own.get("frictions"):
+        described["frictions"] = [rubbing.get(each["name"], each) for each in frictions]  # type: ignore[attr-defined]
     for new, old in zip(described.get("foundations", ()), own.get("foundations", ()), strict=False):  # type: ignore[call-overload]
         new["tip"], new["alignment"] = old["tip"], old["alignment"]
 

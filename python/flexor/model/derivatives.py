@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexor._engine import REGULARITY
 from flexor.arrays import Array
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.model.results import Paths
@@ -135,6 +136,11 @@ def differentiate(
         any, and of one solution for each part.
     """
     model, (n, steps) = paths.model, paths.converged.shape
+    if model.frictions:
+        raise InputError(
+            f'"{model.frictions[0]}" has friction: derivatives, which depend on all steps of such '
+            "a path, are not computed."
+        )
     found = paths.converged & paths.stable
     by_slots = np.zeros((n, len(rows), len(slots)))
     by_loads = np.zeros((n, len(rows), steps, len(model.inputs)))

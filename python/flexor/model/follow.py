@@ -18,6 +18,7 @@ from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
 from flexor.model.derivatives import differentiate, last_step
 from flexor.model.events import event_table
+from flexor.model.friction import friction_table, slips
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
@@ -108,6 +109,9 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     arrays["stability"] = _STABILITY[found["stability"][:, lead:]]
     arrays["stable"] = (codes == _CONVERGED) & (arrays["stability"] == "stable")
     arrays["joint_angles"] = arrays["q"][:, :, model.joint_columns]
+    if model.frictions:
+        arrays["friction"] = friction_table(found["friction"], codes.shape, lead)
+        arrays["dissipated"] = found["dissipated"][:, lead:]
     arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
     arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
     arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
@@ -160,6 +164,11 @@ def follow_branch(
             f'follow is "arc-length", which needs a load to find, but that of "{name}" is found '
             "already: leave it out."
         )
+    if model.frictions:
+        raise InputError(
+            f'follow is "arc-length", but "{model.frictions[0]}" has friction, which depends on '
+            "the order of the loads: leave it out."
+        )
     settings, steps = _from_start(loads, start, options)
     with _input_errors():
         branch = model.engine.branch(_parameters(model, geometry), steps, **settings)
@@ -191,6 +200,8 @@ def _from_start(
     settings: dict[str, Any] = {**solver_options(options)}
     if start is not None:
         settings["start"] = start.q
+        if start.friction is not None and len(start.friction):
+            settings["slips"] = slips(start.friction)
     first = np.zeros(loads.shape[-1]) if start is None or start.load is None else start.load
     if not (loads[..., 0, :] == first).all():
         lead = np.broadcast_to(first, (*loads.shape[:-2], 1, loads.shape[-1]))

@@ -18,6 +18,7 @@ from flexor.model.schema import (
     Rod,
 )
 from flexor.model.schema.foundation import lower_self_contact, lower_skins
+from flexor.model.schema.friction import frictions
 from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
@@ -58,6 +59,9 @@ def lower(file: ModelFile) -> Json:
             described.setdefault("fibres", []).append(fibres)
     for _, name, force in file.forces():
         described.setdefault(force.listed(), []).append(force.lower(name, file))
+    rubbing = [each.described for each in frictions(file)]
+    if rubbing:
+        described["frictions"] = rubbing
     controls = [name for name, each in file.actuators.items() if each.loads is not each.applied]
     if controls:
         described["controls"] = controls

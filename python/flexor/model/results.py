@@ -16,6 +16,7 @@ from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
+from flexor.model.friction import POINT, FrictionForces, described, friction_forces
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
 from flexor.model.limits import (
@@ -115,6 +116,10 @@ class Results:
         Number of conditions of each tie that follow from others before them in the file.
     tie_singularity : (n, s, ties) array
         Where the status is ``"singular"``, the share of each tie in what becomes dependent there.
+    friction : (n, s) array of structured arrays
+        Points with friction of each state; see `flexor.model.friction`. None without friction.
+    dissipated : (n, s) array
+        Energy that friction dissipated along the path up to each step [J], likewise.
     event_table : (n,) array of structured arrays
         Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
@@ -185,6 +190,8 @@ class Results:
     tie_gaps: Array = field(default=_NONE, metadata=_PATH)
     tie_redundancy: Array = field(default=_NONE, metadata=_PATH)
     tie_singularity: Array = field(default=_NONE, metadata=_PATH)
+    friction: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
+    dissipated: Array = field(default=_NONE, metadata=_PATH)
     slots: Array = field(default=_NONE, metadata=_DESIGN)
     event_table: NDArray[np.object_] = field(default=_NONE, metadata=_DESIGN)
     event_count: NDArray[np.int64] = field(default=_NONE, metadata=_DESIGN_RECORDED)
@@ -323,6 +330,12 @@ class State(Results):
         """Return the contact forces (8)."""
         return ContactForces(**self.model.engine.contacts(self.parameters, self.q))
 
+    def friction_forces(self) -> FrictionForces:
+        """Return the friction at the points that touch, as of the path that led there."""
+        points: Any = self.friction
+        none = np.zeros(0, dtype=POINT)
+        return friction_forces(self.model, none if points is None else points)
+
     def contact_pressure(self) -> dict[str, Array]:
         """Return X and contact pressure along bodies; see `flexor.model.extremes`."""
         return contact_pressure(self)
@@ -412,6 +425,10 @@ class Path(Displayed, Results):
         """Return the contact forces (8) in one step."""
         return self[step].contact_forces()
 
+    def friction_forces(self, step: int = -1) -> FrictionForces:
+        """Return the friction at the points that touch in one step."""
+        return self[step].friction_forces()
+
     def to_dict(self) -> dict[str, Any]:
         """Return what ``flexor simulate --json`` prints: plain lists with one entry per step.
 
@@ -425,7 +442,10 @@ class Path(Displayed, Results):
             [Pa] or ``tension`` [N], with ``ties`` what each does to its second place, as ``force``
             [N] and ``moment`` [N·m] in the world and, if it is driven, ``drive`` [N or N·m], with
             straps ``strap_force`` [N] and with obstacles
-            ``obstacle_force`` [N] likewise, with contacts ``max_overlap`` [m], with skins
+            ``obstacle_force`` [N] likewise, with friction ``friction``, for each point that touches
+            what has friction, ``place`` [m], ``force`` on the first body and its ``limit`` [N],
+            elastic ``slip`` [m] and whether it ``slides``, and the energy ``dissipated`` so far
+            [J], with contacts ``max_overlap`` [m], with skins
             ``max_contact_pressure`` [Pa], with materials ``max_strain`` and ``min_stretch`` of a
             fibre, with an unwound cavity ``hoop_strain``, an estimate; ``places`` of the largest
             of these (``body``, ``X`` and the body that it is ``on``), and `warnings`;
@@ -573,6 +593,9 @@ class Path(Displayed, Results):
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
         if forces := self.obstacle_forces():
             shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
+        if self.friction is not None:
+            shown["friction"] = [described(self.model, points) for points in self.friction]
+            shown["dissipated"] = _plain(self.dissipated)
         if self.model.ties and self.tie_loads is not None:
             shown["ties"] = {
                 name: {

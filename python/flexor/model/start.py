@@ -6,16 +6,18 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
 from flexor.model.controlled import changes
+from flexor.model.friction import read
 from flexor.model.schema import Rod
 from flexor.model.schema.strain import GLOBAL
 from flexor.model.units import ANGLE, LENGTH, Dimension
@@ -33,6 +35,7 @@ class Start:
 
     q: Array  # (dof,): generalized coordinates
     load: Array | None = None  # (inputs,): loads of that state [N]; None for a posture without load
+    friction: NDArray[Any] | None = None  # points with friction; None if nothing has slipped
 
 
 def read_start(given: Any, model: Structure) -> Start:
@@ -53,14 +56,20 @@ def read_start(given: Any, model: Structure) -> Start:
     if q.ndim == 2:
         given = given[-1]
         q, loads = given.q, given.loads
-    start = _checked(q, loads, model, "start")
+    start = replace(_checked(q, loads, model, "start"), friction=_slipped(given, model))
     if given.model.controlled.keys() == model.controlled.keys():
         return start
     # Forces where the other model has volumes and lengths, and these where it has forces.
     load = given.applied.copy()
     for name, change in changes(model, given.parameters, q).items():
         load[model.inputs.index(name)] = change
-    return Start(start.q, load)
+    return replace(start, load=load)
+
+
+def _slipped(given: Any, model: Structure) -> NDArray[Any] | None:
+    """Return the points with friction of a state, if they are those of this model."""
+    same = given.model.frictions == model.frictions
+    return given.friction if same and given.friction is not None else None
 
 
 def coordinates(given: Coordinates, model: Structure, path: str = "start") -> Array:
@@ -153,9 +162,12 @@ def _from_file(file: FilePath, model: Structure) -> Start:
         loads = [found["loads"][name] for name in inputs] if several else [found["force"]]
         load = np.array([float(each[step]) for each in loads[: len(inputs)]])
         q = np.array(found["q"][step], dtype=np.float64)
+        points = found["friction"][step] if model.frictions and "friction" in found else []
+        friction = read(points) if points else None
     except (ValueError, TypeError, KeyError, IndexError):
         raise InputError(f'start is "{file}": it contains no equilibrium.') from None
-    return _checked(q, load, model, f'start is "{file}", which')
+    start = _checked(q, load, model, f'start is "{file}", which')
+    return replace(start, friction=friction)
 
 
 def _checked(q: Array, load: Array, model: Structure, what: str) -> Start:

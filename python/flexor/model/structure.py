@@ -16,6 +16,7 @@ from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
+from flexor.model.schema.friction import frictions
 from flexor.model.units import FORCE, Dimension
 from flexor.model.variants import weights
 
@@ -114,6 +115,11 @@ class Structure:
     def ties(self) -> tuple[str, ...]:
         """Names of the ties."""
         return tuple(self.file.ties)
+
+    @cached_property
+    def frictions(self) -> tuple[str, ...]:
+        """Names of what has friction: contacts, obstacles, and rods with a skin."""
+        return tuple(each.entry for each in frictions(self.file))
 
     @cached_property
     def rods(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -24,6 +24,9 @@ BEST = 3
 BATCH = 128
 # Local optima count as one if their values differ by less than this share of the sample's range.
 SAME = 1e-3
+# Steps of the refinement, as a share of the ranges, below which SQP takes its place where a design
+# is many paths.
+COARSE = 2e-3
 # Least number of searches after which the optima are all known.
 LEAST = 6
 
@@ -71,9 +74,20 @@ class Auto(Method):
     tolerance: float = option(1e-4, FRACTION)
 
     @property
+    def near_starts(self) -> int:
+        """Number of starts from which SQP begins where the whole box is not searched."""
+        return 1
+
+    @property
     def from_optimum(self) -> Auto:
         """The same from a start that is nearly optimal."""
         return replace(self, explore=False)
+
+    @property
+    def from_optimum_of_many(self) -> Auto:
+        """That where a design is many paths: the refinement ends early, with SQP."""
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        return _OfMany(**{**own, "explore": False})
 
     def run(self, run: Run) -> str:
         """Run all stages that are needed."""
@@ -87,7 +101,8 @@ class Auto(Method):
         if not len(known.best(1, 0.0)):
             return "no design of the sample succeeded" if self.explore else "the start failed"
         if not self.explore:
-            self._descend(run, known, known.best(1, 0.0)[0])
+            for start in known.best(self.near_starts, 0.0):
+                self._descend(run, known, start)
             return self._refine(run, known, most)
         if self._descents(run, known, int(DESCENTS * most)):
             return self._refine(run, known, most)
@@ -145,6 +160,38 @@ class Auto(Method):
         run_stage(run, known, search, known.best(1, 0.0), share, "refinement")
         run.function.check()
         return f"converged: no better design within {self.tolerance:g} of the ranges"
+
+
+class _OfMany(Auto):
+    """From a start that is nearly optimal, with a refinement of few designs.
+
+    Polls of all neighbours find ways around kinks, and SQP goes on from each better design, where
+    the pattern search would take many small steps.
+    """
+
+    @property
+    def near_starts(self) -> int:
+        """All of few."""
+        return BEST + 1
+
+    def _refine(self, run: Run, known: Known, most: int) -> str:
+        if run.linearized(known.best(1, 0.0)) is None:
+            return super()._refine(run, known, most)
+        begun, mesh = run.function.evaluations, self.mesh
+        axes = np.concatenate([np.eye(run.size), -np.eye(run.size)])
+        while mesh >= COARSE and run.function.evaluations - begun < max(most // 10, 1):
+            best = known.best(1, 0.0)
+            value = known(best)[0]
+            around = np.clip(best + mesh * axes, 0.0, 1.0)
+            known(around[(around != best).any(axis=1)])
+            run.step(f"refinement: mesh {mesh:.2g}")
+            better = known.best(1, 0.0)
+            if known(better)[0] < value - 1e-9 * abs(value):
+                self._descend(run, known, better[0])
+            else:
+                mesh *= 0.5
+        run.function.check()
+        return f"converged: no better design within {COARSE:g} of the ranges, nor by SQP"
 
 
 def _sample(run: Run, known: Known, count: int) -> None:

@@ -115,11 +115,18 @@ def line_handles(scenes: Sequence[Scene]) -> list[Artist]:
     from matplotlib.lines import Line2D
 
     lines = {line.label: line.colour for scene in scenes for line in scene.lines}
-    marks = {mark.label: mark.symbol for scene in scenes for mark in scene.marks}
+    marks = {mark.label: mark for scene in scenes for mark in scene.marks}
     return [
         *(Line2D([], [], color=colour, label=label) for label, colour in lines.items()),
         *(
-            Line2D([], [], marker=symbol, linestyle="", label=label, **MARK)
-            for label, symbol in marks.items()
+            Line2D(
+                [],
+                [],
+                marker=mark.symbol,
+                linestyle="",
+                label=label,
+                **MARK | {"color": mark.colour},
+            )
+            for label, mark in marks.items()
         ),
     ]

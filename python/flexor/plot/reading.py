@@ -24,6 +24,9 @@ MARKS = {
     "max_contact_pressure": ("v", -1.0, 1e3, "largest contact pressure, {:.3g} kPa"),
     "max_strain": ("s", 0.0, 1e-2, "largest strain, {:.3g} %"),
 }
+# Label and colour of points with friction.
+STICKS = ("friction holds", "#009E73")
+SLIDES = ("friction is overcome: slides", "#D55E00")
 
 
 def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Scene:
@@ -72,13 +75,16 @@ def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Sce
 
 
 def marked(scene: Scene, path: Path, step: int = -1) -> Scene:
-    """Return a scene with marks where contact pressure and strain are largest."""
+    """Return a scene with marks where contact pressure and strain are largest and friction acts."""
     frames, marks = path.frames(step), []
     for key, each in path[step].extremes().items():
         if key in MARKS:
             symbol, side, unit, label = MARKS[key]
             point = _on_surface(path, frames, each.body, each.X, side)
             marks.append(Mark(symbol, point, label.format(each.value / unit)))
+    rubbing = path.friction_forces(step)
+    for point, slides in zip(rubbing.place, rubbing.slides, strict=True):
+        marks.append(Mark("o", point, *(SLIDES if slides else STICKS)))
     return replace(scene, marks=marks)
 
 

@@ -68,11 +68,12 @@ class Line:
 
 @dataclass(frozen=True)
 class Mark:
-    """The place where a quantity is largest."""
+    """The place where a quantity is largest, or where friction acts."""
 
     symbol: str  # of matplotlib
     point: Array  # (3,) [m]
     label: str  # in the legend
+    colour: str = "white"
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from flexor.design import ParameterSet, Variables
 from flexor.design.fields import keys_of, value_of
 from flexor.errors import InputError, unknown
 from flexor.model.quantity import infer_quantity
+from flexor.model.schema.profile import Spline
 from flexor.model.validation import describe
 from flexor.scenarios.tolerance import Tolerance, split
 
@@ -44,7 +45,7 @@ def tolerances(
         kind, or is not above 0.
     """
     found: dict[tuple[str, ...], Tolerance] = {}
-    for name, value in _with_splines(given or {}, chosen):
+    for name, value in _with_splines(given or {}, chosen, model, source):
         size, kind = split(value, f"{source}: {name}")
         keys, label = _place(name, chosen, model)
         if keys in found:
@@ -57,21 +58,48 @@ def tolerances(
 
 
 def _with_splines(
-    given: Mapping[str, object], chosen: ParameterSet
+    given: Mapping[str, object], chosen: ParameterSet, model: Structure, source: str
 ) -> Iterator[tuple[str, object]]:
     """Yield tolerances, those of a size that varies along a rod for each control value.
 
-    Of a radius that was linear, those of base and tip for the first and the last.
+    Of a radius that was linear, those of base and tip for the first and the last, and the larger
+    one for those between.
     """
     splines = chosen.splines if isinstance(chosen, Variables) else {}
+    ends: dict[str, dict[int, object]] = {}
     for name, value in given.items():
         size, _, end = name.rpartition(".")
-        if name in splines:
-            yield from ((f"{name}.spline.{i}", value) for i in range(splines[name]))
+        count = splines.get(name) or _control_values(name, model)
+        if count:
+            yield from ((f"{name}.spline.{i}", value) for i in range(count))
         elif size in splines and end in ("base", "tip"):
-            yield f"{size}.spline.{0 if end == 'base' else splines[size] - 1}", value
+            ends.setdefault(size, {})[0 if end == "base" else splines[size] - 1] = value
         else:
             yield name, value
+    for size, values in ends.items():
+        largest = max(values.values(), key=lambda value: _reach(value, f"{source}: {size}"))
+        last = splines[size] - 1
+        for i in range(last + 1):
+            label = f"{size}.spline.{i}"
+            if label not in given and (i in values or 0 < i < last):
+                yield label, values.get(i, largest)
+
+
+def _control_values(name: str, model: Structure) -> int:
+    """Return the number of control values of a size that is a spline in the file; 0 if none."""
+    path = f"{name}.spline.0"
+    try:
+        keys = keys_of(path, model.file)
+    except InputError:
+        return 0
+    found = value_of(keys[:-2], model.file)
+    return len(found.spline) if isinstance(found, Spline) else 0
+
+
+def _reach(value: object, place: str) -> float:
+    size, kind = split(value, place)
+    number, _ = infer_quantity(size, place)
+    return Tolerance("", kind, number, "").reach
 
 
 def _place(name: str, chosen: ParameterSet, model: Structure) -> tuple[tuple[str, ...], str]:

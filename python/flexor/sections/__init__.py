@@ -6,6 +6,7 @@ from flexor.sections.geometry import Cavity, Geometry, Part
 from flexor.sections.kinds import box, composite, half_round, solid, tube
 from flexor.sections.linear import Linear
 from flexor.sections.shapes import Rectangle, Sector
+from flexor.sections.shear import shear_stiffness
 
 __all__ = [
     "Cavity",
@@ -17,6 +18,7 @@ __all__ = [
     "box",
     "composite",
     "half_round",
+    "shear_stiffness",
     "solid",
     "tube",
 ]

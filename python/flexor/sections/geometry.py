@@ -188,6 +188,11 @@ class Geometry:
                 described.setdefault(key, fibre)["area"] += area
         return [{**fibre, "area": fibre["area"].tolist()} for fibre in described.values()]
 
+    def rigidity(self, moduli: Mapping[str, float], s: float) -> float:
+        """Return Σ G A [N]; see `polar`."""
+        areas = [(moduli[p.material], p.shape.cells(folded=False).area) for p in self.parts]
+        return sum(modulus * float(at(area, s).sum()) for modulus, area in areas)
+
     def polar(self, moduli: Mapping[str, float], s: float) -> float:
         """Return Σ G A (y² + z²) [N m²].
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.study.choices import Choices, choices, is_choices, resume_choices
+from flexor.study.choices import Choices, choices, resume_choices
 from flexor.study.design import Design
 from flexor.study.executors import (
     AnyExecutor,
@@ -14,6 +14,7 @@ from flexor.study.executors import (
 )
 from flexor.study.front import Front
 from flexor.study.function import ObjectiveFunction, ObjectiveGradients, objective_function
+from flexor.study.members import has_members, is_choices, member
 from flexor.study.optimization import optimize, resume
 from flexor.study.problem import Problem
 from flexor.study.record import Record
@@ -56,7 +57,9 @@ __all__ = [
     "Verdict",
     "choices",
     "chosen_executor",
+    "has_members",
     "is_choices",
+    "member",
     "objective_function",
     "optimize",
     "rerun",

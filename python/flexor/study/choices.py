@@ -12,15 +12,19 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flexor.arguments import integer
-from flexor.design import variables
+from flexor.design import ParameterSet, variables
 from flexor.design.choices import Combination, combinations, without_fields
 from flexor.errors import InputError
 from flexor.model.loading import require_model
 from flexor.optimizers import Search
 from flexor.optimizers import method as named_method
-from flexor.store import SETTINGS, check_regular, write_text
+from flexor.store import SETTINGS, write_text
 from flexor.study.executors import AnyExecutor
+from flexor.study.members import CHOICES as FILE
+from flexor.study.members import is_choices
 from flexor.study.optimization import optimize
 from flexor.study.settings import model_files, recorded_model
 from flexor.study.study import Study, StudyCallback
@@ -30,7 +34,7 @@ if TYPE_CHECKING:
 
 # Designs that all combinations have together.
 BUDGET = 3000
-FILE, BEST = "choices.json", "best.toml"
+BEST = "best.toml"
 _FORMAT = 1
 
 
@@ -41,6 +45,18 @@ class Tried:
     combination: Combination
     study: Study
     rounds: int  # of all, in which it took part
+    violation: float  # of its best design; +inf without one
+    value: float  # of the objective, likewise
+    robust: bool | None  # whether it bears the tolerances; None without these
+
+    @classmethod
+    def of(cls, combination: Combination, study: Study, rounds: int) -> Tried:
+        """Take what a search has just found."""
+        assert study.result is not None
+        found = study.record.outcomes(study.result.design)
+        ended = bool(np.isfinite(found.value[0]))
+        violation, value = (found.violation[0], found.value[0]) if ended else (np.inf, np.inf)
+        return cls(combination, study, rounds, float(violation), float(value), study.robust)
 
     @property
     def name(self) -> str:
@@ -48,13 +64,9 @@ class Tried:
         return self.combination.name
 
     @property
-    def rank(self) -> tuple[float, float]:
-        """Violation and value of its best design, by which combinations are ordered."""
-        assert self.study.result is not None
-        # Not the best that is recorded: work that is resumed has gone on further.
-        found = self.study.record.outcomes(self.study.result.design)
-        failed = not isfinite(found.value[0])
-        return (inf, inf) if failed else (float(found.violation[0]), float(found.value[0]))
+    def rank(self) -> tuple[float, bool, float]:
+        """By which combinations are ordered: feasible ones first, of these robust ones."""
+        return self.violation, self.robust is False, self.value
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +76,7 @@ class Choices:
     tried: tuple[Tried, ...]  # the best first, and last what left first
     rounds: int
     folder: Path | None
+    evaluated: int = 0  # designs in this process, of all in the records
     _place: object = None  # keeps a temporary folder
 
     @property
@@ -80,6 +93,11 @@ class Choices:
     def evaluations(self) -> int:
         """Number of distinct designs evaluated for all combinations."""
         return sum(each.study.evaluations for each in self.tried)
+
+    @property
+    def robust(self) -> bool | None:
+        """Whether the best design keeps the constraints for every error; None without errors."""
+        return self.tried[0].robust
 
     def close(self) -> None:
         """Close the records."""
@@ -121,7 +139,8 @@ def choices(
     folder
         Folder of the studies ``1`` and so on, one for each combination; in memory by default.
     resume
-        Go on with the work in the folder, which has to be of the same statement.
+        Go on with the work in the folder, which has to be of the same statement. Where that has
+        ended nothing is evaluated.
     progress, executor
         As for `flexor.optimize`.
     **problem
@@ -142,17 +161,19 @@ def choices(
             raise InputError("resuming choices needs their folder.")
         kept = tempfile.TemporaryDirectory(prefix="flexor-")
     place = Path(kept.name if kept is not None else str(folder))
-    if kept is None and not resume:
-        statement = {
-            "parameters": parameters,
-            "objective": objective,
-            "given": given,
-            "method": method,
-            "tolerance": tolerance,
-            "budget": budget,
-            "method_options": method_options,
-            **problem,
-        }
+    statement = {
+        "parameters": parameters,
+        "objective": objective,
+        "given": given,
+        "method": method,
+        "tolerance": tolerance,
+        "budget": budget,
+        "method_options": method_options,
+        **problem,
+    }
+    if resume:
+        _check_same(place, statement)
+    elif kept is None:
         _begin(place, model, statement)
     # A share of the budget for each round, and in it for each combination that is left.
     share = [max(total // (rounds * -(-len(every) // 2**i)), 1) for i in range(rounds)]
@@ -179,21 +200,27 @@ def choices(
         except InputError as error:
             raise InputError(f"{combination.name}: {error}") from None
 
-    left, spent = list(range(len(every))), 0
+    if resume and (ended := _read(place).get("tried")) is not None:
+        return _reopened(place, every, stated, objective, ended, rounds)
+    left, spent, evaluated = list(range(len(every))), 0, 0
     tried: dict[int, Tried] = {}
     for number, more in enumerate(share, start=1):
         spent += more
         for index in left:
             if index in tried:
                 tried[index].study.close()
-            tried[index] = Tried(every[index], searched(index, spent), number)
+            tried[index] = Tried.of(every[index], searched(index, spent), number)
+            evaluated += tried[index].study.evaluated
         left.sort(key=lambda i: tried[i].rank)
         left = left[: (len(left) + 1) // 2]
     # What left early was worse with the same number of designs.
-    ordered = tuple(sorted(tried.values(), key=lambda each: (-each.rounds, each.rank)))
-    found = Choices(ordered, rounds, None if kept is not None else place, kept)
-    if kept is None and isfinite(found.tried[0].rank[1]):
-        write_text(place / BEST, found.best.best.model.to_toml())
+    order = sorted(tried, key=lambda index: (-tried[index].rounds, tried[index].rank))
+    ordered = tuple(tried[index] for index in order)
+    found = Choices(ordered, rounds, None if kept is not None else place, evaluated, kept)
+    if kept is None:
+        if isfinite(ordered[0].value):
+            write_text(place / BEST, found.best.best.model.to_toml())
+        _note_end(place, order, ordered)
     return found
 
 
@@ -211,14 +238,8 @@ def resume_choices(
     place = Path(folder)
     if not is_choices(place):
         raise InputError(f'"{place}" has no {FILE}: it holds no choices.')
-    try:
-        read = json.loads((place / FILE).read_text(encoding="utf-8"))
-        if read["format"] != _FORMAT:
-            raise ValueError
-        statement = dict(read["statement"] or {})
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(f'"{place / FILE}" cannot be read: it is damaged.') from None
-    if not statement:
+    statement = _read(place)["statement"]
+    if statement is None:
         raise InputError(
             f'the choices in "{place}" were stated with objects of Python: call '
             "flexor.study.choices again, with resume=True."
@@ -229,9 +250,68 @@ def resume_choices(
     )
 
 
-def is_choices(folder: Path) -> bool:
-    """Return whether a folder holds choices."""
-    return check_regular(folder / FILE)
+def _read(place: Path) -> dict[str, Any]:
+    try:
+        read = json.loads((place / FILE).read_text(encoding="utf-8"))
+        if read["format"] != _FORMAT or not isinstance(read["statement"], (dict, type(None))):
+            raise ValueError
+        return dict(read)
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(f'"{place / FILE}" cannot be read: it is damaged.') from None
+
+
+def _note_end(place: Path, order: Sequence[int], tried: Sequence[Tried]) -> None:
+    """Write what was found, in the order of the combinations that are given by their numbers."""
+    rows = [
+        {
+            "study": str(index + 1),
+            "name": each.name,
+            "rounds": each.rounds,
+            "violation": each.violation if isfinite(each.value) else None,
+            "value": each.value if isfinite(each.value) else None,
+            "robust": each.robust,
+        }
+        for index, each in zip(order, tried, strict=True)
+    ]
+    write_text(place / FILE, json.dumps({**_read(place), "tried": rows}, indent=2))
+
+
+def _reopened(
+    place: Path,
+    every: Sequence[Combination],
+    stated: Sequence[tuple[Model, Any]],
+    objective: Any,
+    ended: Any,
+    rounds: int,
+) -> Choices:
+    """Open what was found when all searches had ended."""
+    tried = []
+    try:
+        rows = [
+            (int(row["study"]), int(row["rounds"]), row["violation"], row["value"], row["robust"])
+            for row in ended
+        ]
+        if sorted(row[0] for row in rows) != list(range(1, len(every) + 1)):
+            raise ValueError
+    except (ValueError, KeyError, TypeError):
+        raise InputError(f'"{place / FILE}" cannot be read: it is damaged.') from None
+    for number, count, violation, value, robust in rows:
+        made, varied = stated[number - 1]
+        named = varied if isinstance(varied, ParameterSet) else None
+        wanted = None if isinstance(objective, str) else objective
+        study = Study.open(place / str(number), model=made, parameters=named, objective=wanted)
+        failed = value is None
+        tried.append(
+            Tried(
+                every[number - 1],
+                study,
+                count,
+                inf if failed else float(violation),
+                inf if failed else float(value),
+                robust,
+            )
+        )
+    return Choices(tuple(tried), rounds, place)
 
 
 def _varied(parameters: Any, combination: Combination, model: Model) -> tuple[Model, Any]:
@@ -252,8 +332,26 @@ def _begin(place: Path, model: Model, statement: Mapping[str, Any]) -> None:
     place.mkdir(parents=True, exist_ok=True)
     for name, text in model_files(model).items():
         write_text(place / name, text)
+    written = {"format": _FORMAT, "statement": _plain(statement)}
+    write_text(place / FILE, json.dumps(written, indent=2))
+
+
+def _plain(statement: Mapping[str, Any]) -> Any:
+    """Return a statement as it is written; None if it has objects of Python."""
     try:
-        plain = json.loads(json.dumps(statement))
+        return json.loads(json.dumps(statement))
     except TypeError:
-        plain = None
-    write_text(place / FILE, json.dumps({"format": _FORMAT, "statement": plain}, indent=2))
+        return None
+
+
+def _check_same(place: Path, statement: Mapping[str, Any]) -> None:
+    kept, given = _read(place)["statement"], _plain(statement)
+    if kept is None or given is None:
+        return  # the settings of each study are compared
+    for key in {**kept, **given}:
+        # What a search is given in addition may be left out where it is nothing.
+        if (kept.get(key) or None) != (given.get(key) or None):
+            raise InputError(
+                f'the choices in "{place}" were made with another {key.replace("_", " ")}: resume '
+                "them unchanged, or choose another folder."
+            )

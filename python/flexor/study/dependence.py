@@ -32,14 +32,14 @@ def check_dependence(problem: Problem) -> None:
     wanted = nominal.objective
     if not isinstance(wanted, Extremum):
         return
-    found = nominal.evaluate(_designs(nominal), gradient=wanted.differentiable)
+    found = nominal.evaluate(_designs(nominal), gradient=nominal.differentiable)
     good = np.isfinite(found.value)
     values = found.value[good]
     if good.sum() < 3:
         return
     span = nominal.parameters.upper - nominal.parameters.lower
     changes = [np.ptp(values)]
-    if wanted.differentiable:
+    if nominal.differentiable:
         changes.append(np.abs(nominal.gradients(found)[good] * span).max())
     # Of a design whose derivatives are not known there are NaN, which are no zeros.
     if not max(changes) <= _ROUNDING * max(np.abs(values).max(), wanted.factor):

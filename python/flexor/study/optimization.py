@@ -30,7 +30,7 @@ from flexor.optimizers import (
 )
 from flexor.optimizers import method as named_method
 from flexor.scenarios.scenario import Given
-from flexor.store import Kind, Workspace
+from flexor.store import Database, Kind, Workspace
 from flexor.study.dependence import check_dependence
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
@@ -178,8 +178,8 @@ def optimize(
     )
     if stated and problem.objective.count:
         raise InputError(
-            "scenarios, wearers and tolerances need one objective: leave them out for a front of "
-            "several."
+            "scenarios, wearers, tolerances, samples and aggregates need one objective: leave them "
+            "out for a front of several."
         )
     if stated:
         problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))
@@ -296,12 +296,12 @@ def run_search(
     progress: StudyCallback | None = None,
     executor: AnyExecutor | None = None,
     finish: Callable[[Study], None] | None = None,
-    planned: Budget | None = None,
+    planned: Sequence[int | None] = (),
 ) -> Study:
     """Search a problem in a workspace of this kind; see `optimize`.
 
-    Evaluations are divided among rounds (`flexor.study.rounds`) as in a study with the ``planned``
-    budget, which is the same unless given.
+    Evaluations are divided among rounds (`flexor.study.rounds`) as in a study that had the
+    ``planned`` budgets one after the other; that of a new study is its own unless given.
     """
     limit = budget if isinstance(budget, Budget) else Budget(evaluations=budget)
     seed = integer("seed", seed, 0)
@@ -324,12 +324,25 @@ def run_search(
         work.save_settings()
         record.database.note("finished", None)
         run = partial(_search, study, seed=seed, progress=progress, executor=where)
-        divided = (planned or limit).evaluations
+        divided = _planned(record.database, planned, limit.evaluations)
         reason = run_rounds(study, run, search, first, limit, divided)
         record.database.note("finished", reason)
         if finish is not None:
             finish(study)
         return study
+
+
+def _planned(
+    database: Database, planned: Sequence[int | None], given: int | None
+) -> list[int | None]:
+    """Return and note the budgets that a study had one after the other, each above the last."""
+    budgets = list(planned) or database.noted("budgets") or []
+    if not planned and (
+        not budgets or (budgets[-1] is not None and (given is None or given > budgets[-1]))
+    ):
+        budgets = [*budgets, given]
+    database.note("budgets", budgets)
+    return budgets
 
 
 def _search(
@@ -370,7 +383,7 @@ def _search(
         )
 
     chosen = study.problem.parameters
-    return search.minimize(
+    found = search.minimize(
         recorded,
         chosen.lower,
         chosen.upper,
@@ -379,6 +392,8 @@ def _search(
         budget=budget,
         progress=report if progress is not None else None,
     )
+    study.evaluated += recorded.evaluated
+    return found
 
 
 def check_objectives(search: Search, wanted: Objective) -> None:

@@ -131,8 +131,8 @@ class Problem:
 
     @property
     def differentiable(self) -> bool:
-        """Whether its value has a gradient."""
-        return self.objective.differentiable
+        """Whether its value has a gradient: paths with friction have none."""
+        return self.objective.differentiable and not self.model.frictions
 
     @property
     def sizes(self) -> tuple[int, int, int]:
@@ -198,13 +198,15 @@ class Problem:
         """
         if not self.objective.differentiable:
             raise InputError(f'objective "{self.objective.name}" has no gradient.')
+        if self.model.frictions:
+            raise InputError(f'"{self.model.frictions[0]}" has friction: there is no gradient.')
         return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
 
     @property
     def linearizable(self) -> bool:
         """Whether the value and all constraints have exact derivatives."""
         observed = (each.observable(self.model) for each in self.constraints)
-        return self.objective.differentiable and all(each.differentiable for each in observed)
+        return self.differentiable and all(each.differentiable for each in observed)
 
     def excess_gradients(self, paths: Paths) -> FloatArray:
         """Gradients (n, c, k) of `excesses`, per SI unit; NaN where a design failed.

@@ -107,7 +107,7 @@ class Record:
         except (TypeError, ValueError, OverflowError):
             raise self.database.damaged("it is not the record of a study") from None
         self.sizes = k, steps, joints
-        self._search = search
+        self.search = search
 
     def __len__(self) -> int:
         return int(self._rows("count(*)", order="")[0][0])
@@ -137,14 +137,14 @@ class Record:
             _gradients(outcomes),
         )
         rows = zip(*columns, strict=True)
-        self.database.write((_INSERT, [(self._search, now, *row) for row in rows]))
+        self.database.write((_INSERT, [(self.search, now, *row) for row in rows]))
 
     def append_derivatives(self, designs: FloatArray, outcomes: Paths) -> None:
         """Record the derivatives of designs (n, k) that are in it already."""
         columns = (
             *_derivatives(outcomes),
             _gradients(outcomes),
-            [self._search] * len(designs),
+            [self.search] * len(designs),
             _blobs(designs, "<f8"),
         )
         self.database.write((_DERIVATIVES, zip(*columns, strict=True)))
@@ -230,9 +230,9 @@ class Record:
     ) -> list[tuple[Any, ...]]:
         query = f"SELECT {columns} FROM evaluations WHERE search = ? AND {where}"
         if design is None:
-            return self.database.rows(f"{query} {order}", (self._search,))
+            return self.database.rows(f"{query} {order}", (self.search,))
         key = (design + 0.0).astype("<f8").tobytes()
-        return self.database.rows(f"{query} AND design = ? {order}", (self._search, key))
+        return self.database.rows(f"{query} AND design = ? {order}", (self.search, key))
 
     def _numbers(self, column: list[Any], missing: float) -> FloatArray:
         """Values of a column, which are finite where there are any."""

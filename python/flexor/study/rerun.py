@@ -127,7 +127,7 @@ def rerun(
             "random" if values["start"] is None else values["start"],
             seed=values["seed"],
             budget=given if whole else Budget(evaluations=recorded),
-            planned=given,
+            planned=then.record.database.noted("budgets") or [given.evaluations],
             folder=into,
             progress=progress,
             executor=executor,

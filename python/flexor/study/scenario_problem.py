@@ -16,6 +16,7 @@ from flexor.design import ParameterSet, Variables
 from flexor.design.fields import keys_of, value_of
 from flexor.errors import InputError
 from flexor.model.interruption import cancel_solves
+from flexor.model.loading import changed_model
 from flexor.model.quantity import infer_quantity
 from flexor.model.results import Path, Paths
 from flexor.objectives import Extremum
@@ -54,7 +55,8 @@ class Uncertainty:
     wearers: int = 0  # of the population that the model's file states, besides the scenarios
 
     def __bool__(self) -> bool:
-        return bool(self.scenarios) or bool(self.tolerance) or bool(self.wearers)
+        several = bool(self.scenarios) or bool(self.tolerance) or bool(self.wearers)
+        return several or bool(self.samples) or self.aggregate != "mean"
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,7 @@ class ScenarioProblem(Problem):
             raise InputError(
                 f'aggregate "{wanted.text}": there is one scenario; name several, or sample errors.'
             )
+        made._check_tolerances()
         made.cases  # noqa: B018 - a scenario that breaks the model is said at once
         return made
 
@@ -151,7 +154,7 @@ class ScenarioProblem(Problem):
     @property
     def differentiable(self) -> bool:
         """Whether its value has a gradient."""
-        return self.objective.differentiable and self.aggregate.differentiable
+        return super().differentiable and self.aggregate.differentiable
 
     def with_corners(self, corners: FloatArray) -> ScenarioProblem:
         """Return the problem with other errors for which constraints have to hold."""
@@ -417,16 +420,44 @@ class ScenarioProblem(Problem):
             row[:] = [value_of(keys_of(each, model.file), model.file) for each in self._extra]
         for each in self.tolerances:
             if each.field in self._extra:
-                least = np.abs(found[:, self._extra.index(each.field)]).min()
-                if not each.reach < least:
-                    raise InputError(f'the tolerance of "{each.field}" is not below its value.')
+                column = found[:, self._extra.index(each.field)]
+                least = float(column[np.argmin(np.abs(column))])
+                if not each.reach < abs(least):
+                    keys = keys_of(each.field, self.model.file)
+                    stated = getattr(value_of(keys, self.model.file), "text", "")
+                    _, unit = infer_quantity(stated or least, each.field)
+                    raise _too_large(each, "value", f"{least / unit.factor:.4g} {unit.text}")
         return found
+
+    def _check_tolerances(self) -> None:
+        """Check that no error within the tolerances leaves a size of a design without any."""
+        chosen = self.parameters
+        for each in self.tolerances:
+            if not isinstance(chosen, Variables) or each.field not in chosen.labels:
+                continue
+            i = chosen.labels.index(each.field)
+            low, unit, scale = float(chosen.lower[i]), chosen.units[i], float(chosen.scale[i])
+            if not 0.0 < low <= each.reach:
+                continue
+            changes = {each.field: chosen.kinds[i].exact(low - each.reach)}
+            try:
+                changed_model(self.model, changes)
+            except InputError:  # it is a size, and no position or angle
+                text = f"{low / scale:.4g} {unit if unit != '1' else ''}"
+                raise _too_large(each, "lower bound", text) from None
 
     def _excesses(self, values: FloatArray) -> FloatArray:
         n, c = len(values), len(self.constraints)
         if not c:
             return np.zeros((n, 0))
         return excesses(self.constraints, values.reshape(-1, c)).reshape(n, -1)
+
+
+def _too_large(tolerance: Tolerance, what: str, text: str) -> InputError:
+    return InputError(
+        f'the tolerance of "{tolerance.field}", {tolerance.largest}, is not below its {what}, '
+        f"{text.rstrip()}: it has to be smaller."
+    )
 
 
 def _kind(path: str, model: Model) -> Any:

@@ -309,8 +309,10 @@ def recorded_model(folder: Path) -> Model:
 
     check_regular(folder / MODEL)
     model = load(folder / MODEL)
-    if check_regular(folder / SOURCE):
-        model.written = Written.of(read_text(folder / SOURCE, "model file"), str(folder / SOURCE))
+    # One that was made in Python has no author's text, and that of the folder is not one.
+    source = folder / SOURCE
+    there = check_regular(source)
+    model.written = Written.of(read_text(source, "model file"), str(source)) if there else None
     return model
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -20,9 +21,11 @@ from flexor.optimizers import method as named_method
 from flexor.scenarios import Scenario
 from flexor.scenarios.aggregate import SHORTFALL
 from flexor.scenarios.scenario import Given
+from flexor.store import write_text
 from flexor.study.dependence import check_dependence
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor
+from flexor.study.members import SIZES
 from flexor.study.optimization import run_search
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.scenario_problem import ScenarioProblem, Uncertainty
@@ -182,7 +185,10 @@ def sizes(
         )
         for number, i in enumerate(used, start=1)
     )
-    return _sorted(whole, studies)
+    found = _sorted(whole, studies)
+    if place is not None:
+        _note_sizes(place, found)
+    return found
 
 
 def _sorted(whole: ScenarioProblem, studies: Sequence[Study]) -> Sizes:
@@ -198,6 +204,23 @@ def _sorted(whole: ScenarioProblem, studies: Sequence[Study]) -> Sizes:
         served = whole.aggregate.shortfalls(value, broken)[given, each] <= 0.0
     given = np.where(served, given, -1)
     return Sizes(whole, tuple(studies), whole.scenarios, given, shown, kept)
+
+
+def _note_sizes(place: Path, found: Sizes) -> None:
+    """Write whom the sizes serve; the one that serves most comes first."""
+    rows = []
+    for i, study in enumerate(found.studies):
+        members = found.members(i)
+        rows.append(
+            {
+                "study": Path(study.folder or "").name,
+                "weight": sum(each.weight for each in members),
+                "wearers": [each.name for each in members],
+            }
+        )
+    rows.sort(key=lambda row: -row["weight"])  # type: ignore[operator]
+    written = {"format": 1, "served": found.served, "sizes": rows}
+    write_text(place / SIZES, json.dumps(written, indent=2))
 
 
 def _only(whole: ScenarioProblem, chosen: NDArray[np.bool_]) -> ScenarioProblem:

@@ -58,6 +58,7 @@ class Study(Displayed):
     record: Record  # every evaluation
     folder: Path | None = None  # of the study; None in memory
     result: SearchResult | None = None  # of the search, if it was completed in this process
+    evaluated: int = 0  # designs in this process, of all in the record
     _whole: Problem | None = None  # while the problem is that of the model as it is
     _best: Design | None = None  # as it was last asked for, with its path and verdict
 
@@ -133,6 +134,15 @@ class Study(Displayed):
         """Why the search ended; None if it has not."""
         reason = self.record.database.noted("finished")
         return None if reason is None else str(reason)
+
+    @property
+    def robust(self) -> bool | None:
+        """Whether the best design keeps the constraints for every error within the tolerances.
+
+        None without tolerances, and until a search has ended.
+        """
+        found = self.record.database.noted("robust")
+        return None if found is None else bool(found)
 
     @property
     def best(self) -> Design:

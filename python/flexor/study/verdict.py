@@ -102,6 +102,7 @@ class Verdict:
     # How far beyond the last load the next one is, as a share of it; see
     # `flexor.observables.snap_margin`. None for the model without loads.
     snap_margin: float | None
+    warnings: tuple[str, ...]  # of the model with the design, as `flexor simulate` gives them
 
     @property
     def feasible(self) -> bool:
@@ -140,6 +141,8 @@ class Verdict:
         sensitive = fragile(nominal, x)
         progress("twice the elements")
         finer, k = _finer(problem, x), chosen.size
+        progress("warnings of the model")
+        path = design.model.equilibrium(problem.loads_of(x), **dict[str, Any](problem.options))
         return cls(
             constraints=constraints,
             bounds=tuple(binding(problem, x)),
@@ -154,6 +157,7 @@ class Verdict:
             finer=finer,
             snaps=design.events,
             snap_margin=_snap_margin(design),
+            warnings=tuple(path.warnings),
         )
 
 

@@ -27,6 +27,8 @@ LIMIT = 3_000_000
 def shared_designs(source: Model | Study) -> list[Shown]:
     """Return the designs of a model, as it is, or of a study, its optimum and its start.
 
+    Of a front, the best design for each objective, and the start.
+
     Parameters
     ----------
     source
@@ -41,6 +43,8 @@ def shared_designs(source: Model | Study) -> list[Shown]:
     from flexor.study.sentences import cautions, headline, title
 
     if isinstance(source, Study):
+        if source.problem.objective.count:
+            return _ends(source)
         problem, found = source.problem.nominal, source.best
         best, start = found.vector, source.start.vector
         shown = [problem_design(problem, best, "optimum")]
@@ -59,6 +63,28 @@ def shared_designs(source: Model | Study) -> list[Shown]:
     asked, without = (stated.subject_to, stated.without) if stated else ((), ())
     kept = chosen_constraints(asked, without, source)
     return [Shown(source.name, paths, source.file, kept)]
+
+
+def _ends(study: Study) -> list[Shown]:
+    """Return the ends of a front, and the start."""
+    problem, front, start = study.problem, study.front, study.start.vector
+    if not len(front):
+        shown = [problem_design(problem, study.best.vector, "least infeasible design")]
+    else:
+        aims: dict[int, list[str]] = {}
+        for each, column in zip(front.objectives, front.values.T, strict=True):
+            aims.setdefault(int(np.argmin(column)), []).append(each.name)
+        shown = [
+            problem_design(
+                problem,
+                front.designs[row],
+                f"point {row + 1} of the front, to {' and '.join(names)}",
+            )
+            for row, names in aims.items()
+        ]
+    if all(not np.array_equal(each, start) for each in front.designs):
+        shown.append(problem_design(problem, start, "start"))
+    return shown
 
 
 def problem_design(
@@ -100,7 +126,8 @@ def share_page(source: Model | Study, origin: str = "") -> str:
     Parameters
     ----------
     source
-        A model, shown as it is, or a study: its optimum, and its start for comparison.
+        A model, shown as it is, or a study: its optimum, or the ends of its front, and its start
+        for comparison.
     origin
         The file or folder that it came from, for provenance.
 

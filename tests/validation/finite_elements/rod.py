@@ -36,7 +36,7 @@ def model(actuator: Actuator, elements: int = 20) -> Model:
             "radius": {"base": si(base, "m"), "tip": si(tip, "m")},
             "material": "silicone",
             "section": section,
-            "strain": {"bend_y": "nodal_linear", "extend_x": "nodal_linear"},
+            "strain": dict.fromkeys(("bend_y", "extend_x", "shear_z"), "nodal_linear"),
             "elements": elements,
             "gauss_points": 2,
         }

@@ -17,6 +17,7 @@ pub(crate) use sphere::direction;
 
 use super::differential::{Depth, Differential};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use super::friction::Pressed;
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
 use super::terms::Terms;
@@ -291,6 +292,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 visit(Switch {
                     points: pair.points(at.tree),
                     t: pair.t,
+                    own: None,
                     carrier: None,
                     normal: pair.normal,
                     depth: pair.overlap,
@@ -378,6 +380,30 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
 /// What is reported of contacts.
 impl Contacts {
+    /// Visits what presses on each other in one of them.
+    pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &ContactState<P>,
+        visit: &mut impl FnMut(Pressed<P>),
+    ) {
+        for (_, pair) in state.pairs.iter().filter(|(contact, _)| *contact == index) {
+            let stiffness = at.parameters()[self.0[index].stiffness] * pair.weight;
+            let [p, a, b] = pair.points(at.tree);
+            let second = at.frame(if pair.t < 0.5 { a } else { b });
+            let inward = at.geometry.radii[pair.first] - 0.5 * pair.overlap;
+            visit(Pressed {
+                sphere: pair.first,
+                other: at.tree.frames[second].body,
+                frames: [at.frame(p), second],
+                place: *at.point(p) - pair.normal * inward,
+                force: pair.normal * (stiffness * pair.overlap),
+                stiffness,
+            });
+        }
+    }
+
     /// Visits the overlaps of all pairs.
     pub fn for_each_depth<const P: usize>(&self, state: &ContactState<P>, mut visit: impl FnMut(Depth<P>)) {
         for (_, pair) in &state.pairs {

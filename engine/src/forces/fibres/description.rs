@@ -55,6 +55,8 @@ pub struct FibreSectionDescription {
     pub fibres: Vec<FibreDescription>,
     /// Torsional rigidity by Σ G A (y² + z²) of the fibres.
     pub torsion: f64,
+    /// Stiffness of shear along y and z by Σ G A of the fibres.
+    pub shear: [f64; 2],
     /// Further stiffness, the upper triangle of a symmetric matrix in the order of the strain modes,
     /// row by row [N·m² for two curvatures, N·m for one, N for none].
     pub rigidity: [f64; 21],
@@ -110,6 +112,7 @@ pub(super) struct FibreSection {
     /// First number of its first fibre.
     pub fibres: usize,
     pub torsion: usize,
+    pub shear: usize,
     pub rigidity: usize,
     pub mass: usize,
     pub clearances: Range<usize>,
@@ -299,6 +302,7 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
             materials: fibres.iter().map(|fibre| fibre.material).collect(),
             fibres: slot("fibres", None, &numbers)?.start,
             torsion: slot("torsion", Some("N*m^2"), &[section.torsion])?.start,
+            shear: slot("shear", None, &section.shear)?.start,
             rigidity: slot("rigidity", None, &section.rigidity)?.start,
             mass: slot("mass", None, &section.mass)?.start,
             clearances: slot("clearances", None, section.clearances.as_flattened())?,

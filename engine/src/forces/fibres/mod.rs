@@ -470,8 +470,8 @@ impl FibreSections {
             let shear = material.law.shear_modulus(constants) * fibre.area;
             let polar = fibre.y * fibre.y + fibre.z * fibre.z;
             matrix[0][0] += p[section.torsion] * shear * polar;
-            matrix[4][4] += shear;
-            matrix[5][5] += shear;
+            matrix[4][4] += p[section.shear] * shear;
+            matrix[5][5] += p[section.shear + 1] * shear;
             if material.law == Law::Linear {
                 let axial = Law::modulus(constants, material.wound)[0] * fibre.area * fibre.stretch;
                 let arms = [(3, 1.0), (1, fibre.z), (2, -fibre.y)];

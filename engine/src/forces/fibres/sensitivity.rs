@@ -130,7 +130,8 @@ impl FibreSections {
                 }
                 // Torsion and shear of the fibres.
                 let ((twist, twist_by_length), torsion) = (pair(0, 0), p[section.torsion]);
-                let shear = pair(4, 4).0 + pair(5, 5).0;
+                let (along_y, along_z) = (pair(4, 4).0, pair(5, 5).0);
+                let shear = p[section.shear] * along_y + p[section.shear + 1] * along_z;
                 let shear_by_length = pair(4, 4).1;
                 let [axial, bend_y, bend_z] = [virtual_[3], virtual_[1], virtual_[2]];
                 let bend = [real[1] / length, real[2] / length];
@@ -153,6 +154,8 @@ impl FibreSections {
                     let force_b = area * (ab * virtual_a + bb * virtual_b);
                     let work = first[0] * virtual_a + first[1] * virtual_b;
                     gradient[section.torsion] += twist * g * area * polar;
+                    gradient[section.shear] += along_y * g * area;
+                    gradient[section.shear + 1] += along_z * g * area;
                     gradient[rod.length] += area * rate * first[0] * axial
                         - (force_a * by_a + force_b * by_b) / length
                         + g * area * (torsion * twist * polar * twist_by_length + shear * shear_by_length);

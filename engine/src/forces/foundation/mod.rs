@@ -14,6 +14,7 @@ pub(crate) use strap_loop::StrapLoops;
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use super::friction::Pressed;
 use super::magnitudes::Magnitudes;
 use super::state::State;
 use super::terms::Terms;
@@ -117,6 +118,29 @@ impl Foundations {
                     Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
                 );
             }
+        }
+    }
+
+    /// Visits what presses on each other in one of them.
+    pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &[ConeContact<P>],
+        visit: &mut impl FnMut(Pressed<P>),
+    ) {
+        for contact in state.iter().filter(|contact| contact.foundation == index) {
+            let [p, a, _] = points(contact, at.tree);
+            let second = at.frame(a);
+            let inward = at.geometry.radii[contact.first] - 0.5 * contact.depth;
+            visit(Pressed {
+                sphere: contact.first,
+                other: at.tree.frames[second].body,
+                frames: [at.frame(p), second],
+                place: *at.point(p) - contact.normal * inward,
+                force: -contact.gradient(),
+                stiffness: contact.stiffness(),
+            });
         }
     }
 
@@ -294,6 +318,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             visit(Switch {
                 points: spheres.map(|sphere| at.tree.spheres[sphere].point),
                 t: found.t,
+                own: None,
                 carrier: None,
                 normal: found.normal,
                 depth: *depth,

@@ -182,6 +182,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 visit(Switch {
                     points: strap.spheres.map(|sphere| at.tree.spheres[sphere].point),
                     t: found.t,
+                    own: None,
                     carrier: None,
                     normal: -found.normal,
                     depth: stretch,

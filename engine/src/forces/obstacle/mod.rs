@@ -13,6 +13,7 @@ pub use surface::SurfaceDescription;
 
 use super::differential::Differential;
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
+use super::friction::Pressed;
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
 use super::terms::Terms;
@@ -74,6 +75,30 @@ impl<const P: usize> Obstacles<P> {
 
     pub fn count(&self) -> usize {
         self.0.len()
+    }
+
+    /// Visits what presses on one of them.
+    pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &ObstacleState<P>,
+        visit: &mut impl FnMut(Pressed<P>),
+    ) {
+        for (obstacle, stiffness, touch) in self.touching(at, state) {
+            if touch.obstacle == index {
+                let point = touch.point(at);
+                let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
+                visit(Pressed {
+                    sphere: touch.sphere,
+                    other: touch.surface,
+                    frames: [at.frame(point), obstacle.frame],
+                    place: *at.point(point) - touch.normal * inward,
+                    force: touch.normal * (stiffness * touch.depth),
+                    stiffness,
+                });
+            }
+        }
     }
 
     /// Adds a multiple of the change of the force on one of them.
@@ -329,6 +354,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             visit(Switch {
                 points: [point, obstacle.point, obstacle.point],
                 t: 0.0,
+                own: None,
                 carrier: (obstacle.frame != 0).then(|| (obstacle.frame, *at.point(point))),
                 normal: touch.normal,
                 depth: touch.depth,

@@ -17,7 +17,7 @@ from flexor.model.schema.profile import LinkRadius, RodRadius, SampledSurface, s
 from flexor.model.schema.section import Section, Sections, Solid
 from flexor.model.schema.skin import Skin
 from flexor.model.schema.strain import ELEMENT_DEGREE, ReferenceStrain, Strain
-from flexor.model.schema.table import Choice, Count, Name, Switch, Table, one_of
+from flexor.model.schema.table import Choice, Count, Name, NonNegativeNumber, Switch, Table, one_of
 from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
@@ -68,6 +68,7 @@ class Rod(Table):
     section: Sections = Solid(kind="circular")
     material: Name | None = None
     skin: Skin | None = None
+    friction: NonNegativeNumber = 0.0
     tip: PositiveLength | None = None
     self_contact: Switch | None = None
     young_modulus: PositiveModulus | None = None
@@ -100,6 +101,8 @@ class Rod(Table):
         for key in ("tip", "self_contact"):
             if getattr(self, key) is not None and self.skin is None:
                 raise field_error("is given without a skin, through which the rod touches", key)
+        if self.friction > 0.0 and self.skin is None:
+            raise field_error("is given without a skin, through which the rod touches", "friction")
         if self.tip is not None and self.tip > self.length:
             tail = f"is {describe(getattr(self.tip, 'text', self.tip))}: the rod is shorter"
             raise field_error(tail, path="tip")

@@ -69,3 +69,9 @@ def check_rod(name: str, bodies: Mapping[str, Body], path: str) -> None:
         names = [f'"{n}"' for n, body in bodies.items() if isinstance(body, Rod)]
         rods = ", " + ", ".join(names) if names else ""
         raise field_error(f'is "{name}", which is a link: expected a rod{rods}', path=path)
+
+
+def check_ratio(friction: float, ratio: float | None) -> None:
+    """Check that a tangential stiffness is given with friction only."""
+    if ratio is not None and friction == 0.0:
+        raise field_error("is given without friction", path="stiffness_ratio")

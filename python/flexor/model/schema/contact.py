@@ -12,10 +12,10 @@ from pydantic import model_validator
 from flexor.model import units
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.body_system import BodySystem
-from flexor.model.schema.checks import check_known, check_rod
+from flexor.model.schema.checks import check_known, check_ratio, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.points import SphereGroup
-from flexor.model.schema.table import Choice, Index, Name
+from flexor.model.schema.table import Choice, Index, Name, NonNegativeNumber, PositiveNumber
 from flexor.model.units import PositiveStiffness, PositiveStiffnessPerLength
 from flexor.model.validation import field_error
 
@@ -31,6 +31,9 @@ class Contact(Force):
     A group may be in contact with itself; pairs closer than ``skip`` in the group's order are then
     excluded. ``tip_spheres`` is the number of trailing spheres of the first group that contribute
     to F_t (14): by default one, or none for self-contact.
+
+    ``friction`` is Coulomb's coefficient, ``stiffness_ratio`` the tangential stiffness as a
+    multiple of the normal one, 2/3 unless given; see docs/friction.md.
     """
 
     description: ClassVar[str] = "contacts"
@@ -44,9 +47,12 @@ class Contact(Force):
     stiffness_per_length: PositiveStiffnessPerLength | None = None
     skip: Index = 0
     tip_spheres: Index | None = None
+    friction: NonNegativeNumber = 0.0
+    stiffness_ratio: PositiveNumber | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Contact:
+        check_ratio(self.friction, self.stiffness_ratio)
         if self.stiffness_per_length is None:
             if self.stiffness is None:
                 raise field_error(f"is missing: {units.STIFFNESS.hint}", path="stiffness")

@@ -12,11 +12,11 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from flexor.arrays import Array
 from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
-from flexor.model.schema.checks import check_known
+from flexor.model.schema.checks import check_known, check_ratio
 from flexor.model.schema.force import Force
 from flexor.model.schema.planar import in_plane
 from flexor.model.schema.points import Attachment
-from flexor.model.schema.table import Name
+from flexor.model.schema.table import Name, NonNegativeNumber, PositiveNumber
 from flexor.model.schema.vector import Axis, Offset, Triple, direction
 from flexor.model.units import PositiveStiffness
 from flexor.model.validation import field_error, first_repeated
@@ -38,6 +38,7 @@ class Obstacle(Force):
 
     Each sphere is pushed back along the normal of the surface with ``stiffness`` times its depth.
     ``point`` is the obstacle's origin: in the world, or on a body, which then carries it.
+    ``friction`` and ``stiffness_ratio`` are as for a contact.
     """
 
     description: ClassVar[str] = "obstacles"
@@ -46,9 +47,12 @@ class Obstacle(Force):
     spheres: Annotated[tuple[Name, ...], Field(min_length=1)]
     point: Place = Offset()
     stiffness: PositiveStiffness
+    friction: NonNegativeNumber = 0.0
+    stiffness_ratio: PositiveNumber | None = None
 
     @model_validator(mode="after")
     def _check_groups(self) -> Obstacle:
+        check_ratio(self.friction, self.stiffness_ratio)
         if (group := first_repeated(self.spheres)) is not None:
             raise field_error(f'names the group "{group}" twice', path="spheres")
         return self

@@ -320,11 +320,17 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
     radii = rod.surface.radius[gauss_points(rod)]
     index = {material: i for i, material in enumerate(materials)}
     moduli = {key: material.material(key).shear_modulus for key, material in materials.items()}
+    axial = {key: float(m.material(key).energy(1.0).second) for key, m in materials.items()}
     densities = {key: float(material.density) for key, material in materials.items()}
     lowered = []
     for number, (piece, geometry) in enumerate(built):
         section = rod.pieces[piece]
-        described: dict[str, Any] = {"fibres": [], "torsion": 0.0, "rigidity": [0.0] * 21}
+        described: dict[str, Any] = {
+            "fibres": [],
+            "torsion": 0.0,
+            "shear": [1.0, 1.0],
+            "rigidity": [0.0] * 21,
+        }
         if isinstance(section, Stiffness):
             full = section.full()
             described["rigidity"] = [full[i][j] for i in range(6) for j in range(i, 6)]
@@ -333,9 +339,13 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
         else:
             assert geometry is not None
             described["fibres"] = geometry.fibres(index, planar)
+            s = float(radii[of_gauss.index(number)])
             if geometry.torsion is not None and "twist_x" in rod.strain.modes:
-                s = float(radii[of_gauss.index(number)])
                 described["torsion"] = geometry.torsion(moduli, s)
+            if not isinstance(section, Solid) and {"shear_y", "shear_z"} & set(rod.strain.modes):
+                whole = geometry.rigidity(moduli, s)
+                found = sections.shear_stiffness(geometry.parts, axial, moduli, s)
+                described["shear"] = [each / whole for each in found]
             if isinstance(section, Composite) and section.torsion_stiffness is not None:
                 described["rigidity"][0] = float(section.torsion_stiffness)
             described["mass"] = geometry.mass(densities).tolist()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+NonNegativeNumber = Annotated[float, Strict(), Field(ge=0.0, allow_inf_nan=False)]
 PositiveNumber = Annotated[float, Strict(), Field(gt=0.0, allow_inf_nan=False)]
 Count = Annotated[int, Strict(), Field(ge=1)]
 Index = Annotated[int, Strict(), Field(ge=0, le=1_000_000)]

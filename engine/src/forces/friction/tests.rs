@@ -1,0 +1,110 @@
+//! Residual and tangent in a step against differences of the energy, on bodies that stick and slide.
+
+use super::FrictionDescription;
+use crate::Data;
+use crate::lie::{LieGroup, SE2, SE3};
+use crate::model::*;
+use crate::strain::{BasisKind, Mode};
+use crate::systems::{body, empty, finger, joint, rod, strain};
+
+const STENCIL: [(f64, f64); 6] =
+    [(-1.0, -45.0), (1.0, 45.0), (-2.0, 9.0), (2.0, -9.0), (-3.0, -1.0), (3.0, 1.0)];
+
+/// A rod with a link at its tip, both half in a half-space that is fixed or that a free body carries.
+fn sunk(planar: bool, carried: bool) -> Description {
+    let mut d = empty(planar);
+    let modes: &[Mode] = if planar { &[Mode::BendY, Mode::ExtendX] } else { &Mode::ALL };
+    let modes = modes.iter().map(|m| strain(*m, BasisKind::NodalLinear)).collect();
+    let arm = rod(0.3, [0.05, 0.03], modes, 2, 2);
+    let points = arm.radius.len();
+    d.bodies.push(body("arm", None, [0.0; 3], joint(JointKind::Fixed), ShapeDescription::Rod(arm)));
+    let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
+    let hinge = joint(JointKind::Revolute);
+    d.bodies.push(body("hand", Some("arm"), [0.0; 3], hinge, ShapeDescription::Link(link)));
+    let mut free = joint(JointKind::Free);
+    free.stiffness = vec![1.0; if planar { 3 } else { 6 }];
+    let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
+    d.bodies.push(body("cup", None, [0.1, 0.0, 0.02], free, ShapeDescription::Link(link)));
+    let spheres = (0..points)
+        .map(|k| SphereDescription { body: "arm".into(), station: Station::Point(k) })
+        .chain([0.0, 1.0].map(|f| SphereDescription { body: "hand".into(), station: Station::Fraction(f) }))
+        .collect();
+    d.spheres.push(SphereGroupDescription { name: "all".into(), spheres });
+    let on_cup = AttachmentDescription::Body {
+        body: "cup".into(),
+        station: Station::Fraction(1.0),
+        offset: [0.0; 3],
+        surface: [0.0; 3],
+    };
+    d.obstacles.push(ObstacleDescription {
+        name: "floor".into(),
+        spheres: vec!["all".into()],
+        at: if carried { on_cup } else { AttachmentDescription::World { world: [0.0, 0.0, 0.1] } },
+        rotation: [0.0; 3],
+        surfaces: vec![SurfaceDescription::Plane { normal: [0.28, 0.0, 0.96], distance: 0.0 }],
+        stiffness: 200.0,
+    });
+    d
+}
+
+/// Checks a model in a step that begins in one state, at another one; returns how many points slide of all.
+fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description, size: f64) -> [usize; 2] {
+    let model = Model::<G, D, P>::new(d).unwrap();
+    let n = model.dof();
+    let load = vec![0.0; model.inputs().len()];
+    let state = |shift: f64| -> Vec<f64> {
+        (0..n).map(|i| size * ((1.3 * i as f64 + 1.0).sin() + shift * (0.9 * i as f64 + 2.0).cos())).collect()
+    };
+    let mut data = Data::new(&model);
+    data.evaluate(&model, &state(0.0), &load);
+    data.renew_friction(&model);
+    let before = data.energy();
+    data.evaluate(&model, &state(0.0), &load);
+    assert!((data.energy() - before).abs() < 1e-13 * before.abs(), "nothing has slipped yet");
+    // The slips so far, in other places, with other normal forces.
+    data.evaluate(&model, &state(0.1), &load);
+    data.renew_friction(&model);
+    let q = state(0.25);
+    data.evaluate(&model, &q, &load);
+    let forces = data.friction_forces(&model);
+    let (residual, tangent) = (data.residual().to_vec(), data.tangent().to_vec());
+    let largest = |v: &[f64]| v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let h = 1e-5;
+    for j in 0..n {
+        let (mut slope, mut column) = (0.0, vec![0.0; n]);
+        for (step, weight) in STENCIL {
+            let mut moved = q.clone();
+            moved[j] += step * h;
+            data.evaluate_residual(&model, &moved, &load);
+            slope += weight * data.energy() / (60.0 * h);
+            column.iter_mut().zip(data.residual()).for_each(|(c, r)| *c += weight * r / (60.0 * h));
+        }
+        assert!((slope - residual[j]).abs() < 1e-7 * largest(&residual), "{j}: {slope} {}", residual[j]);
+        for i in 0..n {
+            let error = (column[i] - tangent[i * n + j]).abs();
+            assert!(error < 1e-7 * largest(&tangent), "{i}, {j}: {} {}", column[i], tangent[i * n + j]);
+        }
+    }
+    [forces.iter().filter(|force| force.slides).count(), forces.len()]
+}
+
+#[test]
+fn derivatives_in_a_step_are_those_of_differences() {
+    let rough = |mut d: Description, name: &str, coefficient: f64| {
+        d.frictions.push(FrictionDescription { name: name.into(), coefficient, stiffness_ratio: 0.7 });
+        d
+    };
+    for carried in [false, true] {
+        let size = if carried { 0.03 } else { 0.05 };
+        for (coefficient, slides) in [(0.01, true), (2.0, false)] {
+            let [planar, spatial] = [true, false].map(|p| rough(sunk(p, carried), "floor", coefficient));
+            for [slide, all] in [check::<SE2, 3, 2>(&planar, size), check::<SE3, 6, 3>(&spatial, size)] {
+                assert!(all > 5 && if slides { slide > 0 } else { slide < all }, "{slide} of {all} slide");
+            }
+        }
+    }
+    for (coefficient, slides) in [(0.02, true), (5.0, false)] {
+        let [slide, all] = check::<SE2, 3, 2>(&rough(finger(), "contact", coefficient), 0.2);
+        assert!(all > 5 && if slides { slide > 0 } else { slide < all }, "{slide} of {all} slide");
+    }
+}

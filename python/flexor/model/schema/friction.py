@@ -1,0 +1,40 @@
+"""Coulomb friction where bodies press on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from flexor.model.schema.body import Rod
+from flexor.model.schema.body_system import BodySystem
+from flexor.model.schema.contact import Contact
+from flexor.model.schema.foundation import lower_self_contact, lower_skins
+from flexor.model.schema.obstacle import Obstacle
+
+
+class Friction(NamedTuple):
+    """Friction in a contact, on an obstacle, or of the skin of a rod."""
+
+    table: str  # of the file
+    entry: str  # in that table
+    described: dict[str, Any]  # to the engine
+
+
+def frictions(system: BodySystem) -> Iterator[Friction]:
+    """Yield the frictions of a file, in the order in which the engine counts them."""
+    for kind in (Contact, Obstacle):
+        for table, name, each in system.entries(kind):
+            if isinstance(each, (Contact, Obstacle)) and each.friction > 0.0:
+                described = {"name": name, "coefficient": float(each.friction)}
+                if each.stiffness_ratio is not None:
+                    described["stiffness_ratio"] = float(each.stiffness_ratio)
+                yield Friction(table, name, described)
+    rods = {name: body for name, body in system.bodies.items() if isinstance(body, Rod)}
+    if not any(rod.friction > 0.0 for rod in rods.values()):
+        return
+    found = [each["name"] for _, each in (*lower_skins(system), *lower_self_contact(system))]
+    for name, body in rods.items():
+        for own in (f"{name}.skin", f"{name}.self"):
+            if body.friction > 0.0 and own in found:
+                described = {"name": own, "coefficient": float(body.friction)}
+                yield Friction("bodies", name, described)
