@@ -98,6 +98,10 @@ class Devices(Generator):
             if self.chance(0.5):
                 thickness = 0.5 * section["floor"] * float(self.random.uniform(0.1, 1.0))
                 section["layer"] = {"thickness": thickness, "material": stiff}
+        elif self.chance(0.5):
+            thickness = 0.5 * section["wall"] * float(self.random.uniform(0.1, 1.0))
+            width = float(self.random.uniform(0.1, 1.0))
+            section["layer"] = {"thickness": thickness, "width": width, "material": stiff}
         if kind == "box":
             section["width"] = float(self.random.uniform(2.0, 5.0))
         return section

@@ -49,13 +49,14 @@ def rod(kind: str, random: Random) -> Device:
     pressures: dict[str, Any] = {"air": {"kind": "pressure", "rod": "rod", "span": span}}
     extra = {"layer": {"thickness": mm(0.2, 0.6), "material": "fabric"}}
     layer = extra if random.integers(2) else {}
+    strip = {"layer": {**extra["layer"], "width": mm(2.0, 5.0)}} if layer else {}
     wall = {"wall": mm(1.1, 2.4)}
     half_round = {"kind": "half-round", **wall, "floor": mm(1.1, 2.6), **layer}
     section: Any = {
         "circular": {"kind": "circular"},
         "elliptic": {"kind": "elliptic", "ratio": float(random.uniform(0.5, 2.5))},
         "rectangular": {"kind": "rectangular", "ratio": float(random.uniform(0.5, 2.5))},
-        "tube": {"kind": "tube", **wall},
+        "tube": {"kind": "tube", **wall, **strip},
         "half-round": half_round,
         "varying": {**half_round, "wall": [mm(1.1, 2.4), mm(1.1, 2.4), mm(1.1, 2.4)]},
         "box": {

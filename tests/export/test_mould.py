@@ -11,7 +11,9 @@ import pytest
 import flexor
 from flexor.errors import InputError
 from flexor.export import BodyOptions, Device, MouldOptions, body, device_of, mould
+from flexor.export.instructions import steps
 from flexor.export.masses import portions
+from flexor.export.sheets import sheets
 from flexor.export.silicone import silicone
 from tests.export.rods import HALF, TUBE, air, device
 
@@ -136,3 +138,17 @@ def test_layers_of_a_box_lie_on_the_parting_surface() -> None:
     assert np.concatenate(made.body.heights) == pytest.approx(-8.0)
     assert made.lower.bounding_box()[5] > -8.0  # its pins
     assert (made.lower ^ made.body.cast).volume() == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_strip_on_a_tube_is_bonded_to_what_is_cast() -> None:
+    strip = {"thickness": "0.3 mm", "width": "4 mm", "material": "fabric"}
+    plain = {"kind": "tube", "wall": "2 mm"}
+    made = mould(device({**plain, "layer": strip}, actuators={"air": air()}))
+    bare = mould(device(plain, actuators={"air": air()}))
+    assert made.body.cast.volume() == pytest.approx(bare.body.cast.volume())
+    (layer,) = sheets(made.body)
+    assert layer.applied
+    assert layer.size[1] == pytest.approx(4.0)
+    text = " ".join(steps(made))
+    assert "bond it with silicone along the middle of the underside" in text
+    assert "lower half where it belongs" not in text

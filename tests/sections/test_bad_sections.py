@@ -64,6 +64,15 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
             "radius S, but S is 5.908 mm",
         ),
         (
+            {**TUBE, "layer": {"width": 2.5, "thickness": "0.1 mm", "material": "silicone"}},
+            "bodies.rod.section cannot be made: layer.width must be less than the diameter 2 S, "
+            "but S is 7.842 mm",
+        ),
+        (
+            {**TUBE, "layer": {"thickness": "0.1 mm", "material": "silicone"}},
+            "bodies.rod.section.layer.width is missing",
+        ),
+        (
             {**HALF, "wall": 1.9},
             "bodies.rod.section cannot be made: wall leaves no bore: with the floor it must be "
             "less than the height 2 S, but S is 7.842 mm",

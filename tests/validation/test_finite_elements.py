@@ -135,6 +135,8 @@ def test_an_unwound_chamber_balloons_instead_of_bending(bare: str, wound: str) -
         ("half-round-blocked", "force", 0.02),
         ("half-round-blocked", "angle", 0.03),
         ("tube-stretched", "tip_x", 0.05),
+        ("tube-tapered", "angle", 0.01),
+        ("tube-tapered-blocked", "force", 0.08),
         ("box-framed", "angle", 0.05),
         ("box-framed-wide", "angle", 0.05),
         ("box-framed-thick", "angle", 0.05),

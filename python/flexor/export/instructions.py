@@ -126,8 +126,7 @@ def steps(mould: Mould) -> list[str]:
         "Print all parts as they lie in their files, with the cavity's surfaces smooth (layers of "
         "0.1 mm or less); remove strings, and coat all surfaces with release agent."
     ]
-    if layers:
-        names = ", ".join(each.name for each in layers)
+    if names := ", ".join(each.name for each in layers if not each.applied):
         found.append(
             f"Cut {names} and lay it on the lower half where it belongs; wet it with a thin film "
             "of silicone, so that no air stays below."
@@ -155,6 +154,8 @@ def steps(mould: Mould) -> list[str]:
             + (", and with a needle through the ears close to the body; " if body.ears else "; ")
             + "fix it with a thin coat of silicone."
         )
+    if names := ", ".join(each.name for each in layers if each.applied):
+        found.append(f"Cut {names} and bond it with silicone along the middle of the underside.")
     for end in body.caps:
         tubes = [inlet.pressure for inlet in body.inlets if inlet.end == end]
         tube = (

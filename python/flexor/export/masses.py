@@ -36,7 +36,8 @@ def portions(body: Body) -> list[Portion]:
     """Return what is cast: the body without its layers, and its caps without their inlets."""
     material = cast_material(body)
     density = body.device.density(material)
-    layers = sum(_volume(each) for each in sheets(body) if each.name.startswith("layer"))
+    inside = [s for s in sheets(body) if s.name.startswith("layer") and not s.applied]
+    layers = sum(_volume(each) for each in inside)
     cast = {"body": float(body.cast.volume()) - layers}
     for end, solid in body.caps.items():
         holes = drills(body, end)

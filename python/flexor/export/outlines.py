@@ -172,7 +172,7 @@ def _named(
 
 
 def _contours(geometry: Geometry, s: float) -> list[Array]:
-    parts = [part.shape for part in geometry.parts if not part.stiffening]
+    parts = [part.shape for part in geometry.parts if not (part.stiffening or part.applied)]
     return [each for shape in parts for each in polygons(shape, s)]
 
 

@@ -37,12 +37,15 @@ class Sheet:
         Its outline and its slots [mm].
     thickness : float
         [mm].
+    applied : bool
+        Whether it is bonded to the finished body, and not cast with it.
     """
 
     name: str
     material: str
     contours: list[Array]
     thickness: float
+    applied: bool = False
 
     @property
     def size(self) -> Array:
@@ -68,7 +71,7 @@ def cast_material(body: Body) -> str:
 
 @lru_cache(maxsize=8)
 def volumes(body: Body) -> Mapping[str, float]:
-    """Volume of each material by the integral over the sections, without caps and ears [m³]."""
+    """Volume of each cast material by integrals of the sections, without caps and ears [m³]."""
     device, found = body.device, dict[str, float]()
     points, weights = np.polynomial.legendre.leggauss(24)
     for index, part in enumerate(body.parts):
@@ -80,7 +83,7 @@ def volumes(body: Body) -> Mapping[str, float]:
             s = device.surface(x)
             share = 0.5 * weight * (high - low) * device.length
             for each in geometry.parts:
-                if not each.stiffening:
+                if not (each.stiffening or each.applied):
                     area = float(moments((each.shape,))[:3] @ (1.0, s, s * s))
                     found[each.material] = found.get(each.material, 0.0) + share * area
     return found
@@ -111,7 +114,7 @@ def _layers(body: Body) -> list[Sheet]:
                 continue
             outline = _developed(body, stations, (width, y, z, height), own.stretch)
             name = f"layer-{len(found) + 1}"
-            found.append(Sheet(name, own.material, outline, float(height.mean())))
+            found.append(Sheet(name, own.material, outline, float(height.mean()), own.applied))
     return found
 
 

@@ -32,6 +32,8 @@ class Part:
         outside of its winding and free. Without, a wound material has hoop stretch 1 and stays.
     stiffening
         Whether it is no material but the resistance of some, to stretching.
+    applied
+        Whether it is bonded to the surface of the others, and not cast with them.
     """
 
     shape: Shape
@@ -39,6 +41,7 @@ class Part:
     stretch: float = 1.0
     winding: Linear | None = None
     stiffening: bool = False
+    applied: bool = False
 
     def windings(self, cells: Cells) -> Array:
         """Return the radius of the winding and that of each cell, and their centre, (n, 8).
@@ -188,10 +191,11 @@ class Geometry:
                 described.setdefault(key, fibre)["area"] += area
         return [{**fibre, "area": fibre["area"].tolist()} for fibre in described.values()]
 
-    def rigidity(self, moduli: Mapping[str, float], s: float) -> float:
-        """Return Σ G A [N]; see `polar`."""
-        areas = [(moduli[p.material], p.shape.cells(folded=False).area) for p in self.parts]
-        return sum(modulus * float(at(area, s).sum()) for modulus, area in areas)
+    def shear_in_series(self, moduli: Mapping[str, float], s: float) -> float:
+        """Return (Σ A)²/Σ A/G [N], the stiffness of parts that shear in series; see `polar`."""
+        areas = np.array([at(p.shape.cells(folded=False).area, s).sum() for p in self.parts])
+        compliance = areas / np.array([moduli[part.material] for part in self.parts])
+        return float(areas.sum() ** 2 / compliance.sum())
 
     def polar(self, moduli: Mapping[str, float], s: float) -> float:
         """Return Σ G A (y² + z²) [N m²].

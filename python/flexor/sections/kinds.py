@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import pi, sqrt
+from math import pi, sin, sqrt
 from typing import Literal
 
 from flexor.sections.geometry import Cavity, Geometry, Part
@@ -43,7 +43,14 @@ def solid(kind: str, ratio: float, material: str) -> Geometry:
     return Geometry((Part(shape, material),), torsion=lambda moduli, s: factor)
 
 
-def tube(wall: Linear, material: str, stretch: float, winding: Place, wound: bool) -> Geometry:
+def tube(
+    wall: Linear,
+    material: str,
+    stretch: float,
+    winding: Place,
+    wound: bool,
+    strip: tuple[Linear, Linear, str, float] | None = None,
+) -> Geometry:
     """Return a tube of outer radius S.
 
     Parameters
@@ -58,6 +65,9 @@ def tube(wall: Linear, material: str, stretch: float, winding: Place, wound: boo
         Where a wound material has its winding.
     wound
         Whether the material is wound.
+    strip
+        Width, thickness, material and stretch of a layer along the underside, its middle in the
+        surface.
     """
     bore = SURFACE - wall
     place = SURFACE if winding == "outside" else bore
@@ -65,9 +75,37 @@ def tube(wall: Linear, material: str, stretch: float, winding: Place, wound: boo
     inside: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, bore),)
     enclosed: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, place),) if wound else inside
     message = "wall leaves no bore: it must be less than the radius S"
-    return Geometry(
-        (ring,), {"bore": Cavity(inside, enclosed)}, ((bore, message),), lambda moduli, s: 1.0
-    )
+    clearances = [(bore, message)]
+    parts = [ring]
+    if strip is not None:
+        width, thickness, limiting, pretension = strip
+        below = Rectangle(ZERO, _arc_height(width) * -1.0, width, thickness, (4, THIN))
+        parts.append(Part(below, limiting, pretension, applied=True))
+        clearances += [
+            (SURFACE * 2.0 - width, "layer.width must be less than the diameter 2 S"),
+            (wall - thickness, "layer.thickness must be less than the wall"),
+        ]
+    plain = Geometry((ring,))
+
+    def torsion(moduli: Mapping[str, float], s: float) -> float:
+        # A narrow strip on the surface twists with it, and hardly resists.
+        return plain.polar(moduli, s) / geometry.polar(moduli, s)
+
+    cavities = {"bore": Cavity(inside, enclosed)}
+    geometry = Geometry(tuple(parts), cavities, tuple(clearances), torsion)
+    return geometry
+
+
+def _arc_height(width: Linear) -> Linear:
+    """Return the mean height of an arc of this width on a circle of radius S.
+
+    For a width that does not follow S, the height of its middle: for a third of the diameter, 2 %
+    more.
+    """
+    if width.constant:
+        return SURFACE
+    half = 0.5 * width.multiple
+    return SURFACE * (sin(half) / half)
 
 
 def half_round(

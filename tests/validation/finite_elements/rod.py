@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import radians
 
 import numpy as np
 
@@ -20,9 +21,9 @@ EDGE = 1e-4  # m, radius of the sphere that touches the plane
 NAMES = (
     *("half-round", "half-round-blocked", "box-framed", "box-framed-blocked"),
     *("box-framed-wide", "box-framed-high", "box-framed-thick"),
-    *("tube-stretched", "half-round-bare"),
+    *("tube-tapered", "tube-tapered-blocked", "tube-stretched", "half-round-bare"),
 )
-"""Actuators that a rod is compared with; no section of Flexor has a strip outside its winding."""
+"""Actuators that a rod is compared with."""
 
 
 def model(actuator: Actuator, elements: int = 20) -> Model:
@@ -83,7 +84,10 @@ def _section(actuator: Actuator) -> tuple[float, Json]:
     layer = {"thickness": si(LAYER, "m"), "material": "fabric"}
     if actuator.kind == "tube":
         bore, wall = actuator.sizes
-        return 2.0 * (bore + wall), {"kind": "tube", "wall": wall / (bore + wall)}
+        table: Json = {"kind": "tube", "wall": wall / (bore + wall)}
+        if actuator.layer > 0.0:
+            table["layer"] = {**layer, "width": 2.0 * radians(actuator.layer)}
+        return 2.0 * (bore + wall), table
     *first, wall, floor = actuator.sizes
     walls = {"wall": si(MM * wall, "m"), "floor": si(MM * floor, "m"), "layer": layer}
     if actuator.kind == "box":

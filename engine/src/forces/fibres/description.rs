@@ -55,7 +55,7 @@ pub struct FibreSectionDescription {
     pub fibres: Vec<FibreDescription>,
     /// Torsional rigidity by Σ G A (y² + z²) of the fibres.
     pub torsion: f64,
-    /// Stiffness of shear along y and z by Σ G A of the fibres.
+    /// Stiffness of shear along y and z by that of all fibres in series, (Σ A)²/Σ A/G.
     pub shear: [f64; 2],
     /// Further stiffness, the upper triangle of a symmetric matrix in the order of the strain modes,
     /// row by row [N·m² for two curvatures, N·m for one, N for none].

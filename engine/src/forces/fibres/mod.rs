@@ -458,20 +458,56 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 }
 
+/// Fibres that shear in series.
+#[derive(Clone, Copy, Debug, Default)]
+struct Series {
+    /// Σ A and Σ A/G.
+    area: f64,
+    compliance: f64,
+}
+
+impl Series {
+    /// (Σ A)²/Σ A/G, zero without fibres.
+    fn stiffness(self) -> f64 {
+        if self.area > 0.0 { self.area * self.area / self.compliance } else { 0.0 }
+    }
+
+    /// Its derivatives by area and modulus of a fibre.
+    fn slopes(self, area: f64, modulus: f64) -> [f64; 2] {
+        if !(self.area > 0.0) {
+            return [0.0; 2];
+        }
+        let mean = self.area / self.compliance;
+        [mean * (2.0 - mean / modulus), area * (mean / modulus).powi(2)]
+    }
+}
+
 impl FibreSections {
+    fn shear_in_series(&self, section: &FibreSection, p: &[f64], s: f64) -> Series {
+        let mut series = Series::default();
+        for (m, n) in numbers(section, p) {
+            let material = &self.materials[m];
+            let area = Fibre::new(n, s).area;
+            series.area += area;
+            series.compliance += area / material.law.shear_modulus(&p[material.constants.clone()]);
+        }
+        series
+    }
+
     /// Stiffness matrix, forces in the reference state and energy per length of what is linear, in the
     /// order of the modes.
     fn linear(&self, section: &FibreSection, p: &[f64], s: f64) -> ([[f64; 6]; 6], [f64; 6], f64) {
         let mut matrix = symmetric(&p[section.rigidity..section.rigidity + 21]).0;
         let (mut force, mut energy) = ([0.0; 6], 0.0);
+        let series = self.shear_in_series(section, p, s).stiffness();
+        matrix[4][4] += p[section.shear] * series;
+        matrix[5][5] += p[section.shear + 1] * series;
         for (m, n) in numbers(section, p) {
             let (material, fibre) = (&self.materials[m], Fibre::new(n, s));
             let constants = &p[material.constants.clone()];
             let shear = material.law.shear_modulus(constants) * fibre.area;
             let polar = fibre.y * fibre.y + fibre.z * fibre.z;
             matrix[0][0] += p[section.torsion] * shear * polar;
-            matrix[4][4] += p[section.shear] * shear;
-            matrix[5][5] += p[section.shear + 1] * shear;
             if material.law == Law::Linear {
                 let axial = Law::modulus(constants, material.wound)[0] * fibre.area * fibre.stretch;
                 let arms = [(3, 1.0), (1, fibre.z), (2, -fibre.y)];

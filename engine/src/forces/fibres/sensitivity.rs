@@ -133,6 +133,11 @@ impl FibreSections {
                 let (along_y, along_z) = (pair(4, 4).0, pair(5, 5).0);
                 let shear = p[section.shear] * along_y + p[section.shear + 1] * along_z;
                 let shear_by_length = pair(4, 4).1;
+                let series = self.shear_in_series(section, p, p[radius]);
+                let stiffness = series.stiffness();
+                gradient[section.shear] += along_y * stiffness;
+                gradient[section.shear + 1] += along_z * stiffness;
+                gradient[rod.length] += stiffness * shear * shear_by_length;
                 let [axial, bend_y, bend_z] = [virtual_[3], virtual_[1], virtual_[2]];
                 let bend = [real[1] / length, real[2] / length];
                 for (index, (m, n)) in numbers(section, p).enumerate() {
@@ -154,11 +159,10 @@ impl FibreSections {
                     let force_b = area * (ab * virtual_a + bb * virtual_b);
                     let work = first[0] * virtual_a + first[1] * virtual_b;
                     gradient[section.torsion] += twist * g * area * polar;
-                    gradient[section.shear] += along_y * g * area;
-                    gradient[section.shear + 1] += along_z * g * area;
                     gradient[rod.length] += area * rate * first[0] * axial
                         - (force_a * by_a + force_b * by_b) / length
-                        + g * area * (torsion * twist * polar * twist_by_length + shear * shear_by_length);
+                        + g * area * torsion * twist * polar * twist_by_length;
+                    let [series_by_area, series_by_modulus] = series.slopes(area, g);
                     // By the centre and by the arm.
                     let [of_centre, of_arm] = [(force_a, first[0]), (force_b, first[1])].map(|(f, d)| {
                         let (f, d) = (f * stretch, area * rate * d);
@@ -171,7 +175,7 @@ impl FibreSections {
                     let derivatives = FibreDerivatives {
                         place: [of_place[0] + polar_by * y, of_place[1] + polar_by * z],
                         centre,
-                        area: work + g * (torsion * twist * polar + shear),
+                        area: work + g * torsion * twist * polar + series_by_area * shear,
                         stretch: (area * work + force_a * total + force_b * by_b) / stretch,
                         ratio: area * (by_ratio[0] * virtual_a + by_ratio[1] * virtual_b),
                     };
@@ -179,7 +183,7 @@ impl FibreSections {
                     let out = &mut gradient[numbers_of..numbers_of + NUMBERS];
                     let by_radius = Fibre::add_derivatives(n, p[radius], derivatives, out);
                     gradient[radius] += by_radius;
-                    let by_shear = area * (torsion * twist * polar + shear);
+                    let by_shear = area * torsion * twist * polar + series_by_modulus * shear;
                     for (k, by_constant) in material.constants.clone().zip(by_constant.by_ref()) {
                         let of_shear = material.law.shear_modulus_by(constants, k - material.constants.start);
                         let [by_a, by_b] = by_constant;

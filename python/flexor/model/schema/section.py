@@ -112,10 +112,17 @@ class Floored(Hollow):
         return self
 
 
+class Strip(Layer):
+    """A layer of a given width along the underside of a tube."""
+
+    width: Size
+
+
 class Tube(Hollow):
     """A tube of outer radius S."""
 
     kind: Literal["tube"]
+    layer: Strip | None = None
 
 
 class HalfRound(Floored):

@@ -158,7 +158,7 @@ def varies(section: Section) -> bool:
     tables: list[Table] = [section]
     if isinstance(section, Composite):
         tables += section.parts
-    elif isinstance(section, Floored) and section.layer is not None:
+    elif isinstance(section, (Floored, Tube)) and section.layer is not None:
         tables.append(section.layer)
     return any(name in _SIZES and _is_several(size) for t in tables for name, size in t)
 
@@ -190,7 +190,11 @@ def _geometry(section: Section, own: str | None, materials: Materials, x: float)
     wound = materials[material].winding == "hoop"
     rest = (material, section.stretch, section.winding, wound)
     if isinstance(section, Tube):
-        return sections.tube(wall, *rest)
+        width = None if section.layer is None else _linear(section.layer.width, x)
+        strip = _layer(section.layer, x)
+        return sections.tube(
+            wall, *rest, None if strip is None or width is None else (width, *strip)
+        )
     if isinstance(section, HalfRound):
         floor = _linear(section.floor, x)
         return sections.half_round(wall, floor, _layer(section.layer, x), *rest)
@@ -292,7 +296,7 @@ def roundness(rod: Rod, materials: Materials) -> float:
     piece = rod.pieces[place]
     if isinstance(piece, Solid) and not is_made_of_fibres(rod):
         return 0.0 if piece.kind == "rectangular" else 1.0 / (piece.ratio or 1.0) ** 2
-    if isinstance(piece, Stiffness):
+    if isinstance(piece, (Stiffness, Tube)):
         return 1.0
     s = float(surface(rod.radius, np.array([0.5]))[0][0])
     parts = _geometry(piece, rod.material, materials, 0.5).parts
@@ -343,7 +347,7 @@ def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dic
             if geometry.torsion is not None and "twist_x" in rod.strain.modes:
                 described["torsion"] = geometry.torsion(moduli, s)
             if not isinstance(section, Solid) and {"shear_y", "shear_z"} & set(rod.strain.modes):
-                whole = geometry.rigidity(moduli, s)
+                whole = geometry.shear_in_series(moduli, s)
                 found = sections.shear_stiffness(geometry.parts, axial, moduli, s)
                 described["shear"] = [each / whole for each in found]
             if isinstance(section, Composite) and section.torsion_stiffness is not None:
