@@ -542,7 +542,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Static stability of the current tangent; its factor is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
-        if conservative && !self.is_singular() && self.factor.pivot_ratio() > REGULAR_PIVOTS {
+        let actual = !self.is_singular() && self.factor.shift() == 0.0;
+        if conservative && actual && self.factor.pivot_ratio() > REGULAR_PIVOTS {
             return Stability::Stable;
         }
         if conservative && self.is_singular() {
