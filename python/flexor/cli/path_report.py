@@ -20,7 +20,7 @@ Columns = dict[str, list[str]]  # cells by heading
 
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
-    from flexor.model import explained, why_not_closed, why_stalled
+    from flexor.model import explained, why_not_closed, why_singular, why_stalled
     from flexor.model.accuracy import accuracy
 
     known = accuracy(path)
@@ -40,6 +40,8 @@ def report(path: Path) -> None:
         say(why_stalled(path))
     if "not-closed" in failed:
         say(why_not_closed(path))
+    if "singular" in failed:
+        say(why_singular(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"without stiffness: {', '.join(free)}")
