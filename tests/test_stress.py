@@ -55,6 +55,10 @@ def test_random_models_called_stable_are_minima(run: Run) -> None:
         assert kind in output
 
 
+def test_random_models_with_friction_keep_its_laws(run: Run) -> None:
+    assert "converged" in run("stress_friction", "--models", "60", "--seed", "5")
+
+
 @pytest.mark.parametrize("number", [812, 2168, 4052, 9897])
 def test_models_that_failed_once(run: Run, number: int) -> None:
     run("stress_models", "--first", str(number), "--models", "1")

@@ -475,8 +475,10 @@ impl Model {
         for (name, values, width) in [("tie_loads", found.ties, 7), ("tie_gaps", found.tie_gaps, 2)] {
             out.set_item(name, values.into_pyarray(py).reshape([designs, steps, ties, width])?)?;
         }
-        let redundancy = found.tie_redundancy.into_pyarray(py);
-        out.set_item("tie_redundancy", redundancy.reshape([designs, steps, ties])?)?;
+        let per_tie = [("tie_redundancy", found.tie_redundancy), ("tie_singularity", found.tie_singularity)];
+        for (name, values) in per_tie {
+            out.set_item(name, values.into_pyarray(py).reshape([designs, steps, ties])?)?;
+        }
         out.set_item("friction", friction::rows(py, &found.frictions)?)?;
         out.set_item("free", found.free.as_flattened().to_pyarray(py).reshape([found.free.len(), 3])?)?;
         out.set_item("events", events(py, &found.events, inputs, dof)?)?;

@@ -50,6 +50,8 @@ pub struct PathResults {
     pub tie_gaps: Vec<f64>,
     /// Number of redundant conditions of each tie.
     pub tie_redundancy: Vec<f64>,
+    /// In a singular configuration, the share of each tie in what becomes dependent.
+    pub tie_singularity: Vec<f64>,
     /// Energy that friction dissipated along the path [J].
     pub dissipated: Vec<f64>,
     /// Points with friction of all designs and steps, in order.
@@ -120,6 +122,12 @@ impl PathResults {
         if found || report.status == Status::Stalled {
             self.residual[row] = report.accuracy.residual;
             self.tolerance[row] = report.accuracy.tolerance;
+        }
+        if report.status == Status::Singular {
+            system.singular_shares(last(&mut self.tie_singularity, model.tie_count()));
+        }
+        if let Some(reached) = report.reached {
+            last(&mut self.applied, reached.len()).copy_from_slice(reached);
         }
         if found || report.status == Status::NotClosed {
             data.tie_gaps(model, last(&mut self.tie_gaps, 2 * model.tie_count()));
@@ -198,7 +206,7 @@ impl PathResults {
     fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
-    ) -> [(&mut Vec<f64>, usize); 11] {
+    ) -> [(&mut Vec<f64>, usize); 12] {
         [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
@@ -211,6 +219,7 @@ impl PathResults {
             (&mut self.ties, TIE_NUMBERS * model.tie_count()),
             (&mut self.tie_gaps, 2 * model.tie_count()),
             (&mut self.tie_redundancy, model.tie_count()),
+            (&mut self.tie_singularity, model.tie_count()),
         ]
     }
 
@@ -241,6 +250,7 @@ impl PathResults {
         self.ties.extend(other.ties);
         self.tie_gaps.extend(other.tie_gaps);
         self.tie_redundancy.extend(other.tie_redundancy);
+        self.tie_singularity.extend(other.tie_singularity);
         self.dissipated.extend(other.dissipated);
         self.frictions.extend(other.frictions);
         self.free.extend(other.free);

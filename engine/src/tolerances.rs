@@ -43,6 +43,13 @@ pub(crate) const SAME_FORCE: f64 = 1e-9;
 
 /// A condition of a tie depends on others if less than this part of its gradient is independent of theirs.
 pub(crate) const DEPENDENT: f64 = 1e-8;
+/// One that depended on others before is independent again if more than this part of its gradient is: where
+/// ties are not quite closed, what follows from others is so only nearly.
+pub(crate) const INDEPENDENT: f64 = 1e-2;
+/// Singular values of the dimensionless gradients of ties up to this count as zero.
+pub(crate) const RANK: f64 = 1e-7;
+/// The same at a state a little away from the one in question.
+pub(crate) const RANK_NEARBY: f64 = 5e-7;
 /// Largest violation of such a condition: of lengths relative to that of the longest body, of angles in
 /// radians.
 pub(crate) const REDUNDANT_GAP: f64 = 1e-6;

@@ -77,6 +77,7 @@ class Paths(TypedDict):
     tie_loads: NDArray[np.float64]  # (…, ties, 7): force, moment, drive
     tie_gaps: NDArray[np.float64]  # (…, ties, 2): distance, angle
     tie_redundancy: NDArray[np.float64]  # (…, ties): redundant conditions
+    tie_singularity: NDArray[np.float64]  # (…, ties): shares in a singular configuration
     applied: NDArray[np.float64]  # (n, s, U), loads; of controlled inputs those found
     dissipated: NDArray[np.float64]
     friction: Friction

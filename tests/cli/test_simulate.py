@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -203,3 +204,11 @@ def test_a_syringe_finds_its_pressures(flexor) -> None:
     assert pressure[0] == 0.0 < pressure[1] < pressure[2]
     assert volume[2] - volume[0] == pytest.approx(2e-6)
     assert flexor(*syringe, "--load", "0:2:1 kPa").code == 2
+
+
+def test_friction_in_the_table(flexor):
+    table = flexor("simulate", "capstan", "--load", "pull=0,0.5,1,2,1.5").out
+    assert "sliding" in table and "dissipated" in table
+    counts = re.findall(r" (\d+) of (\d+) ", table)
+    assert len(counts) == 5
+    assert 0 < int(counts[-1][0]) < int(counts[-1][1])

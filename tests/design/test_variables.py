@@ -101,7 +101,6 @@ def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
     """A place between elements and a field without effect cannot be varied."""
     for bounds, message in (
         ({"proximal.at": (0.2, 0.3)}, '"proximal.at" cannot be varied: .* --choose'),
-        ({"chamber.span.1": (0.8, 1.0)}, '"chamber.span.1" cannot be varied: .* --choose'),
         ({"evaluation.pressure_step": ("10 kPa", "12 kPa")}, "no effect"),
     ):
         with pytest.raises(InputError, match=message):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import flexor
+from flexor.design import variables
 from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.model.derivatives import differentiate, last_step
@@ -210,6 +211,22 @@ def test_a_search_varies_lengths_and_the_coefficient_without_derivatives() -> No
     )
     assert study.best.value <= study.start.value
     assert study.best.sensitivity.regularity == "differences"
+
+
+def test_skins_rub_under_volumes_and_on_any_number_of_threads() -> None:
+    changes = {"bodies.exosuit.friction": 0.4, "actuators.chamber.control": "volume"}
+    model = flexor.load("pneumatic-finger", changes=changes)
+    path = model.equilibrium("0:4:0.5 mL")
+    assert path.stable.all() and path.friction_forces().slides.any()
+    smooth = flexor.load("pneumatic-finger", changes={"actuators.chamber.control": "volume"})
+    assert path.joint_angles[-1].sum() < smooth.equilibrium("0:4:0.5 mL").joint_angles[-1].sum()
+    lengths = {"exosuit.length": ("9 cm", "11 cm")}
+    rough = flexor.load("pneumatic-finger", changes={"bodies.exosuit.friction": 0.4})
+    chosen = variables(lengths, rough, "lengths")
+    designs, _ = chosen.designs(np.linspace(0.09, 0.11, 40)[:, None], rough)
+    one, two = (rough.evaluate(designs, "0:30:10 kPa", threads) for threads in (1, 2))
+    assert one.converged.all() and (one.q == two.q).all()
+    assert (one.dissipated == two.dissipated).all()
 
 
 def test_friction_balances_the_other_forces() -> None:

@@ -305,3 +305,33 @@ def test_springs_are_coils_between_their_ends() -> None:
         np.testing.assert_allclose(np.abs(ring[:, :, 1]).max(axis=1), 4e-3, rtol=1e-6)
     low, high = found.extent()
     assert low[0] < -0.1 and high[0] > 0.1
+
+
+def test_ties_are_marked_where_they_are() -> None:
+    """The motor stays at the crank's axis, and the pin goes with the tip of the coupler."""
+    path = flexor.load("four-bar").equilibrium()
+    motor, pin = [each for each in scene(path).objects if each.kind == "tie"]
+    assert (motor.name, pin.name) == ("crank-motor", "pin")
+    # 1.3 times as large as the links, 3 mm in radius: a barrel along y, and a ball.
+    largest = 1.3 * 3e-3
+    np.testing.assert_allclose(
+        np.ptp(motor.vertices(), axis=0), largest * np.array([1.4, 2.4, 1.4]), rtol=1e-9
+    )
+    assert pin.volume() == pytest.approx(4.0 / 3.0 * np.pi * largest**3, rel=0.1)
+    for step in range(len(path)):
+        np.testing.assert_allclose(motor.vertices(step).mean(axis=0), 0.0, atol=1e-12)
+        tip = path.frames(step)["coupler"][-1, :3, 3]
+        np.testing.assert_allclose(pin.vertices(step).mean(axis=0), tip, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "volume", "axis"),
+    [("weld", 8.0, ""), ("slider", 5.0 * np.pi * 0.25, 'axis = "z"')],
+)
+def test_marks_of_ties_are_closed(kind: str, volume: float, axis: str) -> None:
+    """Each is counter-clockwise seen from outside, and so has its volume."""
+    four_bar = flexor.load("four-bar").file.to_toml()
+    text = four_bar.replace('kind = "pin"', f'kind = "{kind}"\n{axis}')
+    path = flexor.load(parse(text)).equilibrium([0.0])
+    mark = [each for each in scene(path).objects if each.kind == "tie"][1]
+    assert mark.volume() == pytest.approx(volume * (1.3 * 3e-3) ** 3, rel=0.03)

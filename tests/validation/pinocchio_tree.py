@@ -134,10 +134,11 @@ class PinocchioTree:
                 parts.append(pin.Quaternion(pin.exp3(own)).coeffs())
                 rate[block, block] = pin.Jexp3(own)
             elif kind == "free":
-                swap = [3, 4, 5, 0, 1, 2]  # Pinocchio has [linear; angular]
-                twist = pin.Motion(own[swap])
-                parts.append(pin.SE3ToXYZQUAT(pin.exp6(twist)))
-                rate[block, block] = pin.Jexp6(twist)[:, swap]
+                turned = pin.exp3(own[:3])
+                parts.append(pin.SE3ToXYZQUAT(pin.SE3(turned, own[3:])))
+                # Pinocchio has [linear; angular], both in the frame of the body.
+                rate[start : start + 3, start + 3 : start + 6] = turned.T
+                rate[start + 3 : start + 6, start : start + 3] = pin.Jexp3(own[:3])
             else:
                 parts.append(own)
                 rate[block, block] = 1.0

@@ -187,7 +187,8 @@ impl<S> Reports<'_, S> {
         }
         let free = if stability == Stability::Neutral { system.free_coordinates() } else { vec![] };
         let (q, accuracy) = (system.state(), system.accuracy());
-        let report = StepReport { status, q, iterations, stability, accuracy, free: &free };
+        let reached = None;
+        let report = StepReport { status, q, iterations, stability, accuracy, reached, free: &free };
         self.sink.step(self.index, report, system);
         self.index += 1;
         self.iterations = system.budget.iterations();

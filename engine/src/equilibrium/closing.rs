@@ -25,6 +25,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let radius = self.options.trust_region.initial_radius;
         let model = self.system.model();
         let progress = model.forces.ties.progress();
+        let first = self.system.state().to_vec();
         self.system.forget_reactions();
         self.system.set_load(target);
         self.system.set_openings(0..0);
@@ -54,15 +55,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             }
             status
         };
-        match status {
-            Status::Stalled | Status::Diverged => {
-                self.system.set_load(target);
-                self.system.evaluate();
-                let open = self.system.largest_gap() > self.options.tolerance;
-                if open { Status::NotClosed } else { status }
-            }
-            _ => status,
-        }
+        let last = self.system.state().to_vec();
+        self.why_not_closed(status, target, &[&first, &last])
     }
 
     /// Closes some ties from the current state, with those before them closed and those after them not acting.

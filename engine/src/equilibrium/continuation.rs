@@ -6,6 +6,7 @@ use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
 use super::options::ContinuationOptions;
+use super::passage::Passage;
 use super::path::{PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
@@ -49,6 +50,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) unstable: bool,
     pub(super) work: Vec<f64>,
     pub(super) set_points: SetPoints,
+    /// What is known of ties along the path.
+    pub(super) passage: Passage,
     /// Slips that points with friction have in the state in which paths begin; none has slipped if empty.
     pub(super) start_slips: Vec<PathFriction>,
 }
@@ -92,6 +95,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             unstable: false,
             work: zeros(),
             set_points: SetPoints::new(inputs),
+            passage: Passage::default(),
             start_slips: vec![],
         }
     }
@@ -142,7 +146,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                     held = true;
                     if self.unstable { Status::Unstable } else { Status::Converged }
                 } else {
-                    self.follow_with_friction(target, step, sink)
+                    let status = self.follow_with_friction(target, step, sink);
+                    self.why_ended(status, target)
                 };
             } else {
                 status = Status::NotReached;
@@ -159,7 +164,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let free = self.system.free_coordinates();
             let accuracy = self.system.accuracy();
             let q = self.system.state();
-            let report = StepReport { status, q, iterations, stability, accuracy, free: &free };
+            let reached = self.reached_load(status);
+            let report = StepReport { status, q, iterations, stability, accuracy, reached, free: &free };
             sink.step(index, report, &self.system);
             if status.is_equilibrium() && self.system.has_friction() && !held {
                 self.end_friction_step();
@@ -174,13 +180,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
+        self.begin_passage();
         self.system.set_load(target);
         let radius = self.options.trust_region.initial_radius;
         let found = if self.system.has_ties() {
-            self.close_ties(target, step, sink)
+            let closed = self.close_ties(target, step, sink);
+            self.start_regular(closed)
         } else {
             self.find_stable(radius, step.tangent_reuse)
         };
+        self.passage.watched = self.system.has_ties();
         let status = self.hold(found, target, step, sink);
         self.unstable = status == Status::Unstable;
         status
@@ -211,9 +220,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         self.unstable = false;
         let mut lambda = 0.0;
+        let longest_turn = self.longest_turn();
         while lambda < 1.0 {
+            self.start_passage();
             self.start.copy_from_slice(self.system.state());
-            let ahead = control.target() - lambda;
+            let ahead = (control.target() - lambda).min(longest_turn);
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
             let to_end = self.predictor.branch_end();
             if control.is_at_end(to_end) && !control.ignores_ends() {
@@ -247,6 +258,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 self.unstable = false;
                 lambda = next;
                 self.swap_ends();
+            } else if self.meets_singular(next - lambda) {
+                if let Some(status) = self.ends_at_singular(lambda, &mut control) {
+                    return status;
+                }
             } else {
                 lambda = match self.pass_branch_end(lambda, next, step, sink, &mut control) {
                     Ok(lambda) => lambda,
@@ -333,6 +348,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
     /// Tries to move from the equilibrium in `start` over the sub-step `h` along the branch predicted. On
     /// success the state, factor, displacement and `velocity[1]` are those of the new equilibrium.
     fn correct(&mut self, h: f64, tolerance: CorrectorTolerance) -> bool {
+        self.passage.crossed = false;
         self.system.set_state(&self.start);
         if !self.corrector.correct(&mut self.system, &self.predictor, h, tolerance) {
             return false;
@@ -340,10 +356,14 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if self.system.is_lost(ZERO_EIGENVALUE.max(max_norm(self.system.residual()))) {
             return false;
         }
+        if !self.stays_regular() {
+            return false;
+        }
         self.arrive();
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
+            && self.has_no_corner(h)
     }
 
     /// Whether springs without contact make the tangent change fast with the state.

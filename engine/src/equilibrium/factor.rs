@@ -13,6 +13,8 @@ use crate::model::Model;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factor<const D: usize> {
     cholesky: Cholesky,
+    /// λ.
+    shift: f64,
     /// For a tangent in chain form, if the model has a long chain.
     chain: Option<ChainCholesky<D>>,
     /// Whether that was used last.
@@ -38,6 +40,7 @@ impl<const D: usize> Factor<D> {
         let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
         Self {
             cholesky: Cholesky::new(n),
+            shift: 0.0,
             chain,
             chained: false,
             general,
@@ -76,6 +79,7 @@ impl<const D: usize> Factor<D> {
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
         self.is_semidefinite = false;
+        self.shift = shift;
         if let Some(projected) = self.projected.as_deref().filter(|_| self.is_projected) {
             self.chained = false;
             return match &mut self.general {
@@ -93,6 +97,11 @@ impl<const D: usize> Factor<D> {
             (Some(chain), Some(matrix)) => chain.factorise(matrix, shift),
             _ => self.cholesky.factorise(tangent, scale, shift),
         }
+    }
+
+    /// λ of the current factor.
+    pub fn shift(&self) -> f64 {
+        self.shift
     }
 
     /// The coordinate whose pivot vanished, to rounding, in the last factorisation.

@@ -55,6 +55,8 @@ pub struct StepReport<'a> {
     pub stability: Stability,
     /// How well forces balance.
     pub accuracy: Accuracy,
+    /// Where ties end the path, the load of the last equilibrium.
+    pub reached: Option<&'a [f64]>,
     /// Coordinates of the free motions.
     pub free: &'a [usize],
 }

@@ -19,7 +19,6 @@
 //! have to hold.
 
 use super::vector::dot;
-use crate::tolerances::DEPENDENT;
 
 /// The factorised gradients of the conditions, dimensionless.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +36,14 @@ pub(super) struct Projection {
 
 impl Projection {
     /// Factorises the gradients of conditions, given with their indices, in coordinates of these units.
-    pub fn factorise<'a>(&mut self, gradients: impl Iterator<Item = (usize, &'a [f64])>, units: &[f64]) {
+    ///
+    /// A condition depends on those before it if at most the fraction `least` of its gradient is independent.
+    pub fn factorise<'a>(
+        &mut self,
+        gradients: impl Iterator<Item = (usize, &'a [f64])>,
+        units: &[f64],
+        least: impl Fn(usize, &[f64]) -> f64,
+    ) {
         self.kept.clear();
         self.redundant.clear();
         for (k, gradient) in gradients {
@@ -47,7 +53,7 @@ impl Projection {
             let rank = self.kept.len();
             reflect(&self.mirrors[..rank], &mut self.row);
             let rest = dot(&self.row[rank..], &self.row[rank..]).sqrt();
-            if !(rest > DEPENDENT * length) {
+            if !(rest > least(k, gradient) * length) {
                 self.redundant.push(k);
                 continue;
             }
@@ -295,6 +301,7 @@ impl ProjectedMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tolerances::DEPENDENT;
 
     /// Numbers without a pattern.
     fn wave(i: usize, j: usize) -> f64 {
@@ -309,7 +316,7 @@ mod tests {
         let sum: Vec<f64> = (0..n).map(|i| gradients[0][i] - 2.0 * gradients[1][i]).collect();
         let rows = [&gradients[0][..], &sum, &gradients[1]];
         let mut projection = Projection::default();
-        projection.factorise(rows.into_iter().enumerate(), &vec![1.0; n]);
+        projection.factorise(rows.into_iter().enumerate(), &vec![1.0; n], |_, _| DEPENDENT);
         assert_eq!((projection.kept(), projection.redundant()), (&[0, 1][..], &[2][..]));
         let h: Vec<f64> = (0..n * n)
             .map(|m| if m % (n + 1) == 0 { 8.0 } else { wave(m / n, 3) * wave(m % n, 3) })

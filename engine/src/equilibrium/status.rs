@@ -26,11 +26,13 @@ pub enum Status {
     Cancelled = 9,
     /// Some tie could not be closed.
     NotClosed = 10,
+    /// Conditions of ties depend on one another here, though not nearby: a singular configuration.
+    Singular = 11,
 }
 
 impl Status {
     /// All statuses, by code.
-    pub const ALL: [Status; 11] = [
+    pub const ALL: [Status; 12] = [
         Status::Converged,
         Status::Unstable,
         Status::IterationLimit,
@@ -42,6 +44,7 @@ impl Status {
         Status::TimeLimit,
         Status::Cancelled,
         Status::NotClosed,
+        Status::Singular,
     ];
 
     /// The name used in results and records.
@@ -58,6 +61,7 @@ impl Status {
             Status::TimeLimit => "time-limit",
             Status::Cancelled => "cancelled",
             Status::NotClosed => "not-closed",
+            Status::Singular => "singular",
         }
     }
 

@@ -53,10 +53,14 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     pub(super) budget: Budget<'m>,
     /// With ties, their factorised gradients at the state evaluated last.
     pub(super) projection: Projection,
+    /// The conditions that were independent at the last equilibrium of a path; none before the first.
+    pub(super) independent: Vec<usize>,
     /// Whether ties act by penalties, with the reactions held, in place of exactly.
     pub(super) penalised: bool,
     /// Number of ties, the first ones, that act; all but while they are closed one after another.
     pub(super) acting: usize,
+    /// In a singular configuration, the share of each condition in the combination that vanishes.
+    weakest: Vec<f64>,
     /// The dimensionless gradient of Π on the motions that ties allow.
     pub(super) free_residual: Vec<f64>,
     /// What the reactions found last add to the energy, as the assembly has earlier ones.
@@ -96,8 +100,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             stiff_ratio,
             budget,
             projection: Projection::default(),
+            independent: vec![],
             penalised: false,
             acting: model.tie_count(),
+            weakest: vec![],
             free_residual: vec![],
             reaction_energy: 0.0,
             scratch: vec![],
@@ -318,6 +324,16 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         &applied[..self.model.inputs().len()]
     }
 
+    /// Takes the share of each condition of ties in the combination that vanishes in a singular configuration.
+    pub(super) fn set_weakest(&mut self, shares: Vec<f64>) {
+        self.weakest = shares;
+    }
+
+    /// These shares.
+    pub(super) fn weakest(&self) -> &[f64] {
+        &self.weakest
+    }
+
     /// Restores a state whose residual is known.
     pub(super) fn restore(&mut self, q: &[f64], residual: &[f64]) {
         self.q.copy_from_slice(q);
@@ -526,7 +542,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Static stability of the current tangent; its factor is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
-        if conservative && !self.is_singular() && self.factor.pivot_ratio() > REGULAR_PIVOTS {
+        let actual = !self.is_singular() && self.factor.shift() == 0.0;
+        if conservative && actual && self.factor.pivot_ratio() > REGULAR_PIVOTS {
             return Stability::Stable;
         }
         if conservative && self.is_singular() {

@@ -4,7 +4,7 @@ use super::general::lowest;
 use super::projection::ProjectedMatrix;
 use super::system::System;
 use crate::lie::LieGroup;
-use crate::tolerances::REDUNDANT_GAP;
+use crate::tolerances::{DEPENDENT, INDEPENDENT, REDUNDANT_GAP};
 use crate::tree::Shape;
 
 /// Stiffness of the penalties of ties, in units of that of the body itself.
@@ -26,11 +26,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     pub(super) fn project_residual(&mut self) {
         let (model, energy) = (self.model(), self.unit_energy());
         let places = model.forces.ties.reactions();
-        let System { data, projection, residual, free_residual, unit, acting, .. } = self;
+        let length = self.longest_body();
+        let System { data, projection, residual, free_residual, unit, acting, independent, .. } = self;
         data.update_ties(model);
+        let natural = &data.design.units.natural;
         let Some(ties) = &mut data.ties else { return };
         let acts = |k: usize| model.forces.ties.row(k).0 < *acting;
-        projection.factorise(ties.gradients().enumerate().filter(|(k, _)| acts(*k)), unit);
+        let was = |k: usize| independent.is_empty() || independent.contains(&k);
+        let least = |k: usize, gradient: &[f64]| {
+            let zero = DEPENDENT * if model.forces.ties.row(k).1 { 1.0 } else { length };
+            let vanishes = gradient.iter().zip(natural).all(|(g, u)| (g * u).abs() <= zero);
+            match was(k) {
+                _ if vanishes => f64::INFINITY,
+                true => DEPENDENT,
+                false => INDEPENDENT,
+            }
+        };
+        let rows = || ties.gradients().enumerate().filter(|(k, _)| acts(*k));
+        let first = rows().filter(|(k, _)| was(*k));
+        projection.factorise(first.chain(rows().filter(|(k, _)| !was(*k))), unit, least);
         let rank = projection.rank();
         projection.turn(residual);
         let mut reactions = residual[..rank].to_vec();
@@ -148,7 +162,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         if self.model().forces.ties.row(condition).1 { gap } else { gap / self.longest_body() }
     }
 
-    fn longest_body(&self) -> f64 {
+    /// Length of the longest body.
+    pub(super) fn longest_body(&self) -> f64 {
         let parameters = &self.data().design.geometry.parameters;
         let lengths = self.model().bodies.iter().map(|body| match &body.shape {
             Shape::Rod(rod) => parameters[self.model().rods[*rod].length],
@@ -220,6 +235,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         self.factor.solve_adjoint(by_state, by_reactions);
         by_state.iter_mut().zip(scale).for_each(|(b, s)| *b *= s);
         by_reactions.iter_mut().for_each(|d| *d *= root);
+    }
+
+    /// From now on, prefers conditions that are independent at the state evaluated last.
+    pub(super) fn keep_independent(&mut self) {
+        self.independent.clear();
+        self.independent.extend_from_slice(self.projection.kept());
+    }
+
+    /// The share of each tie in what becomes dependent in a singular configuration.
+    pub(crate) fn singular_shares(&self, out: &mut [f64]) {
+        out.fill(0.0);
+        for (k, share) in self.weakest().iter().enumerate() {
+            out[self.model().forces.ties.row(k).0] += share;
+        }
     }
 
     /// Number of redundant conditions of each tie at the state evaluated last.

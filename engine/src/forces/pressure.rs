@@ -31,8 +31,9 @@ pub struct PressureDescription {
     pub of_gauss: Vec<usize>,
     /// Share of each Gauss point's length that is under pressure.
     pub share: Vec<f64>,
-    /// Constant volume of the wall around the cavity inside those sections [m³].
-    pub enclosed: f64,
+    /// Volume of the wall around the cavity inside those sections in the reference state, along the length
+    /// of each Gauss point [m³].
+    pub enclosed: Vec<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -41,9 +42,9 @@ struct Pressure {
     input: usize,
     sections: Vec<Range<usize>>,
     of_gauss: Vec<usize>,
-    share: Vec<f64>,
-    /// Slot of the volume of what is enclosed with it.
-    enclosed: usize,
+    /// Slots of the shares and the volumes of each Gauss point.
+    share: Range<usize>,
+    enclosed: Range<usize>,
 }
 
 /// All pressures.
@@ -89,6 +90,10 @@ fn add_of_moments(
     }
 }
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 impl Volumes {
     /// The columns of one volume.
     fn of(&self, pressure: usize) -> &[(usize, f64)] {
@@ -107,7 +112,11 @@ impl Pressures {
             let field = |f: &str| format!("pressures.{}.{f}", pressure.name);
             let rod = tree.rod(&field("rod"), &pressure.rod)?;
             let points = tree.rods[rod].gauss.len();
-            for (what, found) in [("of_gauss", pressure.of_gauss.len()), ("share", pressure.share.len())] {
+            for (what, found) in [
+                ("of_gauss", pressure.of_gauss.len()),
+                ("share", pressure.share.len()),
+                ("enclosed", pressure.enclosed.len()),
+            ] {
                 if found != points {
                     let problem = format!("found {found} values, the rod has {points} Gauss points");
                     return Err(ModelError::new(field(what), problem));
@@ -118,18 +127,18 @@ impl Pressures {
             }
             finite(field("sections"), pressure.sections.as_flattened())?;
             finite(field("share"), &pressure.share)?;
-            finite(field("enclosed"), &[pressure.enclosed])?;
+            finite(field("enclosed"), &pressure.enclosed)?;
             let named = |(i, section)| tree.slot(format!("{}.moments[{i}]", pressure.name), None, section);
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
-            let enclosed =
-                tree.slot(format!("{}.enclosed", pressure.name), "m^3", &[pressure.enclosed]).start;
+            let share = tree.slot(format!("{}.share", pressure.name), None, &pressure.share);
+            let enclosed = tree.slot(format!("{}.enclosed", pressure.name), "m^3", &pressure.enclosed);
             tree.inputs.push(pressure.name.clone());
             built.push(Pressure {
                 rod,
                 input: tree.inputs.len() - 1,
                 sections,
                 of_gauss: pressure.of_gauss.clone(),
-                share: pressure.share.clone(),
+                share,
                 enclosed,
             });
         }
@@ -179,20 +188,21 @@ impl Pressures {
             let moments = Moments::new(&p[slot.clone()], s);
             // Work by area and by moments.
             let mut work = [0.0; 3];
-            let weight = factor * gauss.weight * pressure.share[g];
+            let (weight, share) = (factor * gauss.weight, p[pressure.share.start + g]);
             for (dof, mode, phi) in &gauss.columns {
-                let share = weight * phi * motion[*dof];
+                let moved = weight * phi * motion[*dof];
                 match mode {
-                    1 => work[2] += share,
-                    2 => work[1] -= share,
+                    1 => work[2] += moved,
+                    2 => work[1] -= moved,
                     3 => {
-                        work[0] += share * length;
-                        gradient[rod.length] += share * moments.value[0];
+                        work[0] += moved * length;
+                        gradient[rod.length] += share * moved * moments.value[0];
                     }
                     _ => {}
                 }
             }
-            add_of_moments(work, &moments, s, radius, slot, gradient);
+            gradient[pressure.share.start + g] += dot(&work, &moments.value);
+            add_of_moments(work.map(|each| share * each), &moments, s, radius, slot, gradient);
         }
     }
 
@@ -210,18 +220,20 @@ impl Pressures {
             out.coordinates[*dof] += factor * size;
         }
         self.add_parameter_work_of(index, at.tree, p, at.q, factor, &mut out.parameters);
-        out.parameters[pressure.enclosed] -= factor;
         let rod = &at.tree.rods[pressure.rod];
         for (g, gauss) in rod.gauss.iter().enumerate() {
             let radius = rod.radius.start + gauss.point;
             let slot = pressure.sections[pressure.of_gauss[g]].clone();
-            let (s, weight) = (p[radius], factor * gauss.weight * pressure.share[g]);
+            let (s, weight) = (p[radius], factor * gauss.weight);
+            let (share, enclosed) = (pressure.share.start + g, pressure.enclosed.start + g);
             let moments = Moments::new(&p[slot.clone()], s);
             let strain = &rod.reference_strain;
             let by_moments = [weight * strain[3], -weight * strain[2], weight * strain[1]];
-            let by_length = by_moments.iter().zip(moments.value).map(|(work, value)| work * value);
-            out.parameters[rod.length] += by_length.sum::<f64>();
-            let work = by_moments.map(|work| work * p[rod.length]);
+            let by_length = dot(&by_moments, &moments.value);
+            out.parameters[rod.length] += p[share] * by_length;
+            out.parameters[share] += by_length * p[rod.length] - factor * p[enclosed];
+            out.parameters[enclosed] -= factor * p[share];
+            let work = by_moments.map(|work| work * p[share] * p[rod.length]);
             add_of_moments(work, &moments, s, radius, slot, &mut out.parameters);
         }
     }
@@ -258,11 +270,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let length = p[rod.length];
             let first = volumes.columns.len();
             volumes.columns.extend(rod.dofs.clone().map(|dof| (dof, 0.0)));
-            let mut fixed = -p[pressure.enclosed];
+            let (shares, enclosed) = (&p[pressure.share.clone()], &p[pressure.enclosed.clone()]);
+            let mut fixed = -dot(shares, enclosed);
             for (g, gauss) in rod.gauss.iter().enumerate() {
                 let s = p[rod.radius.start + gauss.point];
                 let moments = Moments::new(&p[pressure.sections[pressure.of_gauss[g]].clone()], s).value;
-                let weight = gauss.weight * pressure.share[g];
+                let weight = gauss.weight * shares[g];
                 for (mode, strain) in rod.reference_strain.iter().enumerate() {
                     fixed += by_mode(moments, mode).map_or(0.0, |(size, _)| weight * length * size * strain);
                 }

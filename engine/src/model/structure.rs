@@ -93,6 +93,7 @@ fn joints<G: LieGroup<D, P>, const D: usize, const P: usize>(
             });
         }
     }
+    found.sort_by_key(|joint| joint.coordinate);
     found
 }
 

@@ -88,7 +88,7 @@ fn actuator(planar: bool, random: &[f64]) -> Description {
         sections: vec![moments(), moments()],
         of_gauss: vec![1, 0, 0, 1],
         share: vec![1.0, 0.7, 1.0, 0.0],
-        enclosed: 1e-6,
+        enclosed: vec![4e-7, 3e-7, 2e-7, 1e-7],
     });
     assert_eq!(sample_points(2, 2).len(), 7);
     d

@@ -155,7 +155,7 @@ fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>() {
 /// The same with an obstacle on a body that moves itself, at a place that follows its length.
 fn carried<G: LieGroup<D, P>, const D: usize, const P: usize>() {
     // Within the steps of the differences nothing touches anew, and no sphere passes from a side to an end.
-    let size = if D == 3 { 0.05 } else { 0.044 };
+    let size = if D == 3 { 0.06 } else { 0.045 };
     for surface in solids() {
         let mut d = sunk(D == 3);
         let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };

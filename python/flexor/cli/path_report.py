@@ -20,11 +20,12 @@ Columns = dict[str, list[str]]  # cells by heading
 
 def report(path: Path) -> None:
     """Print a path as a table, then explanations, warnings and events."""
-    from flexor.model import explained, why_not_closed, why_stalled
+    from flexor.model import explained, why_not_closed, why_singular, why_stalled
     from flexor.model.accuracy import accuracy
 
     known = accuracy(path)
-    columns = _loads(path, known) | _joints(path) | _contacts(path, known) | _device(path, known)
+    columns = _loads(path, known) | _joints(path) | _contacts(path, known)
+    columns |= _friction(path, known) | _device(path, known)
     columns["state"] = [_state(path, step) for step in range(len(path))]
     if path.events:
         columns["events"] = [
@@ -39,6 +40,8 @@ def report(path: Path) -> None:
         say(why_stalled(path))
     if "not-closed" in failed:
         say(why_not_closed(path))
+    if "singular" in failed:
+        say(why_singular(path))
     free = dict.fromkeys(name for names in path.free for name in names)
     if free:
         say(f"without stiffness: {', '.join(free)}")
@@ -102,6 +105,15 @@ def _contacts(path: Path, known: Accuracy) -> Columns:
         "contacts": [str(count) for count in path.touching],
         "tip force / N": _cells(path.tip_force, known.force),
     }
+
+
+def _friction(path: Path, known: Accuracy) -> Columns:
+    """Return how many of the points with friction that touch slide, and the energy lost."""
+    if path.friction is None:
+        return {}
+    counts = [f"{int(each['slides'].sum())} of {len(each)}" for each in path.friction]
+    lost = _cells(1e3 * path.dissipated, 1e3 * known.moment)
+    return {"sliding": counts, "dissipated / mJ": lost}
 
 
 def _device(path: Path, known: Accuracy) -> Columns:

@@ -23,8 +23,6 @@ from flexor.design.slot_map import TOLERANCE, Lowered, SlotMap, points_of_box, r
 from flexor.errors import InputError
 from flexor.model import units
 from flexor.model.schema import ModelFile, Rod
-from flexor.model.schema.cavity import quadrature
-from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.profile import Spline, Taper, spline_basis, surface
 from flexor.model.schema.section_geometry import gauss_points, geometries, is_made_of_fibres
 from flexor.model.structure import Structure
@@ -49,9 +47,8 @@ class SplineMap:
     _equal: SlotMap  # for sizes that are the same all along, of e variables
     _weights: Array  # (g, e, k), its variables at each place
     _offsets: Array  # (g, e)
-    _places: NDArray[np.intp]  # (m,), at which of them a parameter is; -1: the mean of some
+    _places: NDArray[np.intp]  # (m,), at which of them a parameter is
     _columns: NDArray[np.intp]  # (m,), which parameter of the map of equal sizes it is
-    _means: tuple[Array, ...]  # (g,), the share of each place, for each place of -1, -2 …
     _like: _Reduced  # to find the same for a model with other values
 
     def values(self, x: Array) -> Array:
@@ -98,14 +95,7 @@ class SplineMap:
 
     def _gathered(self, equal: Array) -> Array:
         """Pick the parameters (n, m) among those at every place, (n, g, w)."""
-        found = equal[:, np.maximum(self._places, 0), self._columns]
-        for i, shares in enumerate(self._means):
-            here = np.flatnonzero(self._places == -1 - i)
-            total = np.zeros((len(equal), len(here)))
-            for place in np.flatnonzero(shares):
-                total += shares[place] * equal[:, place, self._columns[here]]
-            found[:, here] = total
-        return found
+        return equal[:, self._places, self._columns]
 
 
 def spline_map(
@@ -275,28 +265,25 @@ def _assembled(model: Structure, reduced: _Reduced, equal: SlotMap) -> SplineMap
     own, other = model.engine.slots, reduced.model.engine.slots
     position = {int(column): i for i, column in enumerate(equal.indices)}
     found: dict[tuple[tuple[float, float], bool], int] = {}
-    indices, places, columns, means = [], [], [], []
+    indices, places, columns = [], [], []
 
     def at(x: float, end: float | None = None, slope: bool = False) -> int:
         return found.setdefault(((x, x if end is None else end), slope), len(found))
 
     where = _places_of_sections(model, reduced.model)
-    averaged: list[dict[int, float]] = []
     for name, (start, stop) in own.items():
         source, x = where.get(name, (name, None))
         first = other[source][0]
         body, _, part = name.partition(".")
         rod = file.bodies.get(body)
         strap = file.straps.get(body)
-        shares = _enclosed(model, body) if part == "enclosed" else None
-        if shares is not None:
-            averaged.append({at(x): share for x, share in shares})
+        points = _gauss_points(model, body) if part == "enclosed" else ()
         for i in range(stop - start):
             column = position.get(first + i)
             if column is None:
                 continue
-            if shares is not None:
-                place = -len(averaged)
+            if len(points):
+                place = at(points[i])
             elif x is not None:
                 place = at(x)
             elif isinstance(rod, Rod) and stop - start == rod.sample_count:
@@ -309,10 +296,6 @@ def _assembled(model: Structure, reduced: _Reduced, equal: SlotMap) -> SplineMap
             places.append(place)
             columns.append(column)
     weights, offsets = zip(*(reduced.place(ends, slope) for ends, slope in found), strict=True)
-    for each in averaged:
-        row = np.zeros(len(found))
-        row[list(each)] = list(each.values())
-        means.append(row)
     order = np.argsort(indices, kind="stable")
     return SplineMap(
         np.array(indices, dtype=np.intp)[order],
@@ -321,7 +304,6 @@ def _assembled(model: Structure, reduced: _Reduced, equal: SlotMap) -> SplineMap
         np.stack(offsets),
         np.array(places, dtype=np.intp)[order],
         np.array(columns, dtype=np.intp)[order],
-        tuple(means),
         reduced,
     )
 
@@ -348,15 +330,11 @@ def _places_of_sections(model: Structure, equal: Structure) -> dict[str, tuple[s
     return found
 
 
-def _enclosed(model: Structure, name: str) -> list[tuple[float, float]] | None:
-    """Return the share of each place in the volume of a cavity; None if it has none."""
-    pressure = model.file.actuators.get(name)
-    if not isinstance(pressure, Pressure):
-        return None
-    rod = model.file.rod(pressure.rod)
-    weights = quadrature(rod, pressure.span)
-    points = rod.sample_points[gauss_points(rod)]
-    return list(zip(points.tolist(), (weights / weights.sum()).tolist(), strict=True))
+def _gauss_points(model: Structure, pressure: str) -> list[float]:
+    """Return the Gauss points of the rod that a pressure acts on, X in [0, 1]."""
+    rod = model.file.rod(model.file.actuators[pressure].rod)
+    points: list[float] = rod.sample_points[gauss_points(rod)].tolist()
+    return points
 
 
 def _check(made: SplineMap, lowered: Lowered, x: Array, names: Sequence[str]) -> None:

@@ -17,6 +17,7 @@ from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, recorded_splines, with_splines
 from flexor.design.slot_map import SlotMap, refitted, slot_map
+from flexor.design.span_map import SpanMap, is_span
 from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, SlotValues
@@ -45,11 +46,15 @@ class Variables(ParameterSet):
         What those fields are that are loads.
     splines : dict
         Number of control values of each size that varies along a rod, by its field.
+    spans : dict
+        Of labels that are an end of the span of a pressure, the span, which end, and both ends in
+        the file.
     """
 
     kinds: tuple[Unit, ...] = ()
     load_fields: tuple[LoadVariable | None, ...] = ()
     splines: Mapping[str, int] = field(default_factory=dict)
+    spans: Mapping[str, tuple[str, int, tuple[float, ...]]] = field(default_factory=dict)
 
     def prepared(self, model: Model) -> Model:
         """Return the model that the designs are of, in which sizes that vary are splines."""
@@ -92,9 +97,9 @@ class Variables(ParameterSet):
     def designs(self, p: Array, model: Structure) -> tuple[SlotValues, NDArray[np.bool_]]:
         """Return the engine's parameters of designs; see `ParameterSet.designs`."""
         p = self._designs(p)
-        found, of_file = self._map(model), ~self._of_loads
-        values = found.values(np.ascontiguousarray(p[:, of_file]))
-        return SlotValues(found.indices, values), np.ones(len(p), dtype=bool)
+        found, x = self._map(model), np.ascontiguousarray(p[:, ~self._of_loads])
+        valid = found.valid(x) if isinstance(found, SpanMap) else np.ones(len(p), dtype=bool)
+        return SlotValues(found.indices, found.values(x)), valid
 
     @property
     def varied_inputs(self) -> tuple[str, ...]:
@@ -152,6 +157,10 @@ class Variables(ParameterSet):
             size, _, index = label.rpartition(f".{SPLINE}.")
             if load is not None:
                 made |= load.changes(value)
+            elif label in self.spans:
+                span, end, own = self.spans[label]
+                whole = made.setdefault(span, list(own))
+                whole[end] = value  # type: ignore[index]
             elif size in self.splines and index.isdigit():
                 # The whole size: the file may not have it as a spline yet.
                 whole = made.setdefault(size, {SPLINE: []})
@@ -160,7 +169,7 @@ class Variables(ParameterSet):
                 made[label] = kind.exact(value)
         return made
 
-    def _map(self, model: Structure) -> SlotMap | SplineMap:
+    def _map(self, model: Structure) -> SlotMap | SplineMap | SpanMap:
         found = self._maps.get(model)
         if found is None:
             chosen = ~self._of_loads
@@ -168,29 +177,65 @@ class Variables(ParameterSet):
             keys = [keys_of(label, model.file) for label in labels]
             found = self._refitted(model, keys)
             if found is None:
-                splines = any(spline_of(each, model.file) for each in keys)
-                make = spline_map if splines else slot_map
-                found = make(model, keys, labels, self.lower[chosen], self.upper[chosen])
+                found = _made(model, keys, labels, self.lower[chosen], self.upper[chosen])
             self._maps[model] = found
         return found
 
     def _refitted(
         self, model: Structure, keys: list[tuple[str, ...]]
-    ) -> SlotMap | SplineMap | None:
+    ) -> SlotMap | SplineMap | SpanMap | None:
         """Return the map of another model with other numbers: models differ in values only."""
         other = next(iter(list(self._maps.items())), None) if keys else None
-        if other is None:
-            return None
-        if isinstance(other[1], SplineMap):
-            return refitted_spline_map(other[1], model, keys)
-        return refitted(other[1], other[0], model, keys)
+        return None if other is None else _again(other[1], other[0], model, keys)
 
     @cached_property
-    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap | SplineMap]:
+    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap | SplineMap | SpanMap]:
         return WeakKeyDictionary()
 
     def __getstate__(self) -> dict[str, Any]:
         return {key: value for key, value in self.__dict__.items() if key != "_maps"}
+
+
+def _made(
+    model: Structure,
+    keys: Sequence[tuple[str, ...]],
+    labels: Sequence[str],
+    lower: Array,
+    upper: Array,
+) -> SlotMap | SplineMap | SpanMap:
+    """Find how the engine's parameters depend on fields."""
+    if any(map(is_span, keys)):
+        left = [i for i, each in enumerate(keys) if not is_span(each)]
+        others, names = [keys[i] for i in left], [labels[i] for i in left]
+        found = _made(model, others, names, lower[left], upper[left])
+        assert not isinstance(found, SpanMap)
+        return SpanMap.of(found, model, keys)
+    make = spline_map if any(spline_of(each, model.file) for each in keys) else slot_map
+    return make(model, keys, labels, lower, upper)
+
+
+def _again(
+    like: SlotMap | SplineMap | SpanMap,
+    known: Structure,
+    model: Structure,
+    keys: Sequence[tuple[str, ...]],
+) -> SlotMap | SplineMap | SpanMap | None:
+    """Find the same for another model with other numbers; None if it is made of others."""
+    if isinstance(like, SpanMap):
+        others = [each for each in keys if not is_span(each)]
+        found = _again(like.others, known, model, others) if others else like.others
+        return None if found is None else SpanMap.of(found, model, keys)  # type: ignore[arg-type]
+    if isinstance(like, SplineMap):
+        return refitted_spline_map(like, model, keys)
+    return refitted(like, known, model, keys)
+
+
+def _check_span(label: str, ends: tuple[float, float], source: str) -> None:
+    if not 0.0 <= ends[0] < ends[1] <= 1.0:
+        raise InputError(
+            f"{source}: {label} = {ends[0]:g}:{ends[1]:g}: the bounds of a place along a rod are "
+            "from 0 to 1."
+        )
 
 
 def variables(
@@ -231,6 +276,7 @@ def variables(
     model = _prepared(model, splines)
     file, seen = model.file, dict[tuple[str, ...], str]()
     lower, upper, start, kinds, loads = [], [], [], [], []
+    spans: dict[str, tuple[str, int, tuple[float, ...]]] = {}
     for label, pair in bounds.items():
         load = load_variable(label, model)
         keys = keys_of(label, file) if load is None else ("load", load.name)
@@ -240,6 +286,10 @@ def variables(
         value = value_of(keys, file) if load is None else _quantity(load)
         _, own = infer_quantity(getattr(value, "text", value), label)
         ends, shown = _ends(pair, label, own, isinstance(value, Quantity), source)
+        if load is None and is_span(keys):
+            _check_span(label, ends, source)
+            own_span = file.actuators[keys[1]].span  # type: ignore[union-attr]
+            spans[label] = (".".join(keys[:3]), int(keys[3]), tuple(map(float, own_span)))
         lower.append(ends[0])
         upper.append(ends[1])
         kinds.append(shown)
@@ -255,6 +305,7 @@ def variables(
         kinds=tuple(kinds),
         load_fields=tuple(loads),
         splines=splines,
+        spans=spans,
     )
 
 

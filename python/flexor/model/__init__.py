@@ -16,7 +16,7 @@ from flexor.model.model import Model
 from flexor.model.reading import parse, presets, read
 from flexor.model.results import Path, Paths, State
 from flexor.model.schema import ModelFile
-from flexor.model.status import MEANINGS, explained, why_not_closed, why_stalled
+from flexor.model.status import MEANINGS, explained, why_not_closed, why_singular, why_stalled
 
 __all__ = [
     "MEANINGS",
@@ -39,5 +39,6 @@ __all__ = [
     "presets",
     "read",
     "why_not_closed",
+    "why_singular",
     "why_stalled",
 ]

@@ -43,6 +43,7 @@ _PER_STEP = (
     "tie_loads",
     "tie_gaps",
     "tie_redundancy",
+    "tie_singularity",
 )
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)
@@ -100,6 +101,8 @@ def follow(
 
 def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, NDArray[Any]]:
     """Return the arrays of `Paths` from those of the engine, without the first ``lead`` steps."""
+    if lead:
+        _tell_first(found, lead)
     arrays: dict[str, NDArray[Any]] = {name: found[name][:, lead:] for name in _PER_STEP}
     codes, events = found["status"][:, lead:], found["events"]
     arrays["status"] = _STATUS[codes]
@@ -114,6 +117,13 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
     arrays["total_iterations"] = arrays["iterations"].sum(axis=1, dtype=np.int64)
     return arrays
+
+
+def _tell_first(found: Mapping[str, Any], lead: int) -> None:
+    """Let the first listed load tell why a path ended before it."""
+    failed = np.flatnonzero(found["status"][:, lead] == STATUS.index("not-reached"))
+    for name in (*_PER_STEP, "status", "stability"):
+        found[name][failed, lead] = found[name][failed, lead - 1]
 
 
 def _check_memory(count: int, steps: int, dof: int, threads: int) -> None:

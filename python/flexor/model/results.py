@@ -114,6 +114,8 @@ class Results:
         How far each tie is from being closed: a distance [m] and an angle [rad].
     tie_redundancy : (n, s, ties) array
         Number of conditions of each tie that follow from others before them in the file.
+    tie_singularity : (n, s, ties) array
+        Where the status is ``"singular"``, the share of each tie in what becomes dependent there.
     friction : (n, s) array of structured arrays
         Points with friction of each state; see `flexor.model.friction`. None without friction.
     dissipated : (n, s) array
@@ -187,6 +189,7 @@ class Results:
     tie_loads: Array = field(default=_NONE, metadata=_PATH)
     tie_gaps: Array = field(default=_NONE, metadata=_PATH)
     tie_redundancy: Array = field(default=_NONE, metadata=_PATH)
+    tie_singularity: Array = field(default=_NONE, metadata=_PATH)
     friction: NDArray[np.object_] = field(default=_NONE, metadata=_PATH)
     dissipated: Array = field(default=_NONE, metadata=_PATH)
     slots: Array = field(default=_NONE, metadata=_DESIGN)

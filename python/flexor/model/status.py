@@ -10,6 +10,11 @@ import numpy as np
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
+# Gaps up to this count as closed [m, rad].
+_CLOSED = 1e-7
+# Ties with at least this part of the largest share are named.
+_SHARE = 0.1
+
 # Status: meaning, remedy. The table in `docs/method.md` repeats them, which a test checks.
 MEANINGS = MappingProxyType(
     {
@@ -52,6 +57,12 @@ MEANINGS = MappingProxyType(
             "a tie could not be closed: it contradicts other ties or joints, or is out of reach",
             "correct its places, its axis or its rotation, or leave out what holds it open",
         ),
+        "singular": (
+            "conditions of ties depend on one another here but not nearby, as at the dead centre "
+            "of a crank or a change point of a linkage: reactions have no bound, and the motion "
+            "may go on in more than one way",
+            "stop before it, drive another joint, or guide the linkage past it by another link",
+        ),
     }
 )
 
@@ -65,14 +76,33 @@ def explained(status: str) -> str:
 def why_not_closed(path: Path) -> str:
     """Return which tie is open where a path could not be closed, and how far."""
     step = path.status.tolist().index("not-closed")
-    gaps = np.asarray(path.tie_gaps[step])
-    distance, angle = gaps.argmax(axis=0)
-    name = path.model.ties[distance]
-    found = [f"ties.{name} is open by {1e3 * gaps[distance, 0]:.3g} mm"]
-    if gaps[angle, 1] > 1e-6:
-        name = path.model.ties[angle]
-        found.append(f"ties.{name} is turned by {np.degrees(gaps[angle, 1]):.3g} deg")
-    return " and ".join(found)
+    distances, angles = np.asarray(path.tie_gaps[step]).T
+    found = []
+    if distances.max() > _CLOSED:
+        name = path.model.ties[distances.argmax()]
+        found.append(f"ties.{name} is open by {1e3 * distances.max():.3g} mm")
+    if angles.max() > _CLOSED or not found:
+        name = path.model.ties[angles.argmax()]
+        found.append(f"ties.{name} is turned by {np.degrees(angles.max()):.3g} deg")
+    return f"{' and '.join(found)}{_reached(path, step)}"
+
+
+def why_singular(path: Path) -> str:
+    """Return which ties become dependent where a path meets a singular configuration, and where."""
+    step = path.status.tolist().index("singular")
+    shares = np.asarray(path.tie_singularity[step])
+    most = np.argsort(-shares, kind="stable")
+    names = [f"ties.{path.model.ties[i]}" for i in most if shares[i] >= _SHARE * shares.max()]
+    verb = "becomes dependent on joints" if len(names) == 1 else "become dependent on one another"
+    return f"{' and '.join(names)} {verb}{_reached(path, step)}"
+
+
+def _reached(path: Path, step: int) -> str:
+    """Return up to where a path was followed; nothing if it ends at its first load."""
+    loads = np.asarray(path.applied[step])
+    if step == 0 or not np.isfinite(loads).all():
+        return ""
+    return f"; the path ends at {path.model.show_loads(loads)}"
 
 
 def why_stalled(path: Path) -> str:

@@ -23,7 +23,7 @@ CM = 100.0
 LIGHT, SHADE = np.array([-0.4, -0.7, 0.6]), 0.55
 # How far straps are drawn towards the eye, since triangles are sorted by their middles [m].
 NEARER = 2e-3
-_HIDDEN = ("chamber", "line", "obstacle")
+_HIDDEN = ("chamber", "line", "obstacle", "tie")
 
 
 def solid_colours(scenes: list[Scene]) -> dict[str, ColorType]:

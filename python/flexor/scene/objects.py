@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 
-Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "obstacle"]
+Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "tie", "obstacle"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class Object:
     Attributes
     ----------
     name : str
-        Of the body, strap, spring, actuator or obstacle.
+        Of the body, strap, spring, tie, actuator or obstacle.
     kind : str
         What it is.
     part : str

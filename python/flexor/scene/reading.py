@@ -19,6 +19,7 @@ from flexor.scene.rods import Swept, chambers, lines, rod_objects
 from flexor.scene.scale import Scale
 from flexor.scene.springs import spring_objects
 from flexor.scene.straps import strap_objects
+from flexor.scene.ties import tie_objects
 
 if TYPE_CHECKING:
     from flexor.model import Path
@@ -39,7 +40,7 @@ class Scene:
     path : Path
         The equilibria.
     objects : list of Object
-        Meshes of rods, links, chambers, straps, springs and obstacles, each at every step.
+        Meshes of rods, links, chambers, straps, springs, obstacles and ties, each at every step.
     scales : dict of Scale
         Colour scale of each field that there is, the same at every step.
     """
@@ -100,6 +101,7 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
     objects += strap_objects(path, rods, frames, shown)
     objects += spring_objects(path, frames, shown)
     objects += obstacle_objects(path, frames, objects, shown)
+    objects += tie_objects(path, frames, shown)
     scales = {}
     for name, (label, unit, signed) in _FIELDS.items():
         values = [each.fields[name] for each in objects if name in each.fields]

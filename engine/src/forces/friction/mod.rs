@@ -50,7 +50,7 @@ pub(crate) struct FrictionMemory<const P: usize> {
 }
 
 /// Slip beyond the limit in a step, as a fraction of the elastic slip, from which on a point slides.
-const SLIDING: f64 = 1e-6;
+const SLIDING: f64 = 1e-3;
 
 /// Friction at one point of a state.
 #[derive(Clone, Debug)]

@@ -115,6 +115,22 @@ impl<const P: usize> Ties<P> {
         (self.rows[row].tie, matches!(self.rows[row].condition, Condition::About { .. }))
     }
 
+    /// The conditions of a tie; if it is driven, what drives it is the last one.
+    pub fn rows(&self, tie: usize) -> Range<usize> {
+        self.ties[tie].rows.clone()
+    }
+
+    /// Whether a load prescribes a motion of a tie.
+    pub fn is_driven(&self, tie: usize) -> bool {
+        self.ties[tie].drive.is_some()
+    }
+
+    /// The input of each driven motion, and whether it is a rotation.
+    pub fn drives(&self) -> impl Iterator<Item = (usize, bool)> {
+        let drives = self.ties.iter().filter_map(|tie| tie.drive.as_ref());
+        drives.map(|drive| (drive.input, drive.twist[..3].iter().any(|x| *x != 0.0)))
+    }
+
     /// Place of the progress of closing among the loads: 0 as it begins, 1 where it is done.
     pub fn progress(&self) -> usize {
         self.inputs

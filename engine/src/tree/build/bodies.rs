@@ -161,9 +161,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
                 let names = ["theta_x", "theta_y", "theta_z", "x", "y", "z"];
                 let twist =
                     |m: Mode| (Vector::<D>::unit(G::axis(m).unwrap_or(0)), names[m.index()], m.is_angular());
-                vec![G::AXES.into_iter().map(twist).collect()]
+                let (turns, moves): (Vec<Mode>, Vec<Mode>) =
+                    G::AXES.into_iter().partition(|mode| mode.is_angular());
+                [turns, moves].map(|modes| modes.into_iter().map(twist).collect()).into()
             }
         };
+        // A free body is moved before it is turned, so that it may be anywhere after any turn.
+        let moves_first = joint.kind == JointKind::Free;
         let count: usize = groups.iter().map(Vec::len).sum();
         let lengths = [
             ("stiffness", joint.stiffness.len()),
@@ -197,8 +201,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         };
         let slots = self.slot(format!("{name}.joint_stiffness"), unit, &stiffness);
 
-        let mut frame = parent;
         let mut k = 0;
+        let mut motions = vec![];
         for group in groups {
             let start = self.joint_columns.len();
             for (twist, label, angular) in group {
@@ -224,10 +228,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
                 });
                 k += 1;
             }
-            let columns = start..self.joint_columns.len();
-            frame = self.push_frame(frame, body, Motion::Joint(columns), format!("{name}.joint"));
+            motions.push(Motion::Joint(start..self.joint_columns.len()));
         }
-        Ok(frame)
+        if moves_first {
+            motions.reverse();
+        }
+        let push = |frame, motion| self.push_frame(frame, body, motion, format!("{name}.joint"));
+        Ok(motions.into_iter().fold(parent, push))
     }
 
     /// The twist of a unit rotation about, or translation along, `axis`.

@@ -51,30 +51,57 @@ def lower_cavity(
         "sections": acting.tolist(),
         "of_gauss": of_gauss,
         "share": share.tolist(),
-        "enclosed": float(np.cumsum(weights * share * float(rod.length) * swept)[-1]),
+        "enclosed": (weights * float(rod.length) * swept).tolist(),
     }
 
 
-def quadrature(rod: Rod, span: tuple[float, float]) -> Array:
-    """Return the weights of a rod's Gauss points for an integral over a span, X in [0, 1]."""
-    share, weights = _shares(rod, span)
-    return share * weights
-
-
 def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the share of each Gauss point's weight in a span, and the weights.
+    """Return the share of each Gauss point's weight in a span, and the weights."""
+    _, weights = _rule(rod.gauss_points)
+    share, _ = shares(rod, np.array([span]))
+    return share[0], np.tile(weights / rod.elements, rod.elements)
 
-    Within an element that the span covers in part, the weights integrate over that part the
-    polynomials through the Gauss points.
+
+def shares(rod: Rod, spans: Array) -> tuple[Array, Array]:
+    """Return the share of each Gauss point's weight in spans, and its slopes by their ends.
+
+    Within an element that a span covers in part, the weights integrate over that part the
+    polynomials through the Gauss points. The slopes jump at element boundaries, where they are
+    those towards the inside of the span.
+
+    Parameters
+    ----------
+    rod
+        The rod, of g Gauss points.
+    spans : (n, 2) array
+        Begin and end, X in [0, 1].
+
+    Returns
+    -------
+    share, slopes : (n, g), (n, g, 2) arrays
     """
     nodes, weights = _rule(rod.gauss_points)
-    begin, end = (np.clip(x * rod.elements - np.arange(rod.elements), 0.0, 1.0) for x in span)
-    share = np.repeat((end - begin)[:, None], rod.gauss_points, axis=1)
-    for element in np.flatnonzero((share[:, 0] > 0.0) & (share[:, 0] < 1.0)):
-        low, covered = begin[element], end[element] - begin[element]
-        for k in range(rod.gauss_points):
-            others = np.delete(nodes, k)
-            inside = low + covered * nodes
-            values = np.prod((inside[:, None] - others) / (nodes[k] - others), axis=1)
-            share[element, k] = covered * (weights @ values) / weights[k]
-    return share.ravel(), np.tile(weights / rod.elements, rod.elements)
+    inside = spans[:, None, :] * rod.elements - np.arange(rod.elements)[None, :, None]
+    ends = np.clip(inside, 0.0, 1.0)  # (n, elements, 2)
+    integral = np.zeros((*ends.shape, rod.gauss_points))
+    for node, weight in zip(nodes, weights, strict=True):
+        integral += weight * _basis(nodes, ends * node)
+    integral *= ends[..., None]
+    share = (integral[:, :, 1] - integral[:, :, 0]) / weights
+    covered = (ends[:, :, 1] - ends[:, :, 0])[..., None]
+    share = np.where((covered == 0.0) | (covered == 1.0), covered, share)
+    partly = np.stack([(inside[..., 0] >= 0.0), (inside[..., 1] > 0.0)], axis=-1)
+    partly &= np.stack([(inside[..., 0] < 1.0), (inside[..., 1] <= 1.0)], axis=-1)
+    slopes = rod.elements * np.where(partly[..., None], _basis(nodes, ends) / weights, 0.0)
+    slopes[:, :, 0] *= -1.0
+    n = len(spans)
+    return share.reshape(n, -1), np.moveaxis(slopes, 2, 3).reshape(n, -1, 2)
+
+
+def _basis(nodes: Array, x: Array) -> Array:
+    """Return the Lagrange polynomials of nodes at points (...), (..., k)."""
+    found = np.ones((*x.shape, len(nodes)))
+    for k, node in enumerate(nodes):
+        for other in np.delete(nodes, k):
+            found[..., k] *= (x - other) / (node - other)
+    return found

@@ -107,9 +107,10 @@ class SphericalJoint(Table):
 
 
 class FreeJoint(Table):
-    """Arbitrary rigid motion, with its twist as coordinates: three rotations, three translations.
+    """Arbitrary rigid motion: a translation, and then a rotation with its vector as coordinates.
 
-    In a planar model: one rotation, about y, and two translations.
+    Its coordinates are three rotations and three translations, in a planar model one rotation,
+    about y, and two translations.
     """
 
     kind: Literal["free"]

@@ -10,6 +10,7 @@ Flexor.colours = {
   line: "#d55e00",
   strap: "#cc79a7",
   spring: "#009e73",
+  tie: "#cc79a7",
   obstacle: "#8f979e",
 };
 // Series of plots (Okabe and Ito); the page's style has darker and lighter ones of the same hue.
