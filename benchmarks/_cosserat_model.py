@@ -22,7 +22,6 @@ Json = dict[str, Any]
 GAUSS_POINTS = 3  # the second is the middle of an element
 SAMPLES = GAUSS_POINTS + 1  # of an element, with one of its ends
 MODES = ("twist_x", "bend_y", "bend_z", "extend_x", "shear_y", "shear_z")
-JOINTS = {"clamped": "fixed", "pinned": "universal"}
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,7 @@ def build(rod: Any, gravity: Sequence[float], n_elements: int) -> tuple[Model, d
 def _body(rod: Any, own: Shape, n_elements: int) -> Json:
     if rod.start_motion is not None:
         raise NotImplementedError("the start of a rod is driven: only its end can be")
-    if rod.start.value not in JOINTS:
+    if rod.start.value == "free":
         raise NotImplementedError("the start of a rod is free: only its end can be")
     young, shear = rod.material.youngs_modulus, rod.material.shear_modulus
     return {
@@ -157,13 +156,19 @@ def _body(rod: Any, own: Shape, n_elements: int) -> Json:
         ),
         "poisson_ratio": young / (2.0 * shear) - 1.0,
         "density": systems.si(rod.material.density, "kg/m^3"),
-        # Of a pin no spin: the rod is the same all round, and would roll without resistance.
-        "joint": {"kind": JOINTS[rod.start.value]},
+        "joint": {"kind": _joint(rod)},
         "placement": {
             **systems.vector(own.nodes[0], "m"),
             "rotation": systems.vector(rotation_vector(own.base), "rad"),
         },
     }
+
+
+def _joint(rod: Any) -> str:
+    if rod.start.value == "clamped":
+        return "fixed"
+    # Only a clamped end holds the spin of a pinned rod, which is the same all round.
+    return "spherical" if rod.end.value == "clamped" else "universal"
 
 
 def _tie(rod: Any, own: Shape) -> Json:

@@ -160,6 +160,15 @@ def test_a_driven_end_turns_and_slides(rods: ModuleType) -> None:
     assert np.arctan2(-across[-1, 1], across[-1, 2]) == pytest.approx(1.9, rel=1e-6)
 
 
+def test_a_pinned_rod_spins_with_its_clamped_end(rods: ModuleType) -> None:
+    rod = replace(twisted(1.0, 0.5), start=Condition.PINNED)
+    model, start = rods.build(rod, (0.0, 0.0, 0.0), 10)
+    path = model.equilibrium(np.array([0.5]), start=start)
+    _, across = rods.placed(path[-1])
+    expected = [(0.0, -np.sin(0.5), np.cos(0.5))] * 10
+    np.testing.assert_allclose(across, expected, atol=1e-9)
+
+
 def test_what_is_not_static_or_not_modelled_is_refused(rods: ModuleType) -> None:
     with pytest.raises(NotImplementedError, match="start of a rod is free"):
         rods.build(replace(twisted(1.0, 1.0), start=Condition.FREE), (0.0, 0.0, 0.0), 5)
