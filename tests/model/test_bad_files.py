@@ -115,9 +115,15 @@ def test_the_unmodified_file_is_valid() -> None:
         ),
         (
             'first = "suit"',
-            'first = "suit"\nfriction = 0.3',
-            'contacts.skin has an unknown key "friction": expected one of "first", "second", '
-            '"shape", "stiffness", "stiffness_per_length", "skip", "tip_spheres".',
+            'first = "suit"\ndamping = 0.3',
+            'contacts.skin has an unknown key "damping": expected one of "first", "second", '
+            '"shape", "stiffness", "stiffness_per_length", "skip", "tip_spheres", "friction", '
+            '"stiffness_ratio".',
+        ),
+        (
+            'first = "suit"',
+            'first = "suit"\nfriction = -0.3',
+            "contacts.skin.friction is -0.3: it must be at least 0.0.",
         ),
         # missing keys and tables
         ('length = "4 cm"\n', "", f"bodies.bone.length is missing: {LENGTH}."),

@@ -32,6 +32,7 @@ class AnalyticModel:
     inputs = ("chamber",)
     input_dimensions: ClassVar = {"chamber": FORCE}
     first_spheres = 42
+    frictions = ()
     geometry_indices = np.arange(3)
     engine = SimpleNamespace(outputs={"joints": (0, 3), "tip_force": (3, 4)})
 

@@ -74,7 +74,7 @@ class Material(Table):
     def _check_names(cls, data: object) -> object:
         """Check that constants are of the kind, before what they are, which may say less."""
         kind = data.get("kind") if isinstance(data, Mapping) else None
-        if not isinstance(data, Mapping) or kind not in materials.KINDS:
+        if not (isinstance(data, Mapping) and isinstance(kind, str) and kind in materials.KINDS):
             return data
         own = materials.KINDS[kind]
         for key in dict.fromkeys(key for each in materials.KINDS.values() for key in each):
