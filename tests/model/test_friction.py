@@ -11,7 +11,7 @@ import pytest
 import flexor
 from flexor.design import variables
 from flexor.errors import InputError
-from flexor.model import Model, parse
+from flexor.model import Model, parse, why_stalled
 from flexor.model.derivatives import differentiate, last_step
 
 SLEDGE = """
@@ -254,3 +254,35 @@ def test_friction_balances_the_other_forces() -> None:
     other = engine.residual(path.parameters, q, path.loads[-1])
     assert np.abs(other).max() > 1e-3
     np.testing.assert_allclose(other, work, atol=1e-8 * np.abs(other).max() + 1e-9)
+
+
+WEDGE = """
+name = "wedge"
+planar = true
+[bodies.strut]
+kind = "link"
+length = "1 cm"
+radius = "1 cm"
+placement = { z = "1 cm" }
+joint = { kind = "prismatic", axis = [0.94, 0.0, -0.34], stiffness = "1 N/m" }
+[spheres.foot]
+points = [{ body = "strut", at = "base" }]
+[obstacles.floor]
+kind = "half-space"
+normal = "z"
+spheres = ["foot"]
+stiffness = "20 kN/m"
+friction = 0.4
+[wrenches.push]
+body = "strut"
+at = "base"
+force = { x = "0.94 N", z = "-0.34 N" }
+input = true
+"""
+
+
+def test_a_step_in_which_friction_does_not_settle_says_so() -> None:
+    """Its residual is small: what it lacks are normal forces that stay as they are."""
+    path = Model(parse(WEDGE)).equilibrium(np.arange(0.0, 10.5))
+    assert "stalled" in path.status.tolist()
+    assert "did not settle" in why_stalled(path)

@@ -94,7 +94,10 @@ input = true
 
 
 @pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("loads", [[0, 80], [0, 55], [0, 49.99, 50.01], np.linspace(0, 80, 11)])
+@pytest.mark.parametrize(
+    "loads",
+    [[0, 80], [0, 55], [0, 49.99, 50.01], *(np.linspace(0, 80, n) for n in (11, 101, 301))],
+)
 def test_an_asymmetric_branch_point_is_found_at_its_load(side: int, loads: list[float]) -> None:
     # A bar held by a spring at 45° loses stability at kL/2; some sub-steps end exactly there. It
     # leans continuously to the side of the spring, and would fall to the other.

@@ -167,8 +167,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 }
             }
         }
-        if !(speed > 0.0 && speed.is_finite()) {
-            return BranchAhead::Unknown;
+        if !(speed > options.still && speed.is_finite()) {
+            return if self.loses_stability_at_rest(failed) {
+                BranchAhead::BranchPoint
+            } else {
+                BranchAhead::Unknown
+            };
         }
         let mut planes = PlaneSolver { bordered, plane: Hyperplane::default(), rate: &rate, options, target };
         let (q, slope) = (self.start.clone(), 1.0);
@@ -243,6 +247,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return BranchAhead::BranchPoint;
         }
         self.locate_limit_point(&mut planes, low, high)
+    }
+
+    /// Whether the state in `start` is an equilibrium at `failed` too, but no stable one.
+    fn loses_stability_at_rest(&mut self, failed: f64) -> bool {
+        self.system.set_load_between(&self.start_load, &self.rate, failed);
+        self.system.set_state(&self.start);
+        let size = self.system.evaluate();
+        self.system.evaluate_tangent();
+        size <= self.options.locate.residual && !is_stable(&mut self.system)
     }
 
     /// Locates the limit point between a point where the load rises and one where it falls.

@@ -47,7 +47,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             BranchAhead::BranchPoint => {
                 self.find_stable_at(failed, step)?;
                 if let Some((mut kind, at)) = self.classify_branch_point(from, failed) {
-                    if kind == EventKind::Snap && self.leave_continuously(failed) {
+                    if self.leave_continuously(failed) {
                         kind = EventKind::Bifurcation;
                     }
                     self.report(kind, at, failed, step, sink);

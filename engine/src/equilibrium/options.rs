@@ -178,6 +178,8 @@ options! {
         residual: f64 = 1e-8, Interval::from(0.0).to(1.0);
         /// Newton steps allowed for each of these states.
         max_iterations: usize = 8, Interval::from(1.0).to(1e3);
+        /// A branch whose displacement over the segment is smaller is at rest.
+        still: f64 = 1e-9, Interval::from(0.0).to(1.0);
         /// Largest displacement to the first of these states.
         longest: f64 = 0.15, Interval::above(0.0).to(1e3);
         /// Smallest displacement to the first of these states.

@@ -25,7 +25,7 @@ def report(path: Path) -> None:
 
     known = accuracy(path)
     columns = _loads(path, known) | _joints(path) | _contacts(path, known)
-    columns |= _friction(path, known) | _device(path, known)
+    columns |= _friction(path) | _device(path, known)
     columns["state"] = [_state(path, step) for step in range(len(path))]
     if path.events:
         columns["events"] = [
@@ -107,12 +107,13 @@ def _contacts(path: Path, known: Accuracy) -> Columns:
     }
 
 
-def _friction(path: Path, known: Accuracy) -> Columns:
+def _friction(path: Path) -> Columns:
     """Return how many of the points with friction that touch slide, and the energy lost."""
     if path.friction is None:
         return {}
     counts = [f"{int(each['slides'].sum())} of {len(each)}" for each in path.friction]
-    lost = _cells(1e3 * path.dissipated, 1e3 * known.moment)
+    reached = np.isfinite(path.q).all(axis=1)
+    lost = [number(x) for x in np.where(reached, 1e3 * path.dissipated, np.nan).tolist()]
     return {"sliding": counts, "dissipated / mJ": lost}
 
 

@@ -31,8 +31,9 @@ MEANINGS = MappingProxyType(
         ),
         "stalled": (
             "the energy cannot be reduced further, but forces do not balance: scales too far apart "
-            "for double precision",
-            "check units, and reduce differences of many orders of magnitude between stiffnesses",
+            "for double precision, or normal forces and friction that do not settle",
+            "check units, and reduce differences of many orders of magnitude between stiffnesses; "
+            "with friction, use other load steps or a smaller coefficient",
         ),
         "diverged": (
             "the energy is not finite, or no acceptable step was found",
@@ -109,8 +110,13 @@ def why_stalled(path: Path) -> str:
     """Return how far forces are from balance where a path stalled, and the largest stiffness."""
     step = path.status.tolist().index("stalled")
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
-    said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
     model = path.model
+    if model.frictions and residual <= tolerance:
+        return (
+            "normal forces and friction did not settle: renewed normal forces change the state in "
+            "every round, as where friction presses its own contact"
+        )
+    said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
     file, slots = model.file, model.engine.slots
     names = [("contacts", name) for name in file.contacts]
     names += [("springs", name) for name in file.springs]
