@@ -249,6 +249,7 @@ def slot_map(
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
     sampled = _Sampled(lowered, middle, half)
     # A few points suffice for most files; others take more besides them.
+    few = _enough(most)
     for count in _rounds(most):
         u, samples = sampled.first(count)
         for pattern in left:
@@ -262,17 +263,18 @@ def slot_map(
                     placed = np.array([position[int(column)] for column in columns[good]])
                     fits.append(_Fit(placed, *_trimmed(powers, coefficients[:, good]), form))
                     left[pattern] = columns[~good]
+        for pattern, columns in left.items():
+            # No polynomial, but rounding of a zero that differs from file to file.
+            zero = np.abs(samples[:, columns]).max(axis=0, initial=0.0) <= 1e4 * noise[columns]
+            if count >= few and zero.any():
+                places = np.array([position[int(column)] for column in columns[zero]])
+                powers = np.zeros((1, k), dtype=np.intp)
+                fits.append(_Fit(places, powers, centre[None, columns[zero]], "polynomial"))
+                left[pattern] = columns[~zero]
         left = {pattern: columns for pattern, columns in left.items() if columns.size}
         if not left:
             break
     for pattern, columns in left.items():
-        # No polynomial, but rounding of a zero that differs from file to file.
-        largest = np.abs(samples[:, columns]).max(axis=0)
-        if (largest <= 1e4 * noise[columns]).all():
-            places = np.array([position[int(column)] for column in columns])
-            powers = np.zeros((1, k), dtype=np.intp)
-            fits.append(_Fit(places, powers, centre[None, columns], "polynomial"))
-            continue
         which = ", ".join(f'"{names[i]}"' for i in pattern)
         raise InputError(
             f"{which} cannot be varied together over these ranges: "
@@ -398,13 +400,18 @@ class _Sampled:
             return None
 
 
+def _enough(variables: int) -> int:
+    """Return how many points polynomials of degree 3 take, or of one variable of any degree."""
+    return max((3 * comb(variables + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)
+
+
 def _rounds(variables: int) -> list[int]:
     """Return numbers of points, each about twice the one before.
 
     The last but few suffice for polynomials of degree 3, the last for what is no polynomial but
     close to one, such as the shear of a section by its walls.
     """
-    counts = [max((3 * comb(variables + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)]
+    counts = [_enough(variables)]
     while counts[0] > _FIRST:
         counts.insert(0, (counts[0] + 1) // 2)
     most = min((3 * comb(variables + MAX_DEGREE, MAX_DEGREE) + 1) // 2, _MOST)
