@@ -242,9 +242,7 @@ def slot_map(
     position = {column: i for i, column in enumerate(every)}
     fits: list[_Fit] = []
     if constant:
-        places = np.array([position[column] for column in constant])
-        powers = np.zeros((1, k), dtype=np.intp)
-        fits.append(_Fit(places, powers, centre[None, constant], "polynomial"))
+        fits.append(_constant(constant, position, centre, k))
     most = max(len(pattern) for pattern in patterns)
     left = {pattern: np.array(members) for pattern, members in patterns.items()}
     sampled = _Sampled(lowered, middle, half)
@@ -267,9 +265,7 @@ def slot_map(
             # No polynomial, but rounding of a zero that differs from file to file.
             zero = np.abs(samples[:, columns]).max(axis=0, initial=0.0) <= 1e4 * noise[columns]
             if count >= few and zero.any():
-                places = np.array([position[int(column)] for column in columns[zero]])
-                powers = np.zeros((1, k), dtype=np.intp)
-                fits.append(_Fit(places, powers, centre[None, columns[zero]], "polynomial"))
+                fits.append(_constant(columns[zero].tolist(), position, centre, k))
                 left[pattern] = columns[~zero]
         left = {pattern: columns for pattern, columns in left.items() if columns.size}
         if not left:
@@ -400,6 +396,13 @@ class _Sampled:
             return None
 
 
+def _constant(columns: list[int], position: Mapping[int, int], centre: Array, k: int) -> _Fit:
+    """Return parameters that keep the value that they have in the middle of the box."""
+    places = np.array([position[column] for column in columns])
+    powers = np.zeros((1, k), dtype=np.intp)
+    return _Fit(places, powers, centre[None, columns], "polynomial")
+
+
 def _enough(variables: int) -> int:
     """Return how many points polynomials of degree 3 take, or of one variable of any degree."""
     return max((3 * comb(variables + 3, 3) + 1) // 2, 2 * MAX_DEGREE + 2)
@@ -408,8 +411,8 @@ def _enough(variables: int) -> int:
 def _rounds(variables: int) -> list[int]:
     """Return numbers of points, each about twice the one before.
 
-    The last but few suffice for polynomials of degree 3, the last for what is no polynomial but
-    close to one, such as the shear of a section by its walls.
+    Up to `_enough` for polynomials, and beyond for what is close to one, such as the shear of a
+    section by its walls.
     """
     counts = [_enough(variables)]
     while counts[0] > _FIRST:
