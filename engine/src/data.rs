@@ -273,6 +273,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         }
     }
 
+    /// Takes the conditions of ties to another state and other applied loads, with kinematics and nothing else.
+    pub(crate) fn move_ties(&mut self, model: &Model<G, D, P>, q: &[f64], applied: &[f64]) {
+        let Self { design, kinematics, ties, .. } = self;
+        kinematics.update(&model.tree, &design.geometry, q);
+        if let Some(ties) = ties {
+            ties.apply(applied);
+            ties.update(model, design, kinematics);
+        }
+    }
+
     /// Length of each actuator's path [m] at the state `q`.
     pub fn actuator_lengths(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
         model.forces.actuators.lengths(q, &self.design.forces.actuators)
@@ -295,8 +305,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Sum of the normal forces on each obstacle [N] at the last state evaluated.
     pub fn obstacle_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
-        let at = self.state(model, &[], &[]);
-        model.forces.obstacles.forces(&at, &self.assembly.forces.obstacles)
+        model.forces.obstacles.forces(&self.assembly.forces.obstacles)
     }
 
     /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are

@@ -97,6 +97,21 @@ def test_a_rod_that_is_a_little_longer_takes_the_regular_path(longer: float) -> 
         np.testing.assert_allclose(angles["block.theta"], np.arcsin(down), atol=1e-7)
 
 
+def test_arc_length_stops_at_change_points_and_turns_back_at_dead_centres() -> None:
+    path = slider_crank().equilibrium(np.radians([-60.0, -120.0]), follow="arc-length")
+    assert path.status[-1] == "singular" and path.converged[:-1].all()
+    assert np.degrees(path.applied[-1, 0]) == pytest.approx(-90.0, abs=2e-3)
+    assert "ties.motor and ties.rail become dependent" in why_singular(path)
+    regular = slider_crank(0.101).equilibrium(np.radians([-60.0, -120.0]), follow="arc-length")
+    assert regular.converged.all()
+    short = slider_crank(0.09).equilibrium(
+        np.radians([-60.0, -70.0]), follow="arc-length", max_iterations=200
+    )
+    assert short.status[-1] == "iteration-limit"
+    turned_back = np.degrees(short.applied[short.converged, 0])
+    assert turned_back.min() == pytest.approx(-np.degrees(np.arcsin(0.9)), abs=1e-3)
+
+
 PARALLEL = (0.05, 0.1, 0.05, 0.1)
 
 
@@ -215,8 +230,25 @@ def test_a_rod_that_is_too_short_leaves_the_smallest_gap(size: float) -> None:
     expected = (0.1 * np.sin(np.radians(70.0)) - 0.09) * size
     assert path.tie_gaps[1, 1, 0] == pytest.approx(expected, rel=1e-6)
     assert "ties.motor" not in why_not_closed(path)
-    # A turn further on the rod would reach, but not on the way.
-    stops_at(slider_crank(0.09, size), [-60.0, -120.0], -np.degrees(np.arcsin(0.9)))
+    # Further on the rod would reach, but not on the way, where the largest gap is.
+    end = -np.degrees(np.arcsin(0.9))
+    for loads in ([-60.0, -120.0], [-60.0, -64.0, -120.0], [-60.0, -410.0]):
+        path = slider_crank(0.09, size).equilibrium(np.radians(loads))
+        assert path.status.tolist()[-1] == "not-closed"
+        found = np.degrees(path.applied[-1, 0])
+        assert found == pytest.approx(end, abs=2e-3)
+        said = why_not_closed(path)
+        assert "ties.rail is open by" in said and "ties.motor" not in said
+        widest = (0.1 - 0.09) * size
+        assert path.tie_gaps[-1, 1, 0] == pytest.approx(widest, rel=0.15)
+
+
+def test_small_gaps_of_small_mechanisms_are_named() -> None:
+    # 1 nm of 1 mm is more than rounding.
+    far = tie("far", "pin", '"bar", at = "tip"', 'world = { x = "1.000001 mm" }')
+    path = model(link("bar", 0.001), far).equilibrium(np.zeros((1, 0)))
+    assert path.status.tolist() == ["not-closed"]
+    assert why_not_closed(path) == "ties.far is open by 1e-06 mm"
 
 
 def test_drives_that_contradict_one_another_are_named() -> None:

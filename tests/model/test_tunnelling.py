@@ -132,3 +132,45 @@ def test_commands_print_a_line(crossing: Path, capsys: pytest.CaptureFixture[str
     said = capsys.readouterr().err
     assert said.startswith('warning: contact "ab" may be missed: spheres of the rod "a" have')
     assert said.count("\n") == 1
+
+
+ROPE = """
+name = "rope"
+planar = true
+gravity = { z = "-9.81 m/s^2" }
+[bodies.rope]
+kind = "rod"
+length = "40 cm"
+radius = "5 mm"
+young_modulus = "0.1 MPa"
+poisson_ratio = 0.5
+density = "1000 kg/m^3"
+placement = { x = "-20 cm", z = "2 cm" }
+strain = { bend_y = "nodal_linear", extend_x = "nodal_linear" }
+elements = 20
+gauss_points = 2
+[spheres.rope]
+bodies = ["rope"]
+[obstacles.bar]
+kind = "cylinder"
+axis = "y"
+radius = "5 mm"
+spheres = ["rope"]
+stiffness = "1 kN/m"
+"""
+
+
+def test_a_rope_that_falls_through_a_bar(tmp_path: Path) -> None:
+    """Soft as it is, its first equilibrium hangs from its clamped end on this side of the bar."""
+    file = tmp_path / "rope.toml"
+    file.write_text(ROPE)
+    with pytest.warns(ModelWarning) as caught:
+        path = flexor.load(file).equilibrium()
+    assert path.frames()["rope"][-1, 2, 3] < -0.3
+    assert path.obstacle_forces()["bar"][0] == 0.0
+    (said,) = {str(each.message) for each in caught}
+    assert said.startswith('obstacle "bar" may have been passed: points of "rope" are on its other')
+    # From where it hangs beside the bar there is nothing to pass.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ModelWarning)
+        flexor.load(file).equilibrium(start=path)

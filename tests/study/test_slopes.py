@@ -116,6 +116,27 @@ def test_gradients_of_a_device_that_presses_on_an_obstacle() -> None:
     assert error[regular].max() <= 1e-6
 
 
+def test_gradients_by_place_and_size_of_an_obstacle_that_skins_press_on() -> None:
+    fields = {
+        "obstacles.cylinder.radius": ("2.8 cm", "3.2 cm"),
+        "obstacles.cylinder.point.x": ("5 cm", "5.4 cm"),
+        "obstacles.cylinder.point.z": ("-4.9 cm", "-4.6 cm"),
+        "ph_2.skin.thickness": ("1.5 mm", "2.5 mm"),
+        "ph_3.radius.tip": ("8 mm", "9 mm"),
+    }
+    problem = Problem.of(
+        flexor.load(EXAMPLE.with_name("grasp.toml")),
+        fields,
+        "maximise obstacle-force",
+        force={"chamber": ["0 kPa", "30 kPa", "60 kPa"]},
+        subject_to=["tip-force <= 1 N"],
+        options=TIGHT,
+    )
+    error, regular = _compare(problem, 2, 3)
+    assert regular.all()
+    assert error.max() <= 1e-6
+
+
 def test_gradients_of_a_pressure_that_is_found() -> None:
     """The volume of the cavity is given, in addition to that at rest."""
     model = flexor.load(EXAMPLE, changes={"actuators.chamber.control": "volume"})

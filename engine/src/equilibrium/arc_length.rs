@@ -8,7 +8,9 @@
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed, weighted_dot};
 use super::continuation::{Continuation, LoadStep};
 use super::options::{ArcLengthOptions, ContinuationOptions};
+use super::passage::{LARGEST_FALL, NEAREST};
 use super::path::{PathSink, StepReport};
+use super::singular::{Gradients, RelativeRates};
 use super::stability::Stability;
 use super::status::Status;
 use super::system::System;
@@ -45,6 +47,11 @@ struct ArcLength<'s, 'm, G, const D: usize, const P: usize> {
     /// w.
     weight: f64,
     plane: Hyperplane,
+    /// With ties, the gradients of their conditions at the point reached, and the relative rates at which
+    /// singular values of these change with the distance along the branch. Driven motions are unknown here, so
+    /// that dead centres, where they turn back, are no singular configurations.
+    gradients: Gradients,
+    rates: RelativeRates,
 }
 
 impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, D, P> {
@@ -61,7 +68,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
         let loads = if closed.is_empty() { loads } else { &closed };
         let Some(first) = loads.first() else { return };
-        let mut reports = Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, sink };
+        let mut reports =
+            Reports { tolerance: self.options.tolerance, index: 0, iterations: 0, reached: None, sink };
         self.system.budget.restart();
         self.system.set_state(q0);
         self.system.measure_units(loads);
@@ -84,6 +92,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         for run in runs(loads) {
             let mut arc = ArcLength::new(&mut self.system, &self.options, &run);
             if let Err(status) = arc.follow(&run, &mut reports) {
+                if status == Status::Singular {
+                    reports.reached = Some(self.system.input_loads().to_vec());
+                }
                 self.system.set_load(run.target);
                 reports.report(&mut self.system, Err(status));
                 return;
@@ -165,6 +176,8 @@ struct Reports<'s, S> {
     tolerance: f64,
     index: usize,
     iterations: usize,
+    /// The load at which a branch ends in a singular configuration.
+    reached: Option<Vec<f64>>,
     sink: &'s mut S,
 }
 
@@ -187,7 +200,7 @@ impl<S> Reports<'_, S> {
         }
         let free = if stability == Stability::Neutral { system.free_coordinates() } else { vec![] };
         let (q, accuracy) = (system.state(), system.accuracy());
-        let reached = None;
+        let reached = self.reached.as_deref();
         let report = StepReport { status, q, iterations, stability, accuracy, reached, free: &free };
         self.sink.step(self.index, report, system);
         self.index += 1;
@@ -210,6 +223,8 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
             rate: &run.rate,
             weight: 1.0,
             plane: Hyperplane { origin: vec![0.0; n], normal: vec![0.0; n], ..Hyperplane::default() },
+            gradients: Gradients::default(),
+            rates: RelativeRates::default(),
         }
     }
 
@@ -221,13 +236,15 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         // The step whose load would be the first listed one.
         let begin = run.listed[1] / here.tangent[here.q.len()];
         let mut length = begin;
+        self.look_ahead(&here)?;
         loop {
             if let Some(status) = self.system.budget.exhausted() {
                 return Err(status);
             }
             let Some(next) = self.step(&here, length, begin) else {
                 length *= 0.5;
-                if !(length > self.options.min_step * begin) {
+                let close = length * self.rates.fall > LARGEST_FALL;
+                if !(length > self.options.min_step * begin || close) {
                     return Err(Status::Stalled);
                 }
                 continue;
@@ -250,6 +267,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
             reports.report(self.system, Ok(stability));
             length *= (self.options.turn / self.angle(&here, &next)).clamp(0.5, 2.0);
             here = next;
+            self.look_ahead(&here)?;
         }
     }
 
@@ -269,10 +287,36 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         Point { q, multiplier: 0.0, tangent }
     }
 
+    /// Takes what is known of ties at the current point of the branch; fails in a singular configuration.
+    fn look_ahead(&mut self, here: &Point) -> Result<(), Status> {
+        if self.system.has_ties() {
+            self.rates = self.rates_at(here);
+            if self.rates.speed < NEAREST * self.rates.fall {
+                self.gradients.take(self.system);
+                let shares = self.gradients.weakest();
+                self.system.set_weakest(shares);
+                return Err(Status::Singular);
+            }
+        }
+        Ok(())
+    }
+
+    fn rates_at(&mut self, here: &Point) -> RelativeRates {
+        let (velocity, load) = here.tangent.split_at(here.q.len());
+        let rate: Vec<f64> = self.rate.iter().map(|r| r * load[0]).collect();
+        self.system.singular_rates(&rate, velocity, true)
+    }
+
     /// The point of the branch one step ahead; `None` where none on the same branch is found.
     fn step(&mut self, here: &Point, length: f64, begin: f64) -> Option<Point> {
+        if length * self.rates.fall > LARGEST_FALL {
+            return None;
+        }
         let ahead: Vec<f64> = here.tangent.iter().map(|t| length * t).collect();
         let next = self.solve_at(here, length, &ahead)?;
+        if self.system.has_ties() && !(length * self.rates_at(&next).rise <= LARGEST_FALL) {
+            return None;
+        }
         let turn = self.angle(here, &next);
         // At a corner the branch turns by the same angle for any step.
         (turn <= self.options.max_turn || length <= self.options.corner_step * begin).then_some(next)

@@ -7,7 +7,7 @@ use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
 use super::options::ContinuationOptions;
 use super::passage::Passage;
-use super::path::{PathSink, StepReport};
+use super::path::{Event, PathSink, StepReport};
 use super::predictor::Predictor;
 use super::same_branch::is_same_branch;
 use super::stability::Stability;
@@ -220,11 +220,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         self.unstable = false;
         let mut lambda = 0.0;
-        let longest_turn = self.longest_turn();
         while lambda < 1.0 {
-            self.start_passage();
+            if let Some(status) = self.start_passage() {
+                return status;
+            }
             self.start.copy_from_slice(self.system.state());
-            let ahead = (control.target() - lambda).min(longest_turn);
+            let ahead = (control.target() - lambda).min(self.longest_passage());
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
             let to_end = self.predictor.branch_end();
             if control.is_at_end(to_end) && !control.ignores_ends() {
@@ -263,10 +264,22 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                     return status;
                 }
             } else {
-                lambda = match self.pass_branch_end(lambda, next, step, sink, &mut control) {
+                let before = self.passage.watched.then(|| self.start.clone());
+                let mut heard = Heard { sink, events: 0 };
+                let reached = match self.pass_branch_end(lambda, next, step, &mut heard, &mut control) {
                     Ok(lambda) => lambda,
                     Err(status) => return status,
                 };
+                let silent = heard.events == 0;
+                match before.filter(|_| silent && self.may_have_passed(reached - lambda)) {
+                    Some(before) => {
+                        self.start = before;
+                        if let Some(status) = self.ends_at_singular(lambda, &mut control) {
+                            return status;
+                        }
+                    }
+                    None => lambda = reached,
+                }
             }
             if let Some(status) = self.system.budget.exhausted() {
                 return status;
@@ -363,7 +376,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
-            && self.has_no_corner(h)
+            && self.meets_no_branch(h)
     }
 
     /// Whether springs without contact make the tangent change fast with the state.
@@ -446,5 +459,22 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         } else {
             self.damped_newton.solve(&mut self.system, tolerance)
         }
+    }
+}
+
+/// Forwards everything, and counts events.
+struct Heard<'s, S> {
+    sink: &'s mut S,
+    events: usize,
+}
+
+impl<G, S: PathSink<G, D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Heard<'_, S> {
+    fn step(&mut self, index: usize, report: StepReport, system: &System<G, D, P>) {
+        self.sink.step(index, report, system);
+    }
+
+    fn event(&mut self, event: Event) {
+        self.events += 1;
+        self.sink.event(event);
     }
 }

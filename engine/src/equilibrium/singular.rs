@@ -11,7 +11,15 @@
 //!
 //! is that of the scalar product of the r-th compounds of both, r being the rank: rows that follow from
 //! others do no harm, and neither do the units of rows and columns. It becomes negative where a singular
-//! configuration is passed.
+//! configuration is passed on the same branch. On the way to the other branch that crosses it there, it does
+//! not: the determinant vanishes, but returns with the sign that it had. What shows both is the rate at which
+//! the singular values σ of J change along the path,
+//!
+//! ```text
+//! dσ/dλ = uᵀ (dJ/dλ) v.
+//! ```
+//!
+//! A sub-step h has to be short of where one would vanish, seen from either of its ends: h |dσ/dλ| < σ.
 
 use super::projection::Projection;
 use super::system::System;
@@ -23,10 +31,8 @@ use nalgebra::{DMatrix, DVector};
 const NEARBY: f64 = 1e-3;
 /// Singular values up to this count as zero on the way there.
 const ROUGH: f64 = 1e-5;
-/// Displacement over which the change of a singular value is taken.
+/// Displacement over which changes of singular values are taken.
 const DIFFERENCE: f64 = 1e-5;
-/// A singular configuration is looked for over this multiple of the displacement that failed.
-const AHEAD: f64 = 5.0;
 
 /// The gradients of the conditions at a state, dimensionless: by the length of the longest body or one
 /// radian, and by natural units of the coordinates.
@@ -84,28 +90,6 @@ impl Gradients {
         sign * factors.p().determinant::<f64>() > 0.0
     }
 
-    /// Whether a singular configuration is ahead of the state of these gradients, about as near as the
-    /// displacement `ahead`, which is dimensionless; leaves the system anywhere.
-    pub fn vanish_ahead<G: LieGroup<D, P>, const D: usize, const P: usize>(
-        &self,
-        system: &mut System<G, D, P>,
-        ahead: &[f64],
-    ) -> bool {
-        let natural = &system.data().design.units.natural;
-        let step: Vec<f64> =
-            ahead.iter().zip(system.units()).zip(natural).map(|((a, unit), u)| a * unit / u).collect();
-        let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(length > 0.0 && length.is_finite()) {
-            return false;
-        }
-        let back: Vec<f64> = step.iter().map(|x| -x * DIFFERENCE / length).collect();
-        system.move_naturally(&back);
-        system.evaluate();
-        let here = singular_value(&self.rows, self.rank);
-        let before = singular_value(&system.scaled_gradients(), self.rank);
-        here * DIFFERENCE < AHEAD * length * (before - here)
-    }
-
     /// The share of each condition in the combination whose gradient vanishes first.
     pub fn weakest(&self) -> Vec<f64> {
         let svd = self.rows.clone().svd(true, false);
@@ -118,19 +102,59 @@ impl Gradients {
     }
 }
 
-/// The singular value of this rank of a matrix; zero where there is none.
-fn singular_value(matrix: &DMatrix<f64>, rank: usize) -> f64 {
-    let mut values: Vec<f64> = matrix.singular_values().iter().copied().collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    rank.checked_sub(1).and_then(|last| values.get(last)).copied().unwrap_or(0.0)
-}
-
 /// Number of singular values of a matrix above a bound.
 fn rank(matrix: &DMatrix<f64>, bound: f64) -> usize {
     matrix.singular_values().iter().filter(|s| **s > bound).count()
 }
 
+/// Largest relative rates at which singular values change along a path.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RelativeRates {
+    /// Of the state, in natural units of its coordinates.
+    pub speed: f64,
+    /// Of one that falls.
+    pub fall: f64,
+    /// Of one that rises.
+    pub rise: f64,
+}
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
+    /// The relative rates of change of the singular values of the independent conditions at the equilibrium
+    /// evaluated last, for this rate of the load and velocity of the state, which is dimensionless: of their
+    /// derivatives by the state, and by driven motions if these are free.
+    pub(super) fn singular_rates(&mut self, rate: &[f64], velocity: &[f64], free: bool) -> RelativeRates {
+        let mut found = RelativeRates::default();
+        let drives = if free { self.driven_motions() } else { vec![] };
+        let gradients = |system: &Self| system.extended_gradients(&drives);
+        let here = gradients(self);
+        let natural = &self.data.design.units.natural;
+        let speeds = velocity.iter().zip(&self.unit).zip(natural).map(|((v, unit), u)| v * unit / u);
+        let speed = speeds.map(|v| v * v).sum::<f64>().sqrt();
+        if !(speed > 0.0 && speed.is_finite()) {
+            return found;
+        }
+        found.speed = speed;
+        let back = -DIFFERENCE / speed;
+        let moved = self.state().iter().zip(velocity).zip(&self.unit).map(|((q, v), u)| q + back * v * u);
+        let applied = self.data.ties.as_ref().map_or(vec![], |ties| ties.applied().to_vec());
+        let load: Vec<f64> = applied.iter().zip(rate).map(|(u, r)| u + back * r).collect();
+        let moved: Vec<f64> = moved.collect();
+        let (model, state) = (self.model, self.state().to_vec());
+        self.data.move_ties(model, &moved, &load);
+        let change = (&here - gradients(self)) / -back;
+        self.data.move_ties(model, &state, &applied);
+        let svd = here.svd(true, true);
+        let (Some(u), Some(v)) = (&svd.u, &svd.v_t) else { return found };
+        let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
+        order.sort_by(|i, j| svd.singular_values[*j].total_cmp(&svd.singular_values[*i]));
+        for i in order.into_iter().take(self.projection.rank()) {
+            let rate = (u.column(i).transpose() * &change * v.row(i).transpose())[0] / svd.singular_values[i];
+            found.fall = found.fall.max(-rate);
+            found.rise = found.rise.max(rate);
+        }
+        found
+    }
+
     /// ∇c of each condition at the state evaluated last, by the length of the longest body or one radian,
     /// and by natural units of the coordinates.
     pub(super) fn scaled_gradients(&self) -> DMatrix<f64> {
@@ -168,7 +192,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     fn drive_columns(&self, drives: &[(usize, f64)]) -> DMatrix<f64> {
         let ties = &self.model().forces.ties;
         let length = self.longest_body();
-        let at = self.data().state(self.model(), self.state(), self.load());
+        let applied = self.data.ties.as_ref().map_or(self.load(), |ties| ties.applied());
+        let at = self.data().state(self.model(), self.state(), applied);
         let mut columns = DMatrix::zeros(ties.row_count(), drives.len());
         for (column, (input, unit)) in drives.iter().enumerate() {
             let mut change = vec![0.0; self.load().len()];
@@ -182,6 +207,24 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         columns
     }
 
+    /// The inputs of driven motions with the unit of each: one radian or the length of the longest body.
+    fn driven_motions(&self) -> Vec<(usize, f64)> {
+        let length = self.longest_body();
+        let drives = self.model().forces.ties.drives();
+        drives.map(|(input, angular)| (input, if angular { 1.0 } else { length })).collect()
+    }
+
+    /// Derivatives of the conditions by the state and by these driven motions.
+    fn extended_gradients(&self, drives: &[(usize, f64)]) -> DMatrix<f64> {
+        let rows = self.scaled_gradients();
+        if drives.is_empty() {
+            return rows;
+        }
+        let (n, columns) = (rows.ncols(), self.drive_columns(drives));
+        let entry = |k, j| if j < n { rows[(k, j)] } else { columns[(k, j - n)] };
+        DMatrix::from_fn(rows.nrows(), n + drives.len(), entry)
+    }
+
     /// Whether the conditions are dependent at the current equilibrium but not at states nearby, to which
     /// ties may be driven. The state is kept.
     pub(super) fn is_singular_configuration(&mut self) -> bool {
@@ -192,16 +235,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         if own_rank == m {
             return false;
         }
-        let drives: Vec<(usize, f64)> = {
-            let length = self.longest_body();
-            let ties = &self.model().forces.ties;
-            ties.drives().map(|(input, angular)| (input, if angular { 1.0 } else { length })).collect()
-        };
-        let extended = |system: &Self| {
-            let (rows, columns) = (system.scaled_gradients(), system.drive_columns(&drives));
-            let entry = |k, j| if j < n { rows[(k, j)] } else { columns[(k, j - n)] };
-            DMatrix::from_fn(m, n + drives.len(), entry)
-        };
+        let drives = self.driven_motions();
+        let extended = |system: &Self| system.extended_gradients(&drives);
         let moved = |system: &mut Self, step: &DVector<f64>| {
             system.move_naturally(&step.as_slice()[..n]);
             let mut load = system.load().to_vec();

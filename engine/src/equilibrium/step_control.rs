@@ -16,8 +16,8 @@ pub(super) struct StepControl {
     predicted_end: Option<(f64, f64)>,
     /// Number of consecutive ends of the branch with a negligible jump.
     negligible_jumps: usize,
-    /// Whether the smallest sub-step has been made smaller.
-    refined: bool,
+    /// How often the smallest sub-step has been made smaller.
+    refined: usize,
 }
 
 /// After this number of consecutive negligible jumps, ends of the branch are ignored until sub-steps grow.
@@ -26,7 +26,7 @@ const MAX_NEGLIGIBLE_JUMPS: usize = 3;
 impl StepControl {
     pub fn new(options: StepOptions, min_step: f64, end_distance: f64) -> Self {
         let (rejected, predicted_end, negligible_jumps) = (f64::INFINITY, None, 0);
-        let refined = false;
+        let refined = 0;
         Self { options, min_step, end_distance, rejected, predicted_end, negligible_jumps, refined }
     }
 
@@ -74,13 +74,14 @@ impl StepControl {
         Some(lambda + (0.5 * (next - lambda)).max(self.min_step))
     }
 
-    /// Allows sub-steps that are smaller by this factor, once; `false` if it did before.
-    pub fn refine(&mut self, factor: f64) -> bool {
-        let first = !std::mem::replace(&mut self.refined, true);
-        if first {
+    /// Allows sub-steps that are smaller by this factor, at most so often; `false` after that.
+    pub fn refine(&mut self, factor: f64, most: usize) -> bool {
+        let allowed = self.refined < most;
+        if allowed {
+            self.refined += 1;
             self.min_step *= factor;
         }
-        first
+        allowed
     }
 
     /// Records that the sub-step to `next` succeeded.

@@ -44,7 +44,7 @@ impl Components {
             join(&mut touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str()));
         }
         for obstacle in &d.obstacles {
-            let touching = d.spheres.iter().filter(|group| obstacle.spheres.contains(&group.name));
+            let touching = d.spheres.iter().filter(|group| obstacle.groups().any(|name| *name == group.name));
             let spheres = touching.flat_map(|group| &group.spheres).map(|sphere| sphere.body.as_str());
             if let AttachmentDescription::Body { body, .. } = &obstacle.at {
                 join(&mut spheres.chain([body.as_str()]));

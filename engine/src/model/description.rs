@@ -9,7 +9,7 @@ pub use crate::forces::fibres::{
 };
 pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription};
 pub use crate::forces::friction::FrictionDescription;
-pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
+pub use crate::forces::obstacle::{ObstacleDescription, ObstacleSkinDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
 pub use crate::forces::tie::{TieDescription, TieDrive, TieKind};

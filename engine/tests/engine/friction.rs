@@ -34,6 +34,7 @@ fn block(planar: bool, spring: f64) -> Description {
         rotation: [0.0; 3],
         surfaces: vec![SurfaceDescription::Plane { normal: [0.0, 0.0, 1.0], distance: 0.0 }],
         stiffness: STIFFNESS,
+        skins: vec![],
     });
     d.frictions.push(FrictionDescription { name: "floor".into(), coefficient: MU, stiffness_ratio: RATIO });
     for (name, force) in [("press", [0.0, 0.0, -1.0]), ("pull", [1.0, 0.0, 0.0])] {

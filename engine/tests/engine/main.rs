@@ -1,5 +1,6 @@
 //! Tests of the engine as its users see it, in one binary: the engine's generic code is compiled once.
 
+mod change_points;
 mod derivatives;
 mod fibres;
 mod follower;

@@ -22,6 +22,7 @@ fn floor(spheres: &[&str], point: [f64; 3], normal: [f64; 3]) -> ObstacleDescrip
         rotation: [0.0; 3],
         surfaces: vec![SurfaceDescription::Plane { normal, distance: 0.0 }],
         stiffness: STIFFNESS,
+        skins: vec![],
     }
 }
 
@@ -191,6 +192,105 @@ fn derivatives_are_those_of_differences() {
 fn derivatives_of_obstacles_on_bodies_are_those_of_differences() {
     carried::<SE2, 3, 2>();
     carried::<SE3, 6, 3>();
+}
+
+/// The skins of both bodies instead of their spheres: flat and round ones.
+fn skinned(d: &mut Description) {
+    let count = |name: &str| d.spheres.iter().find(|group| group.name == name).unwrap().spheres.len();
+    let skin = |name: &str, roundness: f64| {
+        let weights = (0..count(name)).map(|i| 0.1 + 0.03 * i as f64).collect();
+        let mut caps = vec![0.0; count(name)];
+        caps[0] = 0.5;
+        ObstacleSkinDescription {
+            spheres: name.into(),
+            weights,
+            caps,
+            half_width: vec![0.005; count(name)],
+            half_width_multiple: vec![0.7; count(name)],
+            roundness,
+            crown: 2e-4,
+            stiffness: 3e4,
+            alignment: 0.3,
+        }
+    };
+    let skins = vec![skin("arm", 0.0), skin("hand", 1.0)];
+    d.obstacles[0].skins = skins;
+    d.obstacles[0].spheres = vec![];
+    d.obstacles[0].stiffness = 0.0;
+}
+
+fn differences_of_skins<G: LieGroup<D, P>, const D: usize, const P: usize>() {
+    for surface in solids() {
+        let mut d = sunk(D == 3);
+        skinned(&mut d);
+        d.obstacles[0].surfaces = vec![surface.clone()];
+        d.obstacles[0].at = AttachmentDescription::World { world: [0.22, 0.0, 0.03] };
+        d.obstacles[0].rotation = [0.0, 0.4, 0.0];
+        let checked = derivatives::<G, D, P>(&d, 0.05, |contacts| {
+            contacts.len() > 1 && contacts.iter().all(|contact| contact.pressure.is_some())
+        });
+        assert!(checked > 40, "{surface:?}");
+        let link = LinkDescription { length: 0.1, radius_base: 0.04, radius_tip: 0.02, density: 0.0 };
+        let mut joint = joint(JointKind::Free);
+        joint.stiffness = vec![1.0; D];
+        d.bodies.push(body("cup", None, [0.1, 0.0, 0.02], joint, ShapeDescription::Link(link)));
+        d.obstacles[0].at = AttachmentDescription::Body {
+            body: "cup".into(),
+            station: Station::Fraction(1.0),
+            offset: [0.02, 0.0, 0.01],
+            surface: [0.0, 0.0, 0.1],
+        };
+        let size = if D == 3 { 0.06 } else { 0.045 };
+        derivatives::<G, D, P>(&d, size, |contacts| !contacts.is_empty());
+    }
+}
+
+#[test]
+fn derivatives_of_skins_on_obstacles_are_those_of_differences() {
+    differences_of_skins::<SE2, 3, 2>();
+    differences_of_skins::<SE3, 6, 3>();
+}
+
+/// A round block that lies on the floor along its length, pressed down: half of the spheres at both ends and
+/// the cylinder between them, as for an elastic foundation that is integrated over the whole surface.
+#[test]
+fn a_round_body_presses_with_the_volume_of_its_overlap() {
+    let mut d = block(false);
+    let count = 41;
+    let stations = (0..count).map(|i| Station::Fraction(i as f64 / (count - 1) as f64));
+    d.spheres[0].spheres = stations.map(|station| sphere("block", station)).collect();
+    let middle = 1.0 / (count - 1) as f64;
+    let mut weights = vec![middle; count];
+    let mut caps = vec![0.0; count];
+    for end in [0, count - 1] {
+        weights[end] = 0.5 * middle;
+        caps[end] = 0.5;
+    }
+    let k = 1e7;
+    d.obstacles[0].spheres = vec![];
+    d.obstacles[0].skins = vec![ObstacleSkinDescription {
+        spheres: "foot".into(),
+        weights,
+        caps,
+        half_width: vec![0.0; count],
+        half_width_multiple: vec![1.0; count],
+        roundness: 1.0,
+        crown: 0.0,
+        stiffness: k,
+        alignment: 0.0,
+    }];
+    let model = Model::<SE3, 6, 3>::new(&d).unwrap();
+    let mut data = Data::new(&model);
+    let depth = 3e-4;
+    data.evaluate(&model, &[-0.01 - depth], &[0.0]);
+    let total: f64 = data.contact_forces(&model).iter().map(|contact| contact.force.norm()).sum();
+    // Of parabolas: the segment of a disc times the length, and the cap of a sphere.
+    let (radius, length) = (0.01, 0.05);
+    let segment = 4.0 / 3.0 * (2.0 * radius * depth).sqrt() * depth;
+    let expected = k * (segment * length + std::f64::consts::PI * radius * depth * depth);
+    assert!((total - expected).abs() < 1e-12 * expected, "{total} {expected}");
+    let on_obstacle = data.obstacle_forces(&model)[0];
+    assert!((on_obstacle - expected).abs() < 1e-12 * expected, "{on_obstacle}");
 }
 
 #[test]

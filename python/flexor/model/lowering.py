@@ -23,6 +23,7 @@ from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres, lower_fibres
 from flexor.model.schema.strain import MODES
 from flexor.model.schema.strap import Loop
+from flexor.model.schema.touched import lower_outsides
 from flexor.model.schema.vector import direction
 
 Json = dict[str, Any]
@@ -50,6 +51,9 @@ def lower(file: ModelFile) -> Json:
     for own, contact in lower_self_contact(file):
         described.setdefault("spheres", []).append(own)
         described.setdefault("contacts", []).append(contact)
+    pressing = dict.fromkeys(n for each in file.obstacles.values() for n in each.skins(file))
+    if pressing:
+        described.setdefault("spheres", []).extend(lower_outsides(file, pressing))
     materials = [material.lower(name) for name, material in file.materials.items()]
     if materials:
         described["materials"] = materials

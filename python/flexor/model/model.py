@@ -19,6 +19,7 @@ from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.loads import Forces, loads
+from flexor.model.passed import warn_about_passages
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile
@@ -182,7 +183,9 @@ class Model(Displayed, Structure):
             return follow_branch(self, batch, loads, self._options(options), begin)[0]
         if follow != "load":
             raise InputError(f'follow is {describe(follow)}: expected "load" or "arc-length".')
-        return follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
+        path = follow_loads(self, batch, loads, 1, self._options(options), start=begin)[0]
+        warn_about_passages(path, np.zeros(self.engine.dof) if begin is None else begin.q)
+        return path
 
     def differentiate(
         self,

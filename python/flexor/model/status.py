@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from flexor.model.results import Path
 
-# Gaps up to this count as closed [m, rad].
+# Gaps up to this count as closed: of the length of the longest body, or in radians.
 _CLOSED = 1e-7
 # Ties with at least this part of the largest share are named.
 _SHARE = 0.1
@@ -79,7 +79,8 @@ def why_not_closed(path: Path) -> str:
     step = path.status.tolist().index("not-closed")
     distances, angles = np.asarray(path.tie_gaps[step]).T
     found = []
-    if distances.max() > _CLOSED:
+    longest = max(float(body.length) for body in path.model.file.bodies.values())
+    if distances.max() > _CLOSED * longest:
         name = path.model.ties[distances.argmax()]
         found.append(f"ties.{name} is open by {1e3 * distances.max():.3g} mm")
     if angles.max() > _CLOSED or not found:

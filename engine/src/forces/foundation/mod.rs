@@ -10,6 +10,7 @@ mod strip;
 pub use definition::FoundationDescription;
 pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
+pub(super) use strip::Strip;
 
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
 use super::differential::{Depth, Differential, Largest};

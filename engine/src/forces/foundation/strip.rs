@@ -6,7 +6,7 @@
 
 /// Energy per length and stiffness of the foundation, and its derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Strip {
+pub(in crate::forces) struct Strip {
     pub energy: f64,
     pub by_depth: f64,
     pub by_curvature: f64,

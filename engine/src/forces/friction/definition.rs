@@ -59,7 +59,7 @@ impl Friction {
             Source::Contact(i) => count(&model.contacts[i].first)? * bodies,
             Source::Foundation(i) => count(&model.foundations[i].first)? * bodies,
             Source::Obstacle(i) => {
-                let groups = model.obstacles[i].spheres.iter().map(count);
+                let groups = model.obstacles[i].groups().map(count);
                 groups.sum::<Result<usize, _>>()? * model.obstacles[i].surfaces.len()
             }
         };

@@ -43,6 +43,7 @@ fn sunk(planar: bool, carried: bool) -> Description {
         rotation: [0.0; 3],
         surfaces: vec![SurfaceDescription::Plane { normal: [0.28, 0.0, 0.96], distance: 0.0 }],
         stiffness: 200.0,
+        skins: vec![],
     });
     d
 }

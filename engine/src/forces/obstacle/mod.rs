@@ -1,14 +1,18 @@
 //! Obstacles that spheres press on: ½ k max(d, 0)² with d = R − φ(x), for each sphere of radius R at x and
-//! each surface, φ the distance from it.
+//! each surface, φ the distance from it. Bodies with a skin press on them at points along their length, with
+//! the energy of an elastic foundation at this depth.
 //!
 //! An obstacle moves with the frame that carries it: what the sphere feels, the frame feels in the opposite
 //! direction. A round cone, the convex hull of two spheres, is deepest in a plane at one of them; so its
 //! spheres suffice there.
 
 mod definition;
+mod pressing;
+mod skin;
 mod surface;
 
 pub use definition::ObstacleDescription;
+pub use skin::ObstacleSkinDescription;
 pub use surface::SurfaceDescription;
 
 use super::differential::Differential;
@@ -22,8 +26,12 @@ use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 use crate::tolerances::SWITCHING_DISTANCE;
 use crate::tree::{ModelError, Tree};
-use definition::Obstacle;
+use definition::{Contact, Obstacle, Touchable};
+use pressing::Pressing;
 use surface::Slopes;
+
+/// Depth, as a fraction of S, at which the stiffness of a closing skin is predicted.
+const TYPICAL_DEPTH: f64 = 0.05;
 
 /// All obstacles.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +43,9 @@ pub(crate) struct Touch<const P: usize> {
     obstacle: usize,
     surface: usize,
     sphere: usize,
+    skin: Option<usize>,
     depth: f64,
+    pressing: Pressing,
     /// Unit vector out of the obstacle.
     normal: Vector<P>,
     /// Hessian of the distance, where it is not zero.
@@ -61,15 +71,9 @@ impl<const P: usize> Obstacles<P> {
     }
 
     /// Sum of the normal forces on each obstacle [N], from what the residual left.
-    pub fn forces<G: LieGroup<D, P>, const D: usize>(
-        &self,
-        at: &State<G, D, P>,
-        state: &ObstacleState<P>,
-    ) -> Vec<f64> {
+    pub fn forces(&self, state: &ObstacleState<P>) -> Vec<f64> {
         let mut forces = vec![0.0; self.0.len()];
-        for Touch { obstacle, depth, .. } in &state.touching {
-            forces[*obstacle] += at.parameters()[self.0[*obstacle].stiffness] * depth;
-        }
+        state.touching.iter().for_each(|touch| forces[touch.obstacle] += touch.pressing.force);
         forces
     }
 
@@ -85,7 +89,7 @@ impl<const P: usize> Obstacles<P> {
         state: &ObstacleState<P>,
         visit: &mut impl FnMut(Pressed<P>),
     ) {
-        for (obstacle, stiffness, touch) in self.touching(at, state) {
+        for (obstacle, touch) in self.touching(state) {
             if touch.obstacle == index {
                 let point = touch.point(at);
                 let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
@@ -94,8 +98,8 @@ impl<const P: usize> Obstacles<P> {
                     other: touch.surface,
                     frames: [at.frame(point), obstacle.frame],
                     place: *at.point(point) - touch.normal * inward,
-                    force: touch.normal * (stiffness * touch.depth),
-                    stiffness,
+                    force: touch.normal * touch.pressing.force,
+                    stiffness: touch.pressing.stiffness,
                 });
             }
         }
@@ -112,7 +116,7 @@ impl<const P: usize> Obstacles<P> {
     ) {
         let obstacle = &self.0[index];
         for touch in state.touching.iter().filter(|touch| touch.obstacle == index) {
-            let slope = at.parameters()[obstacle.stiffness] * weight;
+            let slope = touch.pressing.stiffness * weight;
             let point = touch.point(at);
             out.points.push((point, touch.normal * -slope));
             out.points.push((obstacle.point, touch.normal * slope));
@@ -121,11 +125,10 @@ impl<const P: usize> Obstacles<P> {
                 let turning = G::point_jacobian(&arm) - G::point_jacobian(&Vector::ZERO);
                 out.frames.push((obstacle.frame, turning.transpose_times(&(touch.normal * slope))));
             }
-            out.parameters[obstacle.stiffness] += touch.depth * weight;
-            out.add_radius(at.tree, at.parameters(), touch.sphere, slope);
-            if let Some((radius, by_radius)) = obstacle.surfaces[touch.surface].radius() {
-                out.parameters[radius] -= by_radius * slope;
-            }
+            obstacle.add_slopes_at_depth(at, touch, weight, &mut out.parameters);
+            obstacle.for_each_shift(at, touch, |slot, shift| {
+                out.parameters[slot] -= slope * touch.normal.dot(&shift);
+            });
         }
     }
 
@@ -139,30 +142,43 @@ impl<const P: usize> Obstacles<P> {
     ) {
         for (index, obstacle) in self.0.iter().enumerate() {
             let axes = obstacle.world_axes(at);
-            for &sphere in &obstacle.spheres {
-                let place = obstacle.place(at, &axes, sphere);
+            let origin = obstacle.origin(at);
+            for &each in &obstacle.spheres {
+                let Touchable { sphere, skin } = each;
+                let r = *at.point(at.tree.spheres[sphere].point) - origin;
+                let place = Vector(std::array::from_fn(|i| axes[i].dot(&r)));
+                let radius = at.geometry.radii[sphere];
                 for (s, surface) in obstacle.surfaces.iter().enumerate() {
-                    let depth = at.geometry.radii[sphere] - surface.distance(at.parameters(), &place);
+                    let depth = radius - surface.distance(at.parameters(), &place);
                     if depth > -margin {
-                        let Slopes { normal, curvature } = surface.slopes(&axes, &place);
-                        let touch = Touch { obstacle: index, surface: s, sphere, depth, normal, curvature };
-                        visit(obstacle, touch);
+                        let Slopes { normal, curvature } = surface.slopes(at.parameters(), &axes, &place);
+                        let contact = Contact { each, surface: s, radius, depth };
+                        let pressing = obstacle.pressing(at.parameters(), contact);
+                        visit(
+                            obstacle,
+                            Touch {
+                                obstacle: index,
+                                surface: s,
+                                sphere,
+                                skin,
+                                depth,
+                                pressing,
+                                normal,
+                                curvature,
+                            },
+                        );
                     }
                 }
             }
         }
     }
 
-    /// The spheres in contact with their obstacle and its stiffness.
-    fn touching<'a, G: LieGroup<D, P>, const D: usize>(
+    /// The spheres in contact with their obstacle.
+    fn touching<'a>(
         &'a self,
-        at: &'a State<G, D, P>,
         state: &'a ObstacleState<P>,
-    ) -> impl Iterator<Item = (&'a Obstacle<P>, f64, &'a Touch<P>)> {
-        state.touching.iter().map(|touch| {
-            let obstacle = &self.0[touch.obstacle];
-            (obstacle, at.parameters()[obstacle.stiffness], touch)
-        })
+    ) -> impl Iterator<Item = (&'a Obstacle<P>, &'a Touch<P>)> {
+        state.touching.iter().map(|touch| (&self.0[touch.obstacle], touch))
     }
 }
 
@@ -177,10 +193,24 @@ impl<const P: usize> Touch<P> {
         at.tree.spheres[self.sphere].point
     }
 
+    fn contact<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> Contact {
+        let each = Touchable { sphere: self.sphere, skin: self.skin };
+        Contact { each, surface: self.surface, radius: at.geometry.radii[self.sphere], depth: self.depth }
+    }
+
     /// Hessian of the energy by the sphere's place in the obstacle, of a curved surface.
-    fn form(&self, k: f64) -> Option<Matrix<P, P>> {
-        let curvature = self.curvature?;
-        Some(self.normal.outer(&self.normal) * k - curvature * (k * self.depth))
+    fn form(&self) -> Option<Matrix<P, P>> {
+        let (curvature, Pressing { force, stiffness, .. }) = (self.curvature?, self.pressing);
+        Some(self.normal.outer(&self.normal) * stiffness - curvature * force)
+    }
+
+    /// The change of the work of the force on a velocity as the sphere moves in the obstacle, its normal not
+    /// turning with the obstacle.
+    fn work_of_shift(&self, change: &Vector<P>, virtual_change: &Vector<P>) -> f64 {
+        let n = &self.normal;
+        let curved = self.curvature.map_or(0.0, |curvature| (curvature * *change).dot(virtual_change));
+        let Pressing { force, stiffness, .. } = self.pressing;
+        stiffness * n.dot(change) * n.dot(virtual_change) - force * curved
     }
 }
 
@@ -190,16 +220,56 @@ impl<const P: usize> Obstacle<P> {
         self.axes.map(|axis| at.kinematics.pose[self.frame].rotate(&axis))
     }
 
-    /// A sphere's centre in the obstacle's axes.
+    /// Its origin in the world.
     #[inline]
+    fn origin<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> Vector<P> {
+        let offset = Vector(std::array::from_fn(|i| at.parameters()[self.offset + i]));
+        *at.point(self.point) + at.kinematics.pose[self.frame].rotate(&offset)
+    }
+
+    /// A sphere's centre in the obstacle's axes.
     fn place<G: LieGroup<D, P>, const D: usize>(
         &self,
         at: &State<G, D, P>,
         axes: &[Vector<P>; P],
         sphere: usize,
     ) -> Vector<P> {
-        let r = *at.point(at.tree.spheres[sphere].point) - *at.point(self.point);
+        let r = *at.point(at.tree.spheres[sphere].point) - self.origin(at);
         Vector(std::array::from_fn(|i| axes[i].dot(&r)))
+    }
+
+    /// Visits the parameters by which a sphere's place relative to the surface shifts, with the derivative of
+    /// that place.
+    fn for_each_shift<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        touch: &Touch<P>,
+        mut visit: impl FnMut(usize, Vector<P>),
+    ) {
+        let pose = &at.kinematics.pose[self.frame];
+        (0..P).for_each(|i| visit(self.offset + i, -pose.rotate(&Vector::unit(i))));
+        let axes = self.world_axes(at);
+        let place = self.place(at, &axes, touch.sphere);
+        for (i, slot, sign) in self.surfaces[touch.surface].faces(at.parameters(), &place) {
+            visit(slot, axes[i] * -sign);
+        }
+    }
+
+    /// Adds a multiple of the derivative of the force by every parameter, the place of the sphere held.
+    fn add_slopes_at_depth<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        touch: &Touch<P>,
+        factor: f64,
+        out: &mut [f64],
+    ) {
+        let Touch { surface, sphere, pressing, .. } = *touch;
+        let more = self.add_slopes(at.parameters(), touch.contact(at), factor, out);
+        let slope = factor * pressing.stiffness + more.by_surface;
+        add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, slope, out);
+        if let Some((slot, by_radius)) = self.surfaces[surface].radius() {
+            out[slot] += more.by_radius - factor * by_radius * pressing.stiffness;
+        }
     }
 
     /// Velocity with which the obstacle moves where a point of the tree is.
@@ -268,16 +338,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 if found.is_none() && near.depth <= 0.0 {
                     return;
                 }
-                if at.law == Law::Kept {
-                    near.depth = found.map_or(0.0, |kept| kept.1 / at.parameters()[obstacle.stiffness]);
+                if at.law == Law::Kept && near.skin.is_none() {
+                    let k = at.parameters()[obstacle.stiffness];
+                    near.depth = found.map_or(0.0, |kept| kept.1 / k);
+                    near.pressing = Pressing::of_spring(k, near.depth);
                 }
             }
             touching.push(near);
         });
-        for (obstacle, k, touch) in self.touching(at, state) {
+        for (obstacle, touch) in self.touching(state) {
             let point = touch.point(at);
-            out.energy += 0.5 * k * touch.depth * touch.depth;
-            let force = touch.normal * (-k * touch.depth);
+            out.energy += touch.pressing.energy;
+            let force = touch.normal * -touch.pressing.force;
             out.add_force::<G, P>(at.frame(point), at.point(point), &force);
             if obstacle.frame != 0 {
                 out.add_force::<G, P>(obstacle.frame, at.point(point), &-force);
@@ -292,15 +364,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         state: &ObstacleState<P>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
-        for (obstacle, k, touch) in self.touching(at, state) {
+        for (obstacle, touch) in self.touching(state) {
             let point = touch.point(at);
             let (frame, p, n) = (at.frame(point), at.point(point), &touch.normal);
             let jacobian = G::point_jacobian(p);
-            let force = *n * (-k * touch.depth);
-            let form = touch.form(k).map_or_else(
+            let force = *n * -touch.pressing.force;
+            let form = touch.form().map_or_else(
                 || {
                     let row = jacobian.transpose_times(n);
-                    row.outer(&row) * k
+                    row.outer(&row) * touch.pressing.stiffness
                 },
                 |form| jacobian.transpose() * (form * jacobian),
             );
@@ -314,13 +386,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn for_each_stiffness(&self, _: &[f64], visit: &mut impl FnMut(usize, f64)) {
-        self.0.iter().for_each(|obstacle| visit(obstacle.stiffness, 1.0));
+        let sprung = self.0.iter().filter(|obstacle| obstacle.has_springs());
+        sprung.for_each(|obstacle| visit(obstacle.stiffness, 1.0));
     }
 
     fn keep(&self, at: &State<G, D, P>, motion: &Velocities<D, P>, state: &mut ObstacleState<P>) {
         let before = std::mem::take(&mut state.kept);
         self.for_each_near(at, f64::INFINITY, |obstacle, near| {
-            let acts = near.depth > 0.0 || before.iter().any(|kept| near.has(kept));
+            let acts = near.skin.is_none() && (near.depth > 0.0 || before.iter().any(|kept| near.has(kept)));
             let moved = obstacle.relative_velocity(at, motion, near.point(at));
             let depth = near.depth - near.normal.dot(&moved);
             if acts && depth > 0.0 {
@@ -331,13 +404,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), state: &ObstacleState<P>, out: &mut Magnitudes<P>) {
-        for (obstacle, k, touch) in self.touching(at, state) {
+        for (obstacle, touch) in self.touching(state) {
             let point = touch.point(at);
             let places =
-                at.point(point).norm() + at.point(obstacle.point).norm() + at.geometry.radii[touch.sphere];
-            out.add_of_distance(at, point, k * touch.depth, [k, places]);
+                at.point(point).norm() + obstacle.origin(at).norm() + at.geometry.radii[touch.sphere];
+            let Pressing { force, stiffness, .. } = touch.pressing;
+            out.add_of_distance(at, point, force, [stiffness, places]);
             if obstacle.frame != 0 {
-                out.add_of_distance_at(obstacle.frame, *at.point(point), k * touch.depth, [k, places]);
+                out.add_of_distance_at(obstacle.frame, *at.point(point), force, [stiffness, places]);
             }
         }
     }
@@ -351,6 +425,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     ) {
         self.for_each_near(at, margin, |obstacle, touch| {
             let point = touch.point(at);
+            let contact = touch.contact(at);
+            let depth = if touch.depth > 0.0 { touch.depth } else { TYPICAL_DEPTH * contact.radius };
+            let expected = obstacle.pressing(at.parameters(), Contact { depth, ..contact });
             visit(Switch {
                 points: [point, obstacle.point, obstacle.point],
                 t: 0.0,
@@ -358,7 +435,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 carrier: (obstacle.frame != 0).then(|| (obstacle.frame, *at.point(point))),
                 normal: touch.normal,
                 depth: touch.depth,
-                stiffness: at.parameters()[obstacle.stiffness],
+                stiffness: expected.stiffness,
             });
         });
     }
@@ -370,11 +447,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let points = [touch.point(at), obstacle.point];
             let points = if obstacle.frame == 0 { &points[..1] } else { &points };
             if touch.depth.abs() < SWITCHING_DISTANCE * size {
-                found |= moves(points, &touch.normal);
+                // Skins touch smoothly.
+                found |= touch.skin.is_none() && moves(points, &touch.normal);
             } else if touch.depth > 0.0 {
                 let axes = obstacle.world_axes(at);
                 let place = obstacle.place(at, &axes, touch.sphere);
-                let mut seams = obstacle.surfaces[touch.surface].seams(&place, size);
+                let mut seams = obstacle.surfaces[touch.surface].seams(at.parameters(), &place, size);
                 found |= seams.any(|i| moves(points, &axes[i]));
             }
         });
@@ -382,16 +460,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn contact_forces(&self, at: &State<G, D, P>, state: &ObstacleState<P>, out: &mut Vec<ContactForce<P>>) {
-        for (_, k, touch) in self.touching(at, state) {
+        for touch in &state.touching {
             let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
             out.push(ContactForce {
                 first: touch.sphere,
                 second: None,
                 nearest: None,
                 cone: false,
-                force: touch.normal * (k * touch.depth),
+                force: touch.normal * touch.pressing.force,
                 depth: touch.depth,
-                pressure: None,
+                pressure: touch.pressing.pressure,
                 point: *at.point(touch.point(at)) - touch.normal * inward,
             });
         }
@@ -406,15 +484,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for (obstacle, k, touch) in self.touching(at, state) {
-            let closing =
-                -touch.normal.dot(&obstacle.relative_velocity(at, &motion.velocities, touch.point(at)));
-            gradient[obstacle.stiffness] += touch.depth * closing;
-            let radius = at.tree.spheres[touch.sphere].radius;
-            add_radius_slope(at.tree, at.parameters(), radius, k * closing, gradient);
-            if let Some((radius, by_radius)) = obstacle.surfaces[touch.surface].radius() {
-                gradient[radius] -= by_radius * k * closing;
-            }
+        for (obstacle, touch) in self.touching(state) {
+            let moved = obstacle.relative_velocity(at, &motion.velocities, touch.point(at));
+            obstacle.add_slopes_at_depth(at, touch, -touch.normal.dot(&moved), gradient);
+            obstacle.for_each_shift(at, touch, |slot, shift| {
+                gradient[slot] += touch.work_of_shift(&shift, &moved);
+            });
         }
     }
 
@@ -427,7 +502,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
-        for (obstacle, k, touch) in self.touching(at, state) {
+        for (obstacle, touch) in self.touching(state) {
             let (point, n) = (touch.point(at), &touch.normal);
             let own = &velocities.points[point];
             let change = obstacle.relative_velocity(at, velocities, point);
@@ -437,10 +512,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 turned -= n.dot(&motion.velocities.shifted::<G>(obstacle.frame, own));
                 turned += velocities.shifted::<G>(obstacle.frame, n).dot(&virtual_change);
             }
-            if let Some(curvature) = touch.curvature {
-                turned += (curvature * change).dot(&virtual_change);
-            }
-            *work += k * (n.dot(&change) * n.dot(&virtual_change) - touch.depth * turned);
+            *work += touch.work_of_shift(&change, &virtual_change) - touch.pressing.force * turned;
         }
     }
 }

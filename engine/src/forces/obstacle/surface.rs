@@ -35,8 +35,10 @@ pub(crate) enum Surface<const P: usize> {
         distance: f64,
     },
     Rounded {
-        /// Half of the box's size; infinite where it is endless.
-        half: Vector<P>,
+        /// Along which axes it is endless.
+        endless: [bool; P],
+        /// Parameters holding half of the box's size along the others.
+        half: usize,
         /// Parameter holding the radius.
         radius: usize,
         /// −1 if the obstacle is what lies outside, otherwise 1.
@@ -61,8 +63,8 @@ impl<const P: usize> Surface<P> {
     pub fn distance(&self, parameters: &[f64], place: &Vector<P>) -> f64 {
         match self {
             Self::Plane { normal, distance } => normal.dot(place) - distance,
-            Self::Rounded { half, radius, side } => {
-                let beyond = beyond(half, place);
+            Self::Rounded { radius, side, .. } => {
+                let beyond = self.beyond(parameters, place);
                 let squared: f64 = beyond.iter().map(|x| x.max(0.0).powi(2)).sum();
                 let from_box = if squared > 0.0 {
                     squared.sqrt()
@@ -75,21 +77,20 @@ impl<const P: usize> Surface<P> {
     }
 
     /// Its derivatives, in the world in which the obstacle's axes are these.
-    pub fn slopes(&self, axes: &[Vector<P>; P], place: &Vector<P>) -> Slopes<P> {
+    pub fn slopes(&self, parameters: &[f64], axes: &[Vector<P>; P], place: &Vector<P>) -> Slopes<P> {
         match self {
             Self::Plane { normal, .. } => {
                 let along = axes.iter().enumerate().map(|(i, axis)| *axis * normal[i]);
                 Slopes { normal: along.fold(Vector::ZERO, |sum, part| sum + part), curvature: None }
             }
-            Self::Rounded { half, side, .. } => {
-                let beyond = beyond(half, place);
+            Self::Rounded { side, .. } => {
+                let beyond = self.beyond(parameters, place);
                 let outside = (0..P).filter(|i| beyond[*i] > 0.0);
                 let away = |i: usize| axes[i] * 1f64.copysign(place[i]);
                 let normal = outside.clone().fold(Vector::ZERO, |sum, i| sum + away(i) * beyond[i]);
                 let length = normal.norm();
                 if length == 0.0 {
-                    let nearest = (1..P).fold(0, |best, i| if beyond[i] > beyond[best] { i } else { best });
-                    return Slopes { normal: away(nearest) * *side, curvature: None };
+                    return Slopes { normal: away(nearest(&beyond)) * *side, curvature: None };
                 }
                 let normal = normal * (1.0 / length);
                 let curved = outside.clone().count() > 1;
@@ -110,26 +111,57 @@ impl<const P: usize> Surface<P> {
         }
     }
 
+    /// The axes along which a face is on whose place the distance depends, with the parameter holding its
+    /// distance from the middle and the derivative of that place by it.
+    pub fn faces(&self, parameters: &[f64], place: &Vector<P>) -> impl Iterator<Item = (usize, usize, f64)> {
+        let beyond = self.beyond(parameters, place);
+        let inside = beyond.iter().all(|x| *x <= 0.0);
+        let nearest = nearest(&beyond);
+        let first = match self {
+            Self::Plane { .. } => None,
+            Self::Rounded { half, .. } => Some(*half),
+        };
+        let signs: [f64; P] = std::array::from_fn(|i| 1f64.copysign(place[i]));
+        (0..P).filter_map(move |i| {
+            let acts = if inside { i == nearest } else { beyond[i] > 0.0 };
+            first.filter(|_| acts).map(|first| (i, first + i, signs[i]))
+        })
+    }
+
+    /// Whether its parameters are physically meaningful.
+    pub fn is_admissible(&self, parameters: &[f64]) -> bool {
+        match self {
+            Self::Plane { .. } => true,
+            Self::Rounded { half, radius, .. } => {
+                parameters[*radius] >= 0.0 && parameters[*half..*half + P].iter().all(|size| *size >= 0.0)
+            }
+        }
+    }
+
     /// The axes along which a place is where a face or side ends and an edge or cap begins, at which the
     /// curvature jumps.
-    pub fn seams(&self, place: &Vector<P>, size: f64) -> impl Iterator<Item = usize> {
-        let beyond = match self {
-            Self::Plane { .. } => [f64::NEG_INFINITY; P],
-            Self::Rounded { half, .. } => beyond(half, place),
-        };
-        let half = match self {
-            Self::Plane { .. } => Vector::ZERO,
-            Self::Rounded { half, .. } => *half,
-        };
+    pub fn seams(&self, parameters: &[f64], place: &Vector<P>, size: f64) -> impl Iterator<Item = usize> {
+        let beyond = self.beyond(parameters, place);
+        let long: [bool; P] = std::array::from_fn(|i| place[i].abs() - beyond[i] > 0.0);
         (0..P).filter(move |i| {
             let others = (0..P).any(|j| j != *i && beyond[j] > 0.0);
-            others && half[*i] > 0.0 && beyond[*i].abs() < SWITCHING_DISTANCE * size
+            others && long[*i] && beyond[*i].abs() < SWITCHING_DISTANCE * size
         })
+    }
+
+    /// How far a place is beyond the faces of its box, along each axis.
+    #[inline]
+    fn beyond(&self, parameters: &[f64], place: &Vector<P>) -> [f64; P] {
+        match self {
+            Self::Plane { .. } => [f64::NEG_INFINITY; P],
+            Self::Rounded { endless, half, .. } => std::array::from_fn(|i| {
+                if endless[i] { f64::NEG_INFINITY } else { place[i].abs() - parameters[half + i] }
+            }),
+        }
     }
 }
 
-/// How far a place is beyond the faces of a box, along each axis.
-#[inline]
-fn beyond<const P: usize>(half: &Vector<P>, place: &Vector<P>) -> [f64; P] {
-    std::array::from_fn(|i| place[i].abs() - half[i])
+/// The axis along which a place is least far behind a face.
+fn nearest<const P: usize>(beyond: &[f64; P]) -> usize {
+    (1..P).fold(0, |best, i| if beyond[i] > beyond[best] { i } else { best })
 }

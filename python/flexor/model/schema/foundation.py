@@ -59,7 +59,7 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
         return
     links: dict[str, Link] = {name: system.bodies[name] for name in names}  # type: ignore[misc]
     materials = skin_materials(system)
-    joined = [False] + [_is_joined(links[b], a) for a, b in pairwise(links)]
+    joined = [False] + [is_joined(links[b], a) for a, b in pairwise(links)]
     soft = np.repeat([compliance(link.skin, materials) for link in links.values()], 2)
     for index in np.flatnonzero(joined):
         pair = slice(2 * index - 1, 2 * index + 1)
@@ -83,7 +83,7 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
             "second": groups[1]["name"],
             "weights": weights.tolist(),
             "tip": tip.tolist(),
-            **_underside(rod, system),
+            **underside(rod, system),
             "crown": CROWN,
             "stiffness": (1.0 / (soft + compliance(rod.skin, materials))).tolist(),
             "cones": cones,
@@ -127,7 +127,8 @@ def lower_self_contact(system: BodySystem) -> Iterator[tuple[dict[str, Any], dic
         yield group, contact
 
 
-def _is_joined(link: Link, before: str) -> bool:
+def is_joined(link: Link, before: str) -> bool:
+    """Whether a link begins where a body ends, and stays there."""
     place = link.placement
     moved = any((place.x, place.y, place.z))
     return link.parent == before and not moved and link.joint.kind not in ("prismatic", "free")
@@ -140,7 +141,7 @@ def _tip_shares(rod: Rod, weights: Array) -> Array:
     return np.clip((stop - (1.0 - tip)) / weights, 0.0, 1.0)
 
 
-def _underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
+def underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
     """Describe half-width and curvature of the underside."""
     s, x = rod.surface.radius, rod.sample_points
     width, wider = (half_width(rod, system.materials, each, x) for each in (s, 1.001 * s))

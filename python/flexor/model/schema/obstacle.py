@@ -1,4 +1,4 @@
-"""Obstacles: what contact spheres press on, fixed in the world or to a body."""
+"""Obstacles: what bodies with a skin or contact spheres press on, in the world or on a body."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from flexor.model.schema.checks import check_known, check_ratio
 from flexor.model.schema.force import Force
 from flexor.model.schema.planar import in_plane
 from flexor.model.schema.points import Attachment
+from flexor.model.schema.skin import Skin
 from flexor.model.schema.table import Name, NonNegativeNumber, PositiveNumber
+from flexor.model.schema.touched import lower_touch
 from flexor.model.schema.vector import Axis, Offset, Triple, direction
 from flexor.model.units import PositiveStiffness
 from flexor.model.validation import field_error, first_repeated
@@ -34,32 +36,62 @@ Place = Annotated[
 
 
 class Obstacle(Force):
-    """Something solid that the spheres of some groups press on.
+    """Something solid that bodies press on.
 
-    Each sphere is pushed back along the normal of the surface with ``stiffness`` times its depth.
-    ``point`` is the obstacle's origin: in the world, or on a body, which then carries it.
+    All bodies with a skin do, through it and the obstacle's own ``skin``; without one the obstacle
+    is rigid. With ``spheres`` only those of these groups do: each is pushed back along the normal
+    of the surface with ``stiffness`` times its depth. ``point`` is the obstacle's origin: in the
+    world, or on a body, which then carries it.
     ``friction`` and ``stiffness_ratio`` are as for a contact.
     """
 
     description: ClassVar[str] = "obstacles"
 
     kind: str
-    spheres: Annotated[tuple[Name, ...], Field(min_length=1)]
+    spheres: Annotated[tuple[Name, ...], Field(min_length=1)] | None = None
     point: Place = Offset()
-    stiffness: PositiveStiffness
+    stiffness: PositiveStiffness | None = None
+    skin: Skin | None = None
     friction: NonNegativeNumber = 0.0
     stiffness_ratio: PositiveNumber | None = None
 
     @model_validator(mode="after")
     def _check_groups(self) -> Obstacle:
         check_ratio(self.friction, self.stiffness_ratio)
-        if (group := first_repeated(self.spheres)) is not None:
+        if self.spheres is None and self.stiffness is not None:
+            tail = 'is of no use without spheres: name groups of them, or give a "skin" instead'
+            raise field_error(tail, path="stiffness")
+        if self.spheres is not None and self.stiffness is None:
+            tail = 'is missing: spheres press on it with a stiffness, such as "5 N/mm"'
+            raise field_error(tail, path="stiffness")
+        if self.spheres is not None and self.skin is not None:
+            raise field_error("does not act on spheres: leave out one of both", path="skin")
+        if (group := first_repeated(self.spheres or ())) is not None:
             raise field_error(f'names the group "{group}" twice', path="spheres")
         return self
+
+    def skins(self, system: BodySystem) -> list[str]:
+        """Return the bodies that press on it with their skins."""
+        if self.spheres is not None:
+            return []
+        own = self.point.body if isinstance(self.point, Attachment) else None
+        return [
+            name for name, body in system.bodies.items() if body.skin is not None and name != own
+        ]
 
     @abstractmethod
     def excludes(self, rod: Rod, touching: bool) -> bool:
         """Whether a rod, which touches it or not, must not begin in it."""
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether it is round."""
+        return False
+
+    @property
+    def line(self) -> Triple | None:
+        """Direction in which a round one is straight, in the world or the frame of its body."""
+        return None
 
     @property
     def turn(self) -> Triple:
@@ -72,20 +104,23 @@ class Obstacle(Force):
         return turning(self.turn)
 
     @abstractmethod
-    def distance(self, place: Array) -> float:
-        """Return how far a place (3,) in its axes is from its surface [m]; negative in it."""
+    def distance(self, place: Array) -> Array:
+        """Return how far places (..., 3) in its axes are from its surface [m]; negative in it."""
 
     @abstractmethod
     def surfaces(self, planar: bool) -> list[dict[str, Any]]:
         """Describe its surfaces to the engine."""
 
     def check(self, path: str, system: BodySystem) -> None:
-        """Check that the groups exist, that none moves with it, and that no rod begins in it."""
-        for group in self.spheres:
+        """Check that something touches it, that moves by itself, and that no rod begins in it."""
+        if self.spheres is None and not self.skins(system):
+            tail = "touches nothing: no body has a skin, and it names no spheres"
+            raise field_error(f"{tail}: give a body a skin, or the obstacle spheres", path)
+        for group in self.spheres or ():
             check_known(group, "sphere group", system.spheres, f"{path}.spheres")
         if isinstance(self.point, Attachment):
             self.point.check_point(f"{path}.point", system.bodies)
-            for group in self.spheres:
+            for group in self.spheres or ():
                 if self.point.body in _bodies(system, group):
                     tail = f'names the group "{group}", which has spheres on "{self.point.body}"'
                     raise field_error(f"{tail}, the body that carries it", f"{path}.spheres")
@@ -93,7 +128,8 @@ class Obstacle(Force):
 
     def _check_bases(self, path: str, system: BodySystem) -> None:
         """Check that it contains the base of no rod that it has to stay clear of."""
-        touching = {body for group in self.spheres for body in _bodies(system, group)}
+        touching = {body for group in self.spheres or () for body in _bodies(system, group)}
+        touching |= set(self.skins(system))
         origin, axes = self.reference_pose(system)
         for name, body in system.bodies.items():
             carrier = isinstance(self.point, Attachment) and self.point.body == name
@@ -116,7 +152,7 @@ class Obstacle(Force):
         """Return its origin [m] and its axes, the columns (3, 3), in the reference state."""
         if not isinstance(self.point, Attachment):
             return np.array(self.point.components, dtype=float), self.axes
-        frame = system.reference_frames[self.point.body](_fraction(self.point, system))
+        frame = self._carrier(system)
         offset = np.array(self.point.offset.components, dtype=float)
         return frame[:3, 3] + frame[:3, :3] @ offset, frame[:3, :3] @ self.axes
 
@@ -126,14 +162,26 @@ class Obstacle(Force):
             at = self.point.lower_point(system.bodies)
         else:
             at = {"world": list(self.point.components)}
-        return {
+        described = {
             "name": name,
-            "spheres": list(self.spheres),
+            "spheres": list(self.spheres or ()),
             "at": at,
             "rotation": list(self.turn),
             "surfaces": self.surfaces(system.planar),
-            "stiffness": float(self.stiffness),
+            "stiffness": float(self.stiffness or 0.0),
         }
+        if touching := self.skins(system):
+            axis = None if self.line is None else self._carrier(system)[:3, :3] @ self.line
+            described["skins"] = [
+                lower_touch(body, system, self.skin, axis, self.is_curved) for body in touching
+            ]
+        return described
+
+    def _carrier(self, system: BodySystem) -> Array:
+        """Return the pose (4, 4) of what carries it in the reference state."""
+        if not isinstance(self.point, Attachment):
+            return np.eye(4)
+        return system.reference_frames[self.point.body](_fraction(self.point, system))
 
 
 class HalfSpace(Obstacle):
@@ -163,9 +211,9 @@ class HalfSpace(Obstacle):
         """Whether the rod touches it and its base is fixed in the world."""
         return touching and rod.parent is None and rod.joint.kind == "fixed"
 
-    def distance(self, place: Array) -> float:
-        """Return how far a place is in front of the plane [m]."""
-        return float(np.array(direction(self.normal)) @ place)
+    def distance(self, place: Array) -> Array:
+        """Return how far places are in front of the plane [m]."""
+        return np.asarray(place @ np.array(direction(self.normal)))
 
     def surfaces(self, planar: bool) -> list[dict[str, Any]]:
         """Describe the plane to the engine."""

@@ -43,12 +43,12 @@ class Solid(Obstacle):
     def rounded_by(self) -> float:
         """The radius around the box [m]."""
 
-    def distance(self, place: Array) -> float:
-        """Return how far a place is from the surface [m]."""
+    def distance(self, place: Array) -> Array:
+        """Return how far places are from the surface [m]."""
         beyond = np.abs(place) - np.array(self.half)
-        outside = float(np.linalg.norm(np.maximum(beyond, 0.0)))
-        found = (outside if outside > 0.0 else float(beyond.max())) - self.rounded_by
-        return -found if self.inside else found
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+        found = np.where(outside > 0.0, outside, beyond.max(axis=-1)) - self.rounded_by
+        return np.asarray(-found if self.inside else found)
 
     def surfaces(self, planar: bool) -> list[dict[str, Any]]:
         """Describe the surface to the engine."""
@@ -61,6 +61,11 @@ class Ball(Solid):
 
     kind: Literal["sphere"]
     radius: PositiveLength
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether it is round."""
+        return True
 
     @property
     def half(self) -> Triple:
@@ -78,6 +83,17 @@ class _Round(Solid):
 
     axis: Axis
     radius: PositiveLength
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether it is round."""
+        return True
+
+    @property
+    def line(self) -> Triple:
+        """Unit vector along it."""
+        x, y, z = direction(self.axis)
+        return (x, y, z)
 
     @model_validator(mode="after")
     def _check(self) -> _Round:
