@@ -387,11 +387,12 @@ def _repeated(found: Found, count: int) -> dict[str, Any]:
             size = len(array["design"])
             made[name] = {key: np.concatenate([value] * count) for key, value in array.items()}
             made[name]["design"] = np.repeat(np.arange(count), size)
-        elif name in ("free", "friction"):
+        elif name == "free":
             rows = np.concatenate([array] * count)
-            if name == "free":
-                rows[:, 0] = np.repeat(np.arange(count), len(array))
+            rows[:, 0] = np.repeat(np.arange(count), len(array))
             made[name] = rows
+        elif name == "friction":  # without rows
+            made[name] = array
         else:
             made[name] = np.repeat(array, count, axis=0)
     return made

@@ -46,7 +46,7 @@ pub(super) struct Value {
     pub stiffness: f64,
 }
 
-/// The exponent beyond which an exponential is continued by its quadratic, so that a search that goes astray
+/// The exponent beyond which an exponential is continued by its quadratic, so that a search that diverges
 /// meets finite numbers.
 const LARGEST_EXPONENT: f64 = 30.0;
 
