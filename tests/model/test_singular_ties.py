@@ -244,11 +244,11 @@ def test_a_rod_that_is_too_short_leaves_the_smallest_gap(size: float) -> None:
 
 
 def test_small_gaps_of_small_mechanisms_are_named() -> None:
-    # 1 nm of 1 mm is more than rounding.
-    far = tie("far", "pin", '"bar", at = "tip"', 'world = { x = "1.000001 mm" }')
+    # 50 nm of 1 mm.
+    far = tie("far", "pin", '"bar", at = "tip"', 'world = { x = "1.00005 mm" }')
     path = model(link("bar", 0.001), far).equilibrium(np.zeros((1, 0)))
     assert path.status.tolist() == ["not-closed"]
-    assert why_not_closed(path) == "ties.far is open by 1e-06 mm"
+    assert why_not_closed(path) == "ties.far is open by 5e-05 mm"
 
 
 def test_drives_that_contradict_one_another_are_named() -> None:

@@ -51,7 +51,9 @@ def lower(file: ModelFile) -> Json:
     for own, contact in lower_self_contact(file):
         described.setdefault("spheres", []).append(own)
         described.setdefault("contacts", []).append(contact)
-    pressing = dict.fromkeys(n for each in file.obstacles.values() for n in each.skins(file))
+    pressing = dict.fromkeys(
+        body for name, each in file.obstacles.items() for body in each.skins(name, file)
+    )
     if pressing:
         described.setdefault("spheres", []).extend(lower_outsides(file, pressing))
     materials = [material.lower(name) for name, material in file.materials.items()]
@@ -66,6 +68,10 @@ def lower(file: ModelFile) -> Json:
     rubbing = [each.described for each in frictions(file)]
     if rubbing:
         described["frictions"] = rubbing
+    if file.inputs:
+        described["shared_inputs"] = [
+            {"name": name, "drives": list(drives)} for name, drives in file.inputs.items()
+        ]
     controls = [name for name, each in file.actuators.items() if each.loads is not each.applied]
     if controls:
         described["controls"] = controls

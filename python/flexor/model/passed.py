@@ -59,7 +59,7 @@ def _passages(path: Path, start: Array) -> Iterator[str]:
             return np.asarray(obstacle.distance((places - origin) @ axes))
 
         groups = list(obstacle.spheres or ())
-        groups += [group_name(body) for body in obstacle.skins(model.file)]
+        groups += [group_name(body) for body in obstacle.skins(name, model.file)]
         ranges = [model.engine.sphere_groups[group] for group in groups]
         rows = np.concatenate([np.arange(first, last) for first, last in ranges])
         free = (distance(before[rows]) > 0.0) & (distance(after[rows]) > 0.0)

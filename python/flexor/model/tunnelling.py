@@ -22,7 +22,7 @@ def warn_about_gaps(model: Structure) -> None:
     """
     if model.file.contacts:
         for sentence in _gaps(model):
-            warnings.warn(sentence, ModelWarning, stacklevel=3)
+            warnings.warn(sentence, ModelWarning, stacklevel=4)
 
 
 def _gaps(model: Structure) -> Iterator[str]:

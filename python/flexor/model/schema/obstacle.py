@@ -14,6 +14,7 @@ from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_known, check_ratio
 from flexor.model.schema.force import Force
+from flexor.model.schema.foundation import are_related, part_of
 from flexor.model.schema.planar import in_plane
 from flexor.model.schema.points import Attachment
 from flexor.model.schema.skin import Skin
@@ -70,13 +71,18 @@ class Obstacle(Force):
             raise field_error(f'names the group "{group}" twice', path="spheres")
         return self
 
-    def skins(self, system: BodySystem) -> list[str]:
-        """Return the bodies that press on it with their skins."""
+    def skins(self, name: str, system: BodySystem) -> list[str]:
+        """Return the bodies that press on it, of this name, with their skins.
+
+        Those are of its own part, of its parts and of the models that it is a part of.
+        """
         if self.spheres is not None:
             return []
         own = self.point.body if isinstance(self.point, Attachment) else None
         return [
-            name for name, body in system.bodies.items() if body.skin is not None and name != own
+            body
+            for body, each in system.bodies.items()
+            if each.skin is not None and body != own and are_related(part_of(name), part_of(body))
         ]
 
     @abstractmethod
@@ -113,7 +119,8 @@ class Obstacle(Force):
 
     def check(self, path: str, system: BodySystem) -> None:
         """Check that something touches it, that moves by itself, and that no rod begins in it."""
-        if self.spheres is None and not self.skins(system):
+        name = path.partition(".")[2]
+        if self.spheres is None and not self.skins(name, system):
             tail = "touches nothing: no body has a skin, and it names no spheres"
             raise field_error(f"{tail}: give a body a skin, or the obstacle spheres", path)
         for group in self.spheres or ():
@@ -129,7 +136,7 @@ class Obstacle(Force):
     def _check_bases(self, path: str, system: BodySystem) -> None:
         """Check that it contains the base of no rod that it has to stay clear of."""
         touching = {body for group in self.spheres or () for body in _bodies(system, group)}
-        touching |= set(self.skins(system))
+        touching |= set(self.skins(path.partition(".")[2], system))
         origin, axes = self.reference_pose(system)
         for name, body in system.bodies.items():
             carrier = isinstance(self.point, Attachment) and self.point.body == name
@@ -170,7 +177,7 @@ class Obstacle(Force):
             "surfaces": self.surfaces(system.planar),
             "stiffness": float(self.stiffness or 0.0),
         }
-        if touching := self.skins(system):
+        if touching := self.skins(name, system):
             axis = None if self.line is None else self._carrier(system)[:3, :3] @ self.line
             described["skins"] = [
                 lower_touch(body, system, self.skin, axis, self.is_curved) for body in touching
