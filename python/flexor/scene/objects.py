@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 
-Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "tie", "obstacle"]
+Kind = Literal[
+    "rod", "link", "chamber", "line", "strap", "spring", "tie", "tendon", "wrap", "obstacle"
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +22,7 @@ class Object:
     Attributes
     ----------
     name : str
-        Of the body, strap, spring, tie, actuator or obstacle.
+        Of the body, strap, spring, tendon, wrap, tie, actuator or obstacle.
     kind : str
         What it is.
     part : str

@@ -23,7 +23,9 @@ from flexor.model.schema.solid import AnyObstacle
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
+from flexor.model.schema.tendon import AnyTendon
 from flexor.model.schema.tie import Tie
+from flexor.model.schema.wrap import Wrap
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
 
@@ -73,6 +75,8 @@ class ModelFile(BodySystem):
     actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     straps: dict[Name, Strap] = Field(default_factory=dict)
+    tendons: dict[Name, AnyTendon] = Field(default_factory=dict)
+    wraps: dict[Name, Wrap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     ties: dict[Name, Tie] = Field(default_factory=dict)
     design: Design | None = None

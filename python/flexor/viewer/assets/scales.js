@@ -11,6 +11,8 @@ Flexor.colours = {
   strap: "#cc79a7",
   spring: "#009e73",
   tie: "#cc79a7",
+  tendon: "#b2182b",
+  wrap: "#9ecae1",
   obstacle: "#8f979e",
 };
 // Series of plots (Okabe and Ito); the page's style has darker and lighter ones of the same hue.
