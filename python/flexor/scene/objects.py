@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from flexor.arrays import Array
 
 Kind = Literal[
-    "rod", "link", "chamber", "line", "strap", "spring", "tie", "tendon", "wrap", "obstacle"
+    "rod",
+    "link",
+    "chamber",
+    "line",
+    "strap",
+    "spring",
+    "tie",
+    "tendon",
+    "wrap",
+    "obstacle",
+    "friction",
 ]
 
 
@@ -22,7 +32,8 @@ class Object:
     Attributes
     ----------
     name : str
-        Of the body, strap, spring, tendon, wrap, tie, actuator or obstacle.
+        Of the body, strap, spring, tendon, wrap, tie, actuator or obstacle; of marks what they
+        mark.
     kind : str
         What it is.
     part : str
