@@ -98,7 +98,7 @@ def test_the_unmodified_file_is_valid() -> None:
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"springs", "straps", "wrenches", "ties", "design", "population", '
+            '"springs", "straps", "tendons", "wraps", "wrenches", "ties", "design", "population", '
             '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),
         (

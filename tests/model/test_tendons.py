@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.observables import observables
@@ -13,15 +14,17 @@ from flexor.study import Problem
 TEXT = """
 name = "two-links"
 planar = true
-[bodies]
-a = { kind = "link", length = "4 cm", radius = "8 mm" }
-b = { kind = "link", parent = "a", length = "3 cm", radius = "7 mm" }
-[bodies.a.joint]
-kind = "revolute"
-stiffness = "0.3 N*m/rad"
-[bodies.b.joint]
-kind = "revolute"
-stiffness = "0.2 N*m/rad"
+[bodies.a]
+kind = "link"
+length = "4 cm"
+radius = "8 mm"
+joint = { kind = "revolute", stiffness = "0.3 N*m/rad" }
+[bodies.b]
+kind = "link"
+parent = "a"
+length = "3 cm"
+radius = "7 mm"
+joint = { kind = "revolute", stiffness = "0.2 N*m/rad" }
 [wraps]
 knuckle = { kind = "cylinder", point = { body = "b", at = "base" }, radius = "6 mm" }
 [tendons.fdp]
@@ -148,3 +151,12 @@ def test_tendons_that_are_refused(old: str, new: str, message: str) -> None:
     with pytest.raises(InputError) as error:
         parse(TEXT.replace(old, new, 1))
     assert message in str(error.value)
+
+
+def test_a_design_with_loads_among_its_variables_can_be_drawn() -> None:
+    model = Model(parse(TEXT))
+    fields = {"evaluation.loads.fdp": (0.3, 0.6), "knuckle.radius": ("5 mm", "7 mm")}
+    problem = Problem.of(model, fields, "minimise effort")
+    drawn = drawn_file(problem.parameters, np.array([0.5, 0.0065]), model)
+    assert float(drawn.wraps["knuckle"].radius) == 0.0065
+    assert drawn.evaluation == model.file.evaluation

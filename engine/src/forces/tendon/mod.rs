@@ -63,6 +63,7 @@ struct Leg {
 }
 
 /// The shape of a leg in a state.
+#[allow(clippy::large_enum_variant)] // It lives on the stack, for one leg at a time.
 #[derive(Clone, Copy, Debug)]
 enum Course<const P: usize> {
     /// Straight, of this length and along this unit vector from the second to the first point.

@@ -46,8 +46,8 @@ class Branch(Table):
 def _form(value: object) -> str:
     if isinstance(value, Mapping):
         return next((key for key in ("wrap", "branch", "world") if key in value), "body")
-    forms = {Over: "wrap", Branch: "branch", Ground: "world"}
-    return forms.get(type(value), "body")
+    forms = ((Over, "wrap"), (Branch, "branch"), (Ground, "world"))
+    return next((name for form, name in forms if isinstance(value, form)), "body")
 
 
 Stage = Annotated[
