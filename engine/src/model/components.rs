@@ -43,6 +43,9 @@ impl Components {
             });
             join(&mut stages.filter_map(body_of));
         }
+        for coupling in &d.joint_couplings {
+            join(&mut coupling.bodies.iter().map(String::as_str));
+        }
         for tie in &d.ties {
             join(&mut [&tie.first, &tie.second].into_iter().filter_map(body_of));
         }

@@ -42,16 +42,17 @@ def crossed(model: Structure) -> list[tuple[int, int]]:
 
 def effort(paths: Paths) -> Array:
     """Return the sum of the squared activations of all muscles, (n, s)."""
-    columns = [paths.model.inputs.index(name) for name in paths.model.muscles]
+    columns = [paths.model.input_of(name) for name in paths.model.muscles]
     return np.asarray((paths.applied[:, :, columns] ** 2).sum(axis=2))
 
 
 def effort_slope(paths: Paths, steps: Steps) -> Differential:
     """Return the change of the effort, of the loads alone."""
     model, n = paths.model, len(paths)
-    columns = [model.inputs.index(name) for name in model.muscles]
+    applied = paths.applied[np.arange(n), steps]
     chosen = np.zeros((n, len(model.inputs)))
-    chosen[:, columns] = 2.0 * paths.applied[np.arange(n), steps][:, columns]
+    for column in map(model.input_of, model.muscles):
+        chosen[:, column] += 2.0 * applied[:, column]
     return Differential(((steps, weights(model, n, {"applied": chosen})),))
 
 

@@ -180,12 +180,8 @@ impl Tendon {
     ) -> Result<Tension, ModelError> {
         let name = &tendon.name;
         let field = |f: &str| format!("tendons.{name}.{f}");
-        let mut input = || {
-            tree.inputs.push(name.clone());
-            tree.inputs.len() - 1
-        };
         Ok(match tendon.tension {
-            TensionDescription::Cable {} => Tension::Cable { input: input() },
+            TensionDescription::Cable {} => Tension::Cable { input: tree.input(name) },
             TensionDescription::Spring { stiffness, slack_length, toe } => {
                 not_negative(field("stiffness"), stiffness)?;
                 positive(field("slack_length"), slack_length)?;
@@ -206,7 +202,7 @@ impl Tendon {
                         format!("found {curve:?}, which is no curve"),
                     ));
                 }
-                let input = input();
+                let input = tree.input(name);
                 let mut slot =
                     |what: &str, unit, value| tree.slot(format!("{name}.{what}"), unit, &[value]).start;
                 Tension::Muscle {
