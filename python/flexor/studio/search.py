@@ -60,8 +60,9 @@ def search(
     Yields
     ------
     dict
-        First of the start and then of the best design so far: ``values`` in units for display, ``shown``, ``feasible``,
-        ``evaluations``, ``rate`` [1/s], and in the end ``ended``, the reason.
+        First of the start and then of the best design so far: ``values`` in units for display,
+        ``shown``, ``feasible``, ``evaluations``, ``rate`` [1/s], and in the end ``ended``, the
+        reason.
 
     Raises
     ------
