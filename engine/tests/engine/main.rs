@@ -12,6 +12,7 @@ mod loads;
 mod obstacles;
 mod round_cones;
 mod sensitivity;
+mod tendons;
 mod toolbox_reference;
 mod toolbox_statics;
 
