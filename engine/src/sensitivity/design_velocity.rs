@@ -104,6 +104,8 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         if let Geometric::RodRadius(radius) = kind {
             self.acts = model.points.iter().any(|point| holds_radius(model, p, point, radius));
             if !self.acts {
+                // No frame moves with it.
+                self.points.fill(Vector::ZERO);
                 return;
             }
         }
