@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import flexor
 from flexor.study import Problem
 
@@ -60,7 +62,7 @@ def best_known(make: Callable[[str], Problem] = problem) -> dict[str, float]:
     """Evaluate the best known designs with this engine: the values of the feasible ones."""
     values = {}
     for name, entry in recorded().items():
-        found = make(name).evaluate([entry["design"]])
+        found = make(name).evaluate(np.array([entry["design"]]))
         if found.violation[0] == 0.0:
             values[name] = float(found.value[0])
     return values

@@ -43,17 +43,19 @@ pub(crate) struct Control {
 }
 
 impl Control {
-    /// The controls of a description, whose actuators and pressures are the first of the inputs.
+    /// The controls of a description.
     pub fn all(description: &Description, inputs: &[String]) -> Result<Vec<Self>, ModelError> {
-        let (threads, pressures) = (description.actuators.len(), description.pressures.len());
         let control = |name: &String| {
-            let field = || format!("controls.{name}");
-            let conjugate = |input| {
-                if input < threads { Conjugate::Length(input) } else { Conjugate::Volume(input - threads) }
-            };
-            match inputs.iter().position(|input| input == name) {
-                Some(input) if input < threads + pressures => Ok(Self { input, conjugate: conjugate(input) }),
-                _ => Err(ModelError::new(field(), "must be a chamber, a cable or a pressure")),
+            let thread = description.actuators.iter().position(|each| &each.name == name);
+            let pressure = description.pressures.iter().position(|each| &each.name == name);
+            let conjugate = thread.map(Conjugate::Length).or(pressure.map(Conjugate::Volume));
+            // An input that is shared has another name, and no conjugate of its own.
+            match (inputs.iter().position(|input| input == name), conjugate) {
+                (Some(input), Some(conjugate)) => Ok(Self { input, conjugate }),
+                _ => {
+                    let expected = "must be a chamber, a cable or a pressure with an input of its own";
+                    Err(ModelError::new(format!("controls.{name}"), expected))
+                }
             }
         };
         description.controls.iter().map(control).collect()

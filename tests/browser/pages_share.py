@@ -30,6 +30,23 @@ def file(tmp_path_factory) -> str:
     return f"file://{made}"
 
 
+@pytest.fixture(scope="module")
+def rubbing(tmp_path_factory) -> str:
+    made = tmp_path_factory.mktemp("share") / "capstan.html"
+    made.write_text(share_page(flexor.load("capstan")), encoding="utf-8")
+    return f"file://{made}"
+
+
+@pytest.fixture(scope="module")
+def front(tmp_path_factory) -> str:
+    aims = ["maximise range-of-motion", "minimise mass"]
+    bounds = {"exosuit.section.wall": ("1.5 mm", "3 mm"), "exosuit.length": ("9 cm", "11 cm")}
+    study = flexor.optimize(flexor.load("pneumatic-finger"), bounds, aims, "pareto", budget=40)
+    made = tmp_path_factory.mktemp("share") / "front.html"
+    made.write_text(share_page(study), encoding="utf-8")
+    return f"file://{made}"
+
+
 @pytest.fixture
 def page(tab: Browser, file: str) -> Browser:
     tab.open(file)
@@ -99,6 +116,47 @@ def test_see_through_shows_the_chamber(page, picture) -> None:
     assert differ(view(page), before)
     picture("share-through")
     page.click("#through")
+
+
+def test_see_through_leaves_the_pressure_on_the_skin(page, picture) -> None:
+    page.choose("#field", "contact-pressure")
+    page.click("[data-from=top]")
+    before = view(page)
+    page.click("#through")
+    after = view(page)
+    picture("share-pressure-through")
+    page.click("#through")
+    page.choose("#field", "")
+    page.click("[data-from=oblique]")
+    assert (np.ptp(after, axis=2) > 0.3).sum() > 0.9 * (np.ptp(before, axis=2) > 0.3).sum() > 100
+
+
+def test_friction_is_seen_where_it_holds_and_where_it_slides(tab, rubbing, picture) -> None:
+    tab.open(rubbing)
+    tab.wait("document.body.dataset.ready")
+    assert "friction holds" in tab.text(".marks")
+    seen = [view(tab)]
+    picture("share-friction")
+    for step in (1, 9):
+        tab.slide("#step", step)
+        seen.append(view(tab))
+    assert all(differ(one, other) for one, other in pairwise(seen))
+    assert tab.run("document.querySelector('.say').className").strip() == "say"
+
+
+def test_ends_of_a_front_are_chosen_and_compared(tab, front, picture) -> None:
+    tab.open(front)
+    tab.wait("document.body.dataset.ready")
+    titles = tab.run("[...document.querySelectorAll('#designs option')].map(o => o.textContent)")
+    assert any("maximise range-of-motion" in title for title in titles)
+    assert any("minimise mass" in title for title in titles)
+    one = view(tab)
+    tab.choose("#designs", "1")
+    assert differ(view(tab), one)
+    tab.choose("#designs", "both")
+    columns = tab.run("document.querySelectorAll('.names span').length")
+    assert columns == len(titles) - 1
+    picture("share-front")
 
 
 def test_camera_turns_by_mouse_keys_and_buttons(page) -> None:

@@ -98,7 +98,8 @@ def test_the_unmodified_file_is_valid() -> None:
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"springs", "straps", "wrenches", "ties", "design", "population", '
+            '"torques", "couplings", "springs", "straps", "wrenches", "ties", "inputs", "design", '
+            '"population", '
             '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),
         (
@@ -323,8 +324,8 @@ def test_the_unmodified_file_is_valid() -> None:
         ),
         (
             "[bodies.nail]",
-            '[bodies."na.il"]',
-            'bodies contains "na.il": names start with a letter and consist of letters, digits, _ '
+            '[bodies."na il"]',
+            'bodies contains "na il": names start with a letter and consist of letters, digits, _ '
             "and -.",
         ),
         (

@@ -141,16 +141,37 @@ def test_pressure_on_the_skin_adds_up_to_the_force_of_contact() -> None:
     contacts, places = fine.contact_forces(), fine.model.sphere_places
     touched = np.array([places[int(second)][0] for second in contacts.second])
     for each in scene(fine).objects:
-        if each.part != "skin":
+        # Of ph_2, only the sphere that it shares with ph_1 is touched: see the next test.
+        if each.part != "skin" or each.name == "ph_2":
             continue
         force = np.linalg.norm(contacts.force[touched == each.name].sum(axis=0))
         pressure = np.nan_to_num(each.fields["contact-pressure"][-1])
         a, b, c = each.vertices()[each.faces].transpose(1, 0, 2)
         vector = 0.5 * np.cross(b - a, c - a)
         total = np.linalg.norm((pressure[each.faces].mean(axis=1)[:, None] * vector).sum(axis=0))
-        # ph_2 touches only at the sphere that it shares with ph_1. The triangles are those of the
-        # drawing, some of which are as large as the contact is wide.
+        # The triangles are those of the drawing, some of which are as large as the contact is wide.
         assert total == pytest.approx(force, rel=0.03)
+
+
+def test_pressure_at_a_joint_is_on_the_skins_of_both_links(found) -> None:
+    first, second = (
+        next(each for each in found.objects if each.name == name and each.part == "skin")
+        for name in ("ph_1", "ph_2")
+    )
+    one, other = (each.fields["contact-pressure"][-1] for each in (first, second))
+    joint = second.frames[-1, 0, :3, 3]
+    radius = np.linalg.norm(second.vertices()[second.local[:, 0].argmin()] - joint)
+    far = np.linalg.norm(second.vertices() - joint, axis=1)
+    there = np.isfinite(other) & (far < 0.02)  # and not at the joint to ph_3
+    assert there.sum() > 5
+    np.testing.assert_allclose(far[there], radius, atol=1e-6)
+    assert np.nanmax(other[there]) == pytest.approx(np.nanmax(one), rel=0.2)
+    # Without it the triangles of both would be seen in turn.
+    nearest = np.linalg.norm(second.vertices()[there][:, None] - first.vertices(), axis=2)
+    same = one[nearest.argmin(axis=1)]
+    near = nearest.min(axis=1) < 5e-4
+    assert near.any()
+    np.testing.assert_allclose(other[there][near], np.nan_to_num(same[near]), atol=4e3)
 
 
 def test_round_cones_are_hulls_of_spheres() -> None:
@@ -335,3 +356,29 @@ def test_marks_of_ties_are_closed(kind: str, volume: float, axis: str) -> None:
     path = flexor.load(parse(text)).equilibrium([0.0])
     mark = [each for each in scene(path).objects if each.kind == "tie"][1]
     assert mark.volume() == pytest.approx(volume * (1.3 * 3e-3) ** 3, rel=0.03)
+
+
+def test_points_with_friction_are_marked_where_they_are() -> None:
+    path = flexor.load("capstan").equilibrium()
+    marks = {each.part: each for each in scene(path).objects if each.kind == "friction"}
+    assert set(marks) == {"holds", "slides"}
+    for step in (0, 3, -1):
+        points = path.friction_forces(step)
+        for part, slides in (("holds", False), ("slides", True)):
+            found, chosen = marks[part], points.slides == slides
+            corners = found.vertices(step)[found.faces]
+            shown = np.linalg.norm(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1)), axis=1) > 0.0
+            assert shown.sum() == chosen.sum() * len(found.faces) / found.frames.shape[1]
+            for place in points.place[chosen]:
+                near = np.linalg.norm(corners[shown].mean(axis=1) - place, axis=1).min()
+                assert near < 2e-3
+        if points.slides.any():
+            tips = marks["slides"].vertices(step).reshape(marks["slides"].frames.shape[1], -1, 3)
+            force = points.force[points.slides]
+            along = (tips[: len(force), -2] - tips[: len(force), -1]) / 2.6
+            cosine = np.einsum("mi,mi->m", along, force) / np.linalg.norm(force, axis=1)
+            np.testing.assert_allclose(cosine, np.linalg.norm(along, axis=1), rtol=1e-12)
+
+
+def test_models_without_friction_have_no_marks(found) -> None:
+    assert all(each.kind != "friction" for each in found.objects)

@@ -178,8 +178,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let (q, slope) = (self.start.clone(), 1.0);
         let mut low = Point { at: 0.0, load: from, slope, q, direction, stable: true };
         planes.set_origin(&self.system, &mut low);
-        // A state from which the branch is followed further need not be exact.
-        let rough = BorderedTarget { tolerance: self.residual_between(failed - from), ..target };
+        // A state from which the branch is followed further need not be exact, only close enough that its load
+        // is that of the branch where it is nearly level.
+        let near_end = self.options.accuracy.residual_near_end * (failed - from) * self.rate_of_change();
+        let rough = BorderedTarget { tolerance: near_end.max(target.tolerance), ..target };
         let mut exact = false;
         // Whether the load falls at once, as where the ends of a compressed spring pass each other.
         let mut falls = false;

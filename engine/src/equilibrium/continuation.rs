@@ -402,7 +402,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// The scale of residuals between the listed loads: the speed or, where the structure is softer than its
     /// units, as a column that buckles, the change of the load.
-    fn rate_of_change(&self) -> f64 {
+    pub(super) fn rate_of_change(&self) -> f64 {
         max_norm(&self.velocity[0]).min(self.change[0])
     }
 

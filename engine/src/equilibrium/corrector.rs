@@ -131,7 +131,7 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             }
             system.newton_step(&mut self.step);
             let length = max_norm(&self.step);
-            if length <= self.newton.small_step && system.is_balanced(tolerance.residual) {
+            if accurate && length <= self.newton.small_step && system.is_balanced(tolerance.residual) {
                 return true;
             }
             total += length;

@@ -45,7 +45,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 self.leave_limit_point(from, at, failed, step, sink, control)?
             }
             BranchAhead::BranchPoint => {
-                self.find_stable_at(failed, step)?;
+                // The tangent before the last step may be that of the branch which has become unstable.
+                self.find_stable_at(failed, 0.0)?;
                 if let Some((mut kind, at)) = self.classify_branch_point(from, failed) {
                     if self.leave_continuously(failed) {
                         kind = EventKind::Bifurcation;
@@ -73,7 +74,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     ) -> Result<f64, Status> {
         // As the state at `from` is approximate, the limit point may lie before it.
         let lambda = (at + self.options.locate.beyond * self.span()).max(from).min(1.0);
-        self.find_stable_at(lambda, step)?;
+        self.find_stable_at(lambda, self.tangent_reuse_at(lambda, step))?;
         let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
         if moved && self.releases_energy(lambda - at) {
             self.report(EventKind::Snap, at, lambda, step, sink);
@@ -91,23 +92,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Result<f64, Status> {
-        self.find_stable_at(next, step)?;
+        self.find_stable_at(next, self.tangent_reuse_at(next, step))?;
         if self.has_jumped(next - from) {
             self.report(EventKind::Snap, next, next, step, sink);
         }
         Ok(next)
     }
 
+    /// The share of the residual below which the tangent is reused after a jump to `lambda`.
+    fn tangent_reuse_at(&self, lambda: f64, step: LoadStep) -> f64 {
+        if lambda == 1.0 { step.tangent_reuse } else { self.options.accuracy.tangent_reuse_after_jump }
+    }
+
     /// Finds a stable equilibrium at `lambda` from `start`.
-    fn find_stable_at(&mut self, lambda: f64, step: LoadStep) -> Result<(), Status> {
+    fn find_stable_at(&mut self, lambda: f64, tangent_reuse: f64) -> Result<(), Status> {
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.system.set_state(&self.start);
         self.system.evaluate();
         self.energy = self.system.energy();
         self.slope.copy_from_slice(self.system.forces());
-        let accuracy = &self.options.accuracy;
-        let reuse = if lambda == 1.0 { step.tangent_reuse } else { accuracy.tangent_reuse_after_jump };
-        let status = self.find_stable(self.options.trust_region.initial_radius, reuse);
+        let status = self.find_stable(self.options.trust_region.initial_radius, tangent_reuse);
         self.unstable = status == Status::Unstable;
         if !status.is_equilibrium() {
             return Err(status);

@@ -14,6 +14,8 @@ pub(crate) mod foundation;
 pub(crate) mod friction;
 pub(crate) mod gravity;
 pub(crate) mod joint;
+pub(crate) mod joint_coupling;
+pub(crate) mod joint_torque;
 pub(crate) mod magnitudes;
 mod moments;
 pub(crate) mod obstacle;

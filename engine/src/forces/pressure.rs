@@ -20,7 +20,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PressureDescription {
-    /// Unique name, also that of its load input [Pa].
+    /// Unique name, also that of its load input [Pa] unless it shares one.
     pub name: String,
     /// The rod.
     pub rod: String,
@@ -132,10 +132,10 @@ impl Pressures {
             let sections = pressure.sections.iter().map(|s| &s[..]).enumerate().map(named).collect();
             let share = tree.slot(format!("{}.share", pressure.name), None, &pressure.share);
             let enclosed = tree.slot(format!("{}.enclosed", pressure.name), "m^3", &pressure.enclosed);
-            tree.inputs.push(pressure.name.clone());
+            let input = tree.input(&pressure.name);
             built.push(Pressure {
                 rod,
-                input: tree.inputs.len() - 1,
+                input,
                 sections,
                 of_gauss: pressure.of_gauss.clone(),
                 share,

@@ -38,7 +38,7 @@ pub struct WrenchDescription {
     pub moment: [f64; 3],
     /// Fixed in the world or following the body.
     pub frame: WrenchFrame,
-    /// Whether it is scaled by a load input of its name.
+    /// Whether it is scaled by a load input, of its name unless it shares one.
     #[serde(default)]
     pub input: bool,
 }
@@ -76,10 +76,7 @@ impl<const P: usize> Wrenches<P> {
             if P == 2 && (wrench.moment[0] != 0.0 || wrench.moment[2] != 0.0) {
                 return Err(ModelError::new(field("moment"), "a planar system turns about y only"));
             }
-            let input = wrench.input.then(|| {
-                tree.inputs.push(wrench.name.clone());
-                tree.inputs.len() - 1
-            });
+            let input = wrench.input.then(|| tree.input(&wrench.name));
             let frame = tree.points[point].frame;
             tree.keep_jacobian(frame);
             let follower = wrench.frame == WrenchFrame::Body;

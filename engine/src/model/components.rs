@@ -33,6 +33,9 @@ impl Components {
         for SpringDescription { first, second, .. } in &d.springs {
             join(&mut [first, second].into_iter().filter_map(body_of));
         }
+        for coupling in &d.joint_couplings {
+            join(&mut coupling.bodies.iter().map(String::as_str));
+        }
         for tie in &d.ties {
             join(&mut [&tie.first, &tie.second].into_iter().filter_map(body_of));
         }

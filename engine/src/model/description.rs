@@ -9,6 +9,8 @@ pub use crate::forces::fibres::{
 };
 pub use crate::forces::foundation::{FoundationDescription, StrapLoopDescription};
 pub use crate::forces::friction::FrictionDescription;
+pub use crate::forces::joint_coupling::JointCouplingDescription;
+pub use crate::forces::joint_torque::{JointTorqueDescription, TorqueCurve};
 pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
@@ -58,10 +60,19 @@ pub struct Description {
     /// Cavities under pressure.
     #[serde(default)]
     pub pressures: Vec<PressureDescription>,
+    /// Load inputs that drive several forces.
+    #[serde(default)]
+    pub shared_inputs: Vec<SharedInputDescription>,
     /// Names of the chambers and cables controlled by their length and of the pressures controlled by the
     /// volume of their cavity: their loads are changes of these from the reference state.
     #[serde(default)]
     pub controls: Vec<String>,
+    /// Passive torques of joints.
+    #[serde(default)]
+    pub joint_torques: Vec<JointTorqueDescription>,
+    /// Joints that move together.
+    #[serde(default)]
+    pub joint_couplings: Vec<JointCouplingDescription>,
     /// Springs and straps.
     #[serde(default)]
     pub springs: Vec<SpringDescription>,

@@ -10,6 +10,8 @@ use crate::forces::foundation::{Foundations, StrapLoops};
 use crate::forces::friction::{Direction, Frictions, PressedChange, Source};
 use crate::forces::gravity::Gravity;
 use crate::forces::joint::Joints;
+use crate::forces::joint_coupling::JointCouplings;
+use crate::forces::joint_torque::JointTorques;
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::obstacle::Obstacles;
 use crate::forces::pressure::Pressures;
@@ -242,6 +244,10 @@ macro_rules! registry {
 registry! {
     elasticity: Elasticity = |_, _| Elasticity;
     joints: Joints = |_, _| Joints;
+    joint_torques: JointTorques = |tree, description| JointTorques::build(tree, &description.joint_torques)?;
+    joint_couplings: JointCouplings = |tree, description| {
+        JointCouplings::build(tree, &description.joint_couplings)?
+    };
     fibres: FibreSections = |tree, description| {
         FibreSections::build(tree, &description.materials, &description.fibres)?
     };

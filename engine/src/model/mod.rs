@@ -38,6 +38,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             return Err(ModelError::new("planar", "a planar system needs SE(2), a spatial one SE(3)"));
         }
         let mut tree = Tree::new(&description.bodies, &description.spheres)?;
+        tree.shared_inputs.clone_from(&description.shared_inputs);
         let forces = Forces::build(&mut tree, description)?;
         let controls = Control::all(description, &tree.inputs)?;
         // A control couples all coordinates of its rod, a tie those of a loop.

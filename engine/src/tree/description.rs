@@ -187,6 +187,16 @@ pub struct SphereGroupDescription {
     pub spheres: Vec<SphereDescription>,
 }
 
+/// A load input that drives several forces.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SharedInputDescription {
+    /// Unique name.
+    pub name: String,
+    /// Names of the forces, each of which is an input of its own otherwise.
+    pub drives: Vec<String>,
+}
+
 /// A sphere.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -25,6 +25,7 @@ pub(crate) use error::{finite, not_negative, positive};
 pub(crate) use points::{Place, Point, Sphere, SphereRadius};
 
 use crate::linalg::Vector;
+use description::SharedInputDescription;
 use std::ops::Range;
 
 /// A frame and the motion that leads to it from its parent.
@@ -111,6 +112,8 @@ pub struct Tree<G, const D: usize, const P: usize> {
     pub(crate) parameters: Vec<f64>,
     pub(crate) coordinates: Vec<String>,
     pub(crate) inputs: Vec<String>,
+    /// Inputs each of which drives several forces.
+    pub(crate) shared_inputs: Vec<SharedInputDescription>,
     pub(crate) frame_names: Vec<String>,
     pub(crate) group: std::marker::PhantomData<G>,
 }

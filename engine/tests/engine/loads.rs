@@ -5,7 +5,7 @@ use flexor_engine::equilibrium::{ContinuationOptions, Status};
 use flexor_engine::lie::SE2;
 use flexor_engine::model::*;
 use flexor_engine::strain::{BasisKind, Mode};
-use flexor_engine::{Batch, PathResults};
+use flexor_engine::{Batch, Data, PathResults};
 
 /// The finger, with a second, unrelated rod and its chamber.
 fn finger_and_brick() -> Description {
@@ -66,4 +66,26 @@ fn what_another_input_is_held_at_changes_nothing() {
 
 fn finger_dof() -> usize {
     Model::<SE2, 3, 2>::new(&finger()).unwrap().dof()
+}
+
+#[test]
+fn one_input_drives_several_forces() {
+    let separate = finger_and_brick();
+    let mut shared = separate.clone();
+    let drives = shared.actuators.iter().map(|actuator| actuator.name.clone()).collect();
+    shared.shared_inputs.push(SharedInputDescription { name: "air".into(), drives });
+    let [separate, shared] = [separate, shared].map(|d| Model::<SE2, 3, 2>::new(&d).unwrap());
+    assert_eq!(shared.inputs(), ["air"]);
+    let q: Vec<f64> = (0..shared.dof()).map(|i| 0.1 * (i as f64).sin()).collect();
+    let [mut one, mut two] = [Data::new(&shared), Data::new(&separate)];
+    one.evaluate(&shared, &q, &[3.0]);
+    two.evaluate(&separate, &q, &[3.0, 3.0]);
+    assert_eq!(one.residual(), two.residual());
+    assert_eq!(one.tangent(), two.tangent());
+    // One that holds a conjugate has an input of its own.
+    let mut held = finger_and_brick();
+    held.controls.push("other".into());
+    assert!(Model::<SE2, 3, 2>::new(&held).is_ok());
+    held.shared_inputs.push(SharedInputDescription { name: "air".into(), drives: vec!["other".into()] });
+    assert!(Model::<SE2, 3, 2>::new(&held).is_err());
 }

@@ -134,6 +134,10 @@ pub fn spatial_tree(
         on("arm", Station::Point(3), [0.0, 0.0, 0.01]),
         false,
     ));
+    let [exponential, table, ..] = torque_curves();
+    d.joint_torques.push(torque("base_torque", ("base", "theta"), exponential));
+    d.joint_torques.push(torque("thumb_force", ("thumb", "d"), table));
+    d.joint_couplings.push(coupled(["base", "thumb"], ["theta", "d"]));
     let wrench = |name: &str, at, moment, frame, input| WrenchDescription {
         name: name.into(),
         at,
@@ -204,6 +208,37 @@ pub fn spatial_tree(
     d
 }
 
+/// A passive torque of each kind, those of a threshold in both directions.
+pub fn torque_curves() -> [TorqueCurve; 4] {
+    let threshold =
+        |angle, direction| TorqueCurve::Threshold { angle, stiffness: 0.8, width: 0.07, direction };
+    [
+        TorqueCurve::DoubleExponential { moments: [0.2, 0.3, -0.05], rates: [4.0, 3.0], angles: [0.1, -0.2] },
+        TorqueCurve::Table {
+            angles: vec![-0.153, -0.021, 0.087, 0.191],
+            torques: vec![-0.3, 0.02, 0.03, 0.2],
+            slopes: vec![2.0, 0.2, 0.3, 1.5],
+        },
+        threshold(0.0523, 1.0),
+        threshold(-0.0317, -1.0),
+    ]
+}
+
+fn torque(name: &str, (body, coordinate): (&str, &str), curve: TorqueCurve) -> JointTorqueDescription {
+    JointTorqueDescription { name: name.into(), body: body.into(), coordinate: coordinate.into(), curve }
+}
+
+fn coupled(bodies: [&str; 2], coordinates: [&str; 2]) -> JointCouplingDescription {
+    JointCouplingDescription {
+        name: "coupling".into(),
+        bodies: bodies.map(Into::into),
+        coordinates: coordinates.map(Into::into),
+        ratio: 0.67,
+        offset: 0.02,
+        stiffness: 0.4,
+    }
+}
+
 /// A planar tree with prismatic, revolute and free joints and a rod with all three modes.
 pub fn planar_tree(
     bases: [BasisKind; 3],
@@ -246,6 +281,10 @@ pub fn planar_tree(
     d.contacts[0].tip_spheres.clear();
     d.actuators[0].path = vec![[0.0, 0.001]; points];
     d.actuators[0].path_slope = vec![[0.0; 2]; points];
+    for (i, curve) in torque_curves().into_iter().enumerate() {
+        d.joint_torques.push(torque(&format!("torque_{i}"), (["ph_1", "ph_2"][i % 2], "theta"), curve));
+    }
+    d.joint_couplings.push(coupled(["ph_2", "ph_1"], ["theta"; 2]));
     let end = AttachmentDescription::Body {
         body: "pad".into(),
         station: Station::Fraction(1.0),

@@ -13,6 +13,7 @@ from flexor.arrays import Array
 from flexor.calibration.schema import Constant as Table
 from flexor.errors import InputError, unknown_name
 from flexor.model import ModelFile
+from flexor.model.changes import with_whole_name
 from flexor.model.quantity import Unit, infer_quantity
 
 _NAMED = tuple(ModelFile.named_tables())
@@ -92,10 +93,13 @@ def full(field: str, file: ModelFile) -> str | None:
     """
     keys = field.split(".")
     if keys[0] not in ModelFile.model_fields:
+        names = [name for table in _NAMED for name in getattr(file, table)]
+        keys = with_whole_name(keys, names)
         table = next((t for t in _NAMED if keys[0] in getattr(file, t)), None)
         return None if table is None else f"{table}.{field}"
     things: Any = getattr(file, keys[0])
     if keys[0] in _NAMED:
+        keys = [keys[0], *with_whole_name(keys[1:], things)]
         return field if len(keys) > 1 and keys[1] in things else None
     return field
 

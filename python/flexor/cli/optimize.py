@@ -223,6 +223,8 @@ def optimize(
             _open(study)
         return 0
 
+    if plot is not None or not as_json:
+        outcome.import_figures()
     where = executor_for(threads, cluster)
     return carry_out("flexor optimize --resume", place, where, SearchProgress(), work, report)
 

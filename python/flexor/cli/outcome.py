@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from importlib import import_module
 from pathlib import Path as FilePath
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from flexor.cli import verdict
@@ -91,6 +93,16 @@ def start_title(study: Study) -> str:
 def best_title(best: Design) -> str:
     """Return what the best design is called."""
     return title(best.verdict) if _has_verdict(best) else "optimum"
+
+
+def import_figures() -> None:
+    """Import what draws figures beside a search, whose work is mostly the engine's."""
+
+    def work() -> None:
+        for name in ("figure", "backends.backend_agg", "backends.backend_svg"):
+            import_module(f"matplotlib.{name}")
+
+    Thread(target=work, daemon=True).start()
 
 
 def draw(study: Study, best: Design, also: FilePath | None, quiet: bool = False) -> None:

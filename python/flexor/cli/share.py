@@ -57,11 +57,12 @@ def share(
     if (out.exists() or out.is_symlink()) and not force:
         raise InputError(f'"{out}" exists: give --force to replace it, or another name.')
     shown = _source(source, design, variant, changes)
+    origin = str(shown.folder) if isinstance(shown, Study) else source
     if isinstance(shown, Study) and shown.best.has_verdict:
         with working("checking the best design") as progress:
             shown.best.evaluate_verdict(progress)
     with working("drawing the design"):
-        text = share_page(shown, source)
+        text = share_page(shown, origin)
     write_text(out, text)
     say(f"page: {out} ({len(text.encode()) / 1e6:.2f} MB)")
     return 0

@@ -34,8 +34,9 @@ def check_possible(
         if each.sense == "<=" and found.lowest is not None and each.bound < found.lowest:
             raise InputError(f"{text}: {each.name} is never below {found.shown(found.lowest)}.")
         kind, _, name = each.name.partition(".")
-        if kind == "pressure" and name not in model.controlled and name not in varied:
-            column = loads[:, model.inputs.index(name)]
+        free = kind == "pressure" and name not in model.controlled
+        if free and model.driven_by[name] not in varied:
+            column = loads[:, model.input_of(name)]
             worst = float(column.max() if each.sense == "<=" else column.min())
             if float(each.excess(np.array([worst]))[0]) > 0.0:
                 raise InputError(f"{text}: the loads go to {found.shown(worst)} for every design.")

@@ -22,6 +22,7 @@ from flexor.design.fields import replaced, spline_of, value_of
 from flexor.design.slot_map import TOLERANCE, Lowered, SlotMap, points_of_box, refitted, slot_map
 from flexor.errors import InputError
 from flexor.model import units
+from flexor.model.changes import with_whole_name
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.profile import Spline, Taper, spline_basis, surface
 from flexor.model.schema.section_geometry import gauss_points, geometries, is_made_of_fibres
@@ -271,10 +272,12 @@ def _assembled(model: Structure, reduced: _Reduced, equal: SlotMap) -> SplineMap
         return found.setdefault(((x, x if end is None else end), slope), len(found))
 
     where = _places_of_sections(model, reduced.model)
+    entries = (*file.bodies, *file.actuators, *file.straps)
     for name, (start, stop) in own.items():
         source, x = where.get(name, (name, None))
         first = other[source][0]
-        body, _, part = name.partition(".")
+        body, *rest = with_whole_name(name.split("."), entries)
+        part = ".".join(rest)
         rod = file.bodies.get(body)
         strap = file.straps.get(body)
         points = _gauss_points(model, body) if part == "enclosed" else ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -15,7 +15,7 @@ from flexor.arrays import Array
 from flexor.design.fields import keys_of, spline_of, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
-from flexor.design.profiles import SPLINE, control_values, recorded_splines, with_splines
+from flexor.design.profiles import SPLINE, control_values, with_splines
 from flexor.design.slot_map import SlotMap, refitted, slot_map
 from flexor.design.span_map import SpanMap, is_span
 from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
@@ -33,7 +33,7 @@ NAME = "fields"
 
 @dataclass(frozen=True, eq=False)
 class Variables(ParameterSet):
-    """Design parameters that are fields of a model file; made by `variables`.
+    """Design parameters that are fields of a model file; made by `field_variables`.
 
     Its labels are the fields as they were given. Everything that follows from a field follows:
     straps keep their slack, contacts the stiffness of their layers.
@@ -238,37 +238,12 @@ def _check_span(label: str, ends: tuple[float, float], source: str) -> None:
         )
 
 
-def variables(
+def field_variables(
     bounds: Mapping[str, Sequence[object]], model: Structure, source: str = "--vary"
 ) -> Variables:
     """Make design variables of fields of a model file.
 
-    Parameters
-    ----------
-    bounds
-        Lower and upper bound of each field by its dotted path, such as
-        ``{"exosuit.length": ("8 cm", "12 cm"), "proximal.to.at": (0.4, 0.7)}``: texts with a unit,
-        or plain numbers for what has none. With a third entry,
-        ``{"exosuit.section.wall": ("1.5 mm", "3 mm", "spline 4")}``, a size of a rod varies along
-        it as a spline of four control values.
-    model
-        The model, whose own values are the starting design.
-    source
-        Where the bounds come from, for messages.
-
-    Raises
-    ------
-    InputError
-        If there is no such field or it cannot be varied, two bounds are for one field, a bound has
-        no unit or one of another kind, bounds are not in order, or a size cannot vary along a rod.
-
-    Examples
-    --------
-    >>> import flexor
-    >>> model = flexor.load("pneumatic-finger")
-    >>> varied = flexor.design.variables({"exosuit.length": ("8 cm", "11 cm")}, model)
-    >>> varied.start
-    array([0.1])
+    See `flexor.design.variables`, whose fields may be patterns.
     """
     if not bounds:
         raise InputError(f"{source}: name at least one field and its bounds.")
@@ -283,7 +258,7 @@ def variables(
         if keys in seen:
             raise InputError(f'{source}: "{label}" is the same field as "{seen[keys]}".')
         seen[keys] = label
-        value = value_of(keys, file) if load is None else _quantity(load)
+        value = value_of(keys, file) if load is None else quantity_of(load)
         _, own = infer_quantity(getattr(value, "text", value), label)
         ends, shown = _ends(pair, label, own, isinstance(value, Quantity), source)
         if load is None and is_span(keys):
@@ -313,51 +288,9 @@ def _prepared(model: Structure, splines: Mapping[str, int]) -> Structure:
     return with_splines(model, splines) if splines else model  # type: ignore[arg-type]
 
 
-def _quantity(load: LoadVariable) -> float:
+def quantity_of(load: LoadVariable) -> float:
+    """Return the largest load of an input, with its unit if it has one."""
     return Quantity(load.start, f"{load.start!r} {load.unit}") if load.unit else load.start
-
-
-def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
-    """Return the variables that a study's settings describe, with bounds in SI units."""
-    labels = table["labels"]
-    ends = zip(table["lower"], table["upper"], strict=True)
-    made = variables_in_si(dict(zip(labels, ends, strict=True)), model, "the recorded variables")
-    kinds = []
-    for kind, unit in zip(made.kinds, table["units"], strict=True):
-        text = "" if unit == "1" else unit
-        kinds.append(kind if not text else infer_quantity(f"1 {text}", "unit")[1])
-    return replace(
-        made,
-        units=tuple(table["units"]),
-        kinds=tuple(kinds),
-        lower=np.array(table["lower"]),
-        upper=np.array(table["upper"]),
-        splines=recorded_splines(labels, model.file),
-    )
-
-
-def variables_in_si(
-    bounds: Mapping[str, Sequence[Any]], model: Structure, source: str
-) -> Variables:
-    """Make design variables with bounds that are SI numbers; see `variables`."""
-    given = {
-        label: (
-            *(_text(value, label, model, len(ends) > 2) for value in ends[:2]),
-            *ends[2:],
-        )
-        for label, ends in bounds.items()
-    }
-    return variables(given, model, source)
-
-
-def _text(value: float, label: str, model: Structure, along: bool) -> object:
-    if along:
-        return f"{value!r} m"
-    load = load_variable(label, model)
-    keys = () if load is not None else keys_of(label, model.file)
-    own = value_of(keys, model.file) if load is None else _quantity(load)
-    _, unit = infer_quantity(getattr(own, "text", own), label)
-    return unit.exact(value)
 
 
 def _ends(

@@ -98,7 +98,7 @@ def _units(model: Structure, size: float) -> Array:
     """Return one radian, or what is a strain of one, of each coordinate."""
     found = np.ones(model.engine.dof)
     for i, name in enumerate(model.engine.coordinates):
-        body, _, strain = name.partition(".")
+        body, _, strain = name.rpartition(".")
         if isinstance(rod := model.file.bodies.get(body), Rod) and strain[:4] in ("bend", "twis"):
             found[i] = 1.0 / float(rod.length)
     for joint in model.engine.joints:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from flexor.errors import InputError, unknown_name
@@ -66,8 +66,9 @@ def removed(document: Document, path: str, source: str) -> dict[str, Any]:
 def path_of(document: Document, path: str, source: str) -> list[str]:
     """Return the keys of a field or of an entry; InputError if the document does not have it."""
     keys = path.strip().split(".")
-    if len(keys) == 1:
-        keys = [t for t in _NAMED if keys[0] in document.get(t, {})][:1] + keys
+    name = ".".join(keys)
+    if found_in := [table for table in _NAMED if name in document.get(table, {})][:1]:
+        keys = [*found_in, name]
     if not (len(keys) == 2 and keys[0] in _NAMED):
         keys = resolve(document, keys, source)
     node: Any = document
@@ -102,11 +103,18 @@ def resolve(document: Document, keys: list[str], source: str) -> list[str]:
     for table in _NAMED:
         for name in document.get(table, {}):
             tables.setdefault(name, table)
+    if keys[0] == "parts":
+        return _of_a_part(document, keys, source)
     if keys[0] not in ModelFile.model_fields:
+        keys = with_whole_name(keys, tables)
         if keys[0] not in tables:
             allowed = (*tables, *ModelFile.model_fields)
             raise InputError(f"{source}: {unknown_name('field', keys[0], allowed)}.")
         keys = [tables[keys[0]], *keys]
+    elif keys[:2] == ["evaluation", "loads"]:
+        keys = [*keys[:2], ".".join(keys[2:])] if len(keys) > 2 else keys
+    elif keys[0] in _NAMED:
+        keys = [keys[0], *with_whole_name(keys[1:], document.get(keys[0], {}))]
     if keys[0] in (*variants.TABLES, "use"):
         raise InputError(f"{source}: {keys[0]} cannot be changed: select a variant by name.")
     if keys[0] in _NAMED and len(keys) > 1 and keys[1] not in document.get(keys[0], {}):
@@ -115,6 +123,37 @@ def resolve(document: Document, keys: list[str], source: str) -> list[str]:
     if keys[0] in _NAMED and len(keys) < 3:
         raise InputError(f"{source}: {'.'.join(keys)} is a table: change its fields individually.")
     return keys
+
+
+def with_whole_name(keys: Sequence[str], names: Collection[str]) -> list[str]:
+    """Return keys of which the first is a name that has dots, if one of the names is that.
+
+    If none is but their first part is that of a part of the model, it is what the name would be.
+    """
+    keys = list(keys)
+    for end in range(len(keys), 1, -1):
+        if (name := ".".join(keys[:end])) in names:
+            return [name, *keys[end:]]
+    alike = [name.count(".") for name in names if keys and name.startswith(f"{keys[0]}.")]
+    if not alike or keys[0] in names:
+        return keys
+    end = min(alike) + 1
+    return [".".join(keys[:end]), *keys[end:]]
+
+
+def _of_a_part(document: Document, keys: list[str], source: str) -> list[str]:
+    """Return the keys of a field of a part, ``parts.index.scale``."""
+    known = document.get("parts", {})
+    if not known:
+        tail = "the entries of its parts are its own, such as index.exosuit.length"
+        raise InputError(f'{source}: "{".".join(keys)}" is no field of a model: {tail}.')
+    if len(keys) < 2 or keys[1] not in known:
+        what = unknown_name("part", keys[1] if len(keys) > 1 else "", known)
+        raise InputError(f"{source}: parts has an {what}.")
+    if len(keys) < 3:
+        tail = "is a table: change its fields individually"
+        raise InputError(f"{source}: {'.'.join(keys)} {tail}.")
+    return [*keys[:3], ".".join(keys[3:])] if keys[2] == "set" and len(keys) > 3 else keys
 
 
 def _with(table: object, keys: Sequence[str], value: object) -> Any:

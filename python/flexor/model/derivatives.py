@@ -175,7 +175,7 @@ def differentiate(
         design, step = visited // steps, visited % steps
         parameters = paths.parameters
         varied = np.flatnonzero((parameters != model.parameters).any(axis=0))
-        slopes = model.engine.differentiate(
+        slopes = model.followed.differentiate(
             varied,
             parameters[:, varied],
             design,

@@ -84,7 +84,7 @@ def follow(
         with _input_errors():
             own = steps if steps.ndim == 2 else steps[chunk].reshape(-1, steps.shape[-1])
             listed = steps.shape[-2]
-            found = model.engine.path(indices, values, own, threads, steps=listed, **settings)
+            found = model.followed.path(indices, values, own, threads, steps=listed, **settings)
         arrays = _arrays(model, found, lead)
         arrays["converged"] = found["status"][:, lead:] == _CONVERGED
         for name, array in arrays.items():

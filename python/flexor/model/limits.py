@@ -137,7 +137,7 @@ def ballooning_cavities(path: Path) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
     for name, rod, along in hoop_strains(path):
-        pressures = path.applied[:, path.model.inputs.index(name)]
+        pressures = path.applied[:, path.model.input_of(name)]
         strains = pressures * along.max()
         if (strains > LIMIT).any():
             pressure = pressures[np.argmax(strains > LIMIT)]

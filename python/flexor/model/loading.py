@@ -62,7 +62,10 @@ def load(
     elif isinstance(model, (str, os.PathLike)):
         path = locate(model)
         written = Written.of(read_text(path, "model file"), str(path))
-        file = check(written.document, use=use, changes=changes, source=str(path))
+        file = check(written.document, use=use, changes=changes, source=str(path), place=path)
+        if "parts" in written.document:
+            # Its own text says what it is only beside the files of its parts.
+            return _warned(Model(file, source=str(path)))
         if use is not None:
             written = replace(written, document={**written.document, "use": use})
         changed = written.with_fields(changes) if changes else written
@@ -71,6 +74,10 @@ def load(
         loaded = Model(file, source=str(path), written=changed)
     else:
         raise InputError(f"model is {describe(model)}: expected a file, a preset or a ModelFile.")
+    return _warned(loaded)
+
+
+def _warned(loaded: Model) -> Model:
     warn_about_gaps(loaded)
     return loaded
 

@@ -62,6 +62,10 @@ def lower(file: ModelFile) -> Json:
     rubbing = [each.described for each in frictions(file)]
     if rubbing:
         described["frictions"] = rubbing
+    if file.inputs:
+        described["shared_inputs"] = [
+            {"name": name, "drives": list(drives)} for name, drives in file.inputs.items()
+        ]
     controls = [name for name, each in file.actuators.items() if each.loads is not each.applied]
     if controls:
         described["controls"] = controls

@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import pathlib
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pydantic import ValidationError
 
 from flexor.errors import InputError, shortened, unknown_name
-from flexor.model import variants
+from flexor.model import composition, variants
 from flexor.model.changes import changed
 from flexor.model.schema import ModelFile
+from flexor.model.schema.inclusion import Inclusion
 from flexor.model.toml import check_depth, read_text, tables
 from flexor.model.validation import first_error
 
@@ -64,7 +66,7 @@ def read(
         If it cannot be read, is not valid TOML, or is not a valid model.
     """
     text = read_text(path, "model file")
-    return parse(text, use=use, changes=changes, source=str(path))
+    return check(tables(text, str(path)), use=use, changes=changes, source=str(path), place=path)
 
 
 def parse(
@@ -97,16 +99,90 @@ def check(
     use: str | None = None,
     changes: Mapping[str, object] | None = None,
     source: str = "model",
+    place: pathlib.Path | None = None,
 ) -> ModelFile:
-    """Validate a parsed model file with each of its variants."""
+    """Validate a parsed model file with each of its variants.
+
+    The files of its parts are beside it; where its place is not known they can only be presets.
+    """
+    parts = _Parts(None) if place is None else _Parts(place.parent, (place.resolve(),))
+    return _checked(document, use, changes or {}, source, parts)
+
+
+def _checked(
+    document: Mapping[str, Any],
+    use: str | None,
+    changes: Mapping[str, object],
+    source: str,
+    parts: _Parts,
+) -> ModelFile:
     check_depth(document, source)
-    for path, value in (changes or {}).items():
+    of_parts = {path: value for path, value in changes.items() if path.startswith("parts.")}
+    for path, value in of_parts.items():
         document = changed(document, path, value, source)
+    document = composition.expanded(document, source, parts.read)
+    for path, value in changes.items():
+        if path not in of_parts:
+            document = changed(document, path, value, source)
     chosen = variants.choose(document, use, source)
     for name in variants.names(document, source):
         if name != chosen:
             _validated(document, name, source)
     return _validated(document, chosen, source)
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Where the files of parts are, and those that have been read.
+
+    A file names its parts by their place beside it or in a folder there, never elsewhere, so that a
+    stranger's file reads nothing else; other names are those of presets.
+    """
+
+    folder: pathlib.Path | None
+    above: tuple[pathlib.Path, ...] = ()
+    known: dict[tuple[str, ...], ModelFile] = field(default_factory=dict)
+
+    def read(self, part: Inclusion, source: str) -> ModelFile:
+        """Read and check the file of a part; see `composition.expanded`."""
+        path = self._locate(part.file, source)
+        if path in self.above:
+            ring = [each.name for each in (*self.above[self.above.index(path) :], path)]
+            raise InputError(
+                f'{source}.file is "{part.file}": a model cannot be a part of itself '
+                f"({' -> '.join(ring)})."
+            )
+        if len(self.above) >= composition.MAX_DEPTH:
+            most = composition.MAX_DEPTH
+            raise InputError(f"{source}: parts are nested more than {most} levels deep.")
+        key = (str(path), str(part.variant), repr(part.set))
+        if key not in self.known:
+            if len(self.known) >= composition.MAX_PARTS:
+                most = composition.MAX_PARTS
+                raise InputError(f"{source}: the model has more than {most} parts.")
+            document = tables(read_text(path, "file of a part"), str(path))
+            inner = replace(self, folder=path.parent, above=(*self.above, path))
+            place = f"{source}, {path.name}"
+            self.known[key] = _checked(document, part.variant, part.set, place, inner)
+        return self.known[key]
+
+    def _locate(self, name: str, source: str) -> pathlib.Path:
+        given = pathlib.PurePath(name)
+        inside = not (given.is_absolute() or given.drive or ".." in given.parts or "\\" in name)
+        place = f'{source}.file is "{name}"'
+        if not inside:
+            tail = "the file of a part is beside that of the model or in a folder there"
+            raise InputError(f"{place}: {tail}.")
+        if self.folder is not None and name.strip():
+            path = (self.folder / given).resolve()
+            if path.is_file() and path.is_relative_to(self.folder.resolve()):
+                return path
+        stem = given.stem if given.suffix == ".toml" and len(given.parts) == 1 else name
+        if stem in presets():
+            return _FOLDER / f"{stem}.toml"
+        beside = sorted(each.name for each in (self.folder or _FOLDER).glob("*.toml"))
+        what = unknown_name("file", name, [*beside, *presets()])
+        raise InputError(f"{source}.file refers to the {what}.")
 
 
 def with_changes(file: ModelFile, values: Mapping[str, Any], source: str) -> ModelFile:

@@ -562,7 +562,7 @@ class Path(Displayed, Results):
         See `flexor.model.hoop`.
         """
         return {
-            name: self.applied[:, self.model.inputs.index(name)] * strain.max()
+            name: self.applied[:, self.model.input_of(name)] * strain.max()
             for name, _, strain in hoop_strains(self)
         }
 

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor.arrays import Array
 from flexor.errors import InputError
+from flexor.model.components import components
 from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.friction import frictions
+from flexor.model.schema.shared_input import dimensions, inputs_of
+from flexor.model.separate import Separate
 from flexor.model.units import FORCE, Dimension
 from flexor.model.variants import weights
 
@@ -31,6 +34,12 @@ class Structure:
             self.engine = _engine.Model(self._description)
         except ValueError as error:
             raise InputError(f"{source or file.name}: {str(error).rstrip('.')}.") from None
+
+    @cached_property
+    def followed(self) -> _engine.Model | Separate:
+        """What follows its paths: the engine, or that of each of its independent components."""
+        found = components(self._described)
+        return Separate(self.engine, self._described, found) if found else self.engine
 
     @property
     def name(self) -> str:
@@ -64,10 +73,17 @@ class Structure:
         For a controlled input it is the change of a volume or a length, for a driven tie the
         displacement or rotation.
         """
-        found = {name: each.loads for name, each in self.file.actuators.items()}
-        found |= {name: each.load for name, each in self.file.wrenches.items()}
-        found |= {name: each.load for name, each in self.file.ties.items()}
+        found = dimensions(self.file)
         return {name: found[name] for name in self.inputs}
+
+    def input_of(self, force: str) -> int:
+        """Return the index of the load input of a chamber, a cable, a pressure or another force."""
+        return self.inputs.index(self.driven_by[force])
+
+    @cached_property
+    def driven_by(self) -> dict[str, str]:
+        """The name of the input of each force that has a load: its own, or one that it shares."""
+        return inputs_of(self.file)
 
     @property
     def variants(self) -> dict[str, float]:

@@ -91,22 +91,22 @@ def applied(document: Document, chosen: str | None) -> dict[str, Any]:
         return dict(document)
     sets: Document = document.get("constants", {})
     if chosen in sets:
-        return {**_merged(document, sets[chosen]), "use": chosen}
+        return {**merged(document, sets[chosen]), "use": chosen}
     base = with_changes(document, sets.get(document.get("use", ""), {}))
-    result = _merged(base, changes(document["variants"][chosen]))
+    result = merged(base, changes(document["variants"][chosen]))
     variants = {}
     for name, values in document["variants"].items():
         if name == chosen:
             variants[name] = values
-        elif (restored := _leading(result, _merged(base, changes(values)))) is not None:
-            variants[name] = _merged(restored, values)
+        elif (restored := leading(result, merged(base, changes(values)))) is not None:
+            variants[name] = merged(restored, values)
     return {**result, "variants": variants, "use": chosen}
 
 
 def with_changes(document: Document, values: Document) -> dict[str, Any]:
     """Return a document with changes such as those of a variant, and no variants of its own."""
     base = {key: value for key, value in document.items() if key not in (*TABLES, "use")}
-    return _merged(base, changes(values))
+    return merged(base, changes(values))
 
 
 def place(document: Document, chosen: str | None, path: str) -> str:
@@ -123,13 +123,18 @@ def changes(values: Document) -> Document:
     return {key: value for key, value in values.items() if key != "weight"}
 
 
-def leaves(values: Document, prefix: str = "") -> Iterator[str]:
+def leaves(values: Document) -> Iterator[str]:
     """Yield the dotted paths of the fields that a variant defines."""
+    return (".".join(keys) for keys in leaf_keys(values))
+
+
+def leaf_keys(values: Document, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield the keys of the fields that a variant defines."""
     for key, value in values.items():
         if isinstance(value, Mapping) and value:
-            yield from leaves(value, f"{prefix}{key}.")
+            yield from leaf_keys(value, (*above, key))
         else:
-            yield f"{prefix}{key}"
+            yield (*above, key)
 
 
 def _check_targets(document: Document, path: str, values: Document, source: str) -> None:
@@ -147,13 +152,13 @@ def _check_targets(document: Document, path: str, values: Document, source: str)
                 raise InputError(f"{place}.{table} has an {what}.")
 
 
-def _merged(base: Document, override: Document) -> dict[str, Any]:
+def merged(base: Document, override: Document) -> dict[str, Any]:
     """Return a table with values of another; one of another kind takes its place."""
     result = dict(base)
     for key, value in override.items():
         existing = result.get(key)
         if isinstance(existing, Mapping) and _mergeable(existing, value):
-            result[key] = _merged(existing, value)
+            result[key] = merged(existing, value)
         else:
             result[key] = value
     return result
@@ -166,7 +171,7 @@ def _mergeable(existing: object, value: object) -> bool:
     return "kind" not in value or value["kind"] == existing.get("kind")
 
 
-def _leading(here: Document, there: Document) -> dict[str, Any] | None:
+def leading(here: Document, there: Document) -> dict[str, Any] | None:
     """Return the changes that lead from one document to another; None if there are none."""
     if set(here) - set(there):
         return None  # a field cannot be taken away
@@ -176,7 +181,7 @@ def _leading(here: Document, there: Document) -> dict[str, Any] | None:
             continue
         if key not in here or not _mergeable(here[key], value):
             found[key] = value
-        elif (within := _leading(here[key], value)) is not None:
+        elif (within := leading(here[key], value)) is not None:
             found[key] = within
         else:
             return None

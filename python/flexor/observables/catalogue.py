@@ -188,7 +188,7 @@ def _rods(model: Structure) -> dict[str, Member]:
 
 
 def _applied(names: tuple[str, ...], model: Structure) -> dict[str, Member]:
-    columns = {name: model.inputs.index(name) for name in names}
+    columns = {name: model.input_of(name) for name in names}
     return {
         name: Member(
             lambda paths, i=i: paths.applied[:, :, i],  # type: ignore[misc]

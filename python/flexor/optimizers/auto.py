@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -24,8 +24,8 @@ BEST = 3
 BATCH = 128
 # Local optima count as one if their values differ by less than this share of the sample's range.
 SAME = 1e-3
-# Steps of the refinement, as a share of the ranges, below which SQP takes its place where a design
-# is many paths.
+# Steps of the refinement from a start that is nearly optimal, as a share of the ranges, below which
+# SQP takes its place.
 COARSE = 2e-3
 # Least number of searches after which the optima are all known.
 LEAST = 6
@@ -74,20 +74,10 @@ class Auto(Method):
     tolerance: float = option(1e-4, FRACTION)
 
     @property
-    def near_starts(self) -> int:
-        """Number of starts from which SQP begins where the whole box is not searched."""
-        return 1
-
-    @property
     def from_optimum(self) -> Auto:
-        """The same from a start that is nearly optimal."""
-        return replace(self, explore=False)
-
-    @property
-    def from_optimum_of_many(self) -> Auto:
-        """That where a design is many paths: the refinement ends early, with SQP."""
+        """The same from starts that are nearly optimal, with a refinement of fewer designs."""
         own = {each.name: getattr(self, each.name) for each in fields(self)}
-        return _OfMany(**{**own, "explore": False})
+        return _FromOptimum(**{**own, "explore": False})
 
     def run(self, run: Run) -> str:
         """Run all stages that are needed."""
@@ -101,7 +91,7 @@ class Auto(Method):
         if not len(known.best(1, 0.0)):
             return "no design of the sample succeeded" if self.explore else "the start failed"
         if not self.explore:
-            for start in known.best(self.near_starts, 0.0):
+            for start in known.best(BEST + 1, 0.0):
                 self._descend(run, known, start)
             return self._refine(run, known, most)
         if self._descents(run, known, int(DESCENTS * most)):
@@ -126,8 +116,8 @@ class Auto(Method):
     def _descents(self, run: Run, known: Known, budget: int) -> bool:
         """Run SLSQP from the best designs; return whether the optima are probably all known.
 
-        After w different optima of n searches that is so if w (n - 1) / (n - w - 2), which
-        estimates their number, is below w + ½.
+        After w different optima of n searches that ended in one that is so if
+        w (n - 1) / (n - w - 2), which estimates their number, is below w + ½.
         """
         begun, ends = run.function.evaluations, list[float]()
         values = run.values(known.best(len(known), 0.0))
@@ -136,7 +126,10 @@ class Auto(Method):
             if run.function.evaluations - begun >= budget:
                 return False
             end = self._descend(run, known, start)
-            ends.append(float(known(end[None, :])[0]))
+            value, excess = run.constrained(end[None, :])
+            # What ends where constraints do not hold is no optimum.
+            if np.isfinite(value[0]) and not (excess > 0.0).any():
+                ends.append(float(value[0]))
             n, w = len(ends), _different(ends, SAME * spread)
             if n >= LEAST and n > w + 2 and w * (n - 1) / (n - w - 2) <= w + 0.5:
                 return True
@@ -162,17 +155,12 @@ class Auto(Method):
         return f"converged: no better design within {self.tolerance:g} of the ranges"
 
 
-class _OfMany(Auto):
-    """From a start that is nearly optimal, with a refinement of few designs.
+class _FromOptimum(Auto):
+    """From starts that are nearly optimal, with a refinement of few designs.
 
     Polls of all neighbours find ways around kinks, and SQP goes on from each better design, where
     the pattern search would take many small steps.
     """
-
-    @property
-    def near_starts(self) -> int:
-        """All of few."""
-        return BEST + 1
 
     def _refine(self, run: Run, known: Known, most: int) -> str:
         if run.linearized(known.best(1, 0.0)) is None:

@@ -69,7 +69,13 @@ def path(path: Path) -> Figure:
     most = varied_input(path)
     size, unit = path.model.load_unit(most)
     loads = (path.loads[:, most] if path.loads.shape[1] else path.force)[steps] / size
-    return draw_path(scenes, loads, planar_model=planar_model, history=history, unit=unit)
+    solid = None
+    if not planar_model and len(path.model.rods) > 1 and history is None:
+        # Bodies that hide one another, of which only the ends of the path can be told apart.
+        solid, scenes, loads = solid_scene(path), [scenes[0], scenes[-1]], loads[[0, -1]]
+    return draw_path(
+        scenes, loads, planar_model=planar_model, history=history, unit=unit, solid=solid
+    )
 
 
 def designs(

@@ -13,11 +13,14 @@ from flexor.arrays import Array
 from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene, arrow_scale, pressure_scale
-from flexor.plot.style import COLUMN, LINE, MARK, shades, style
+from flexor.plot.solid import draw_solid, solid_colours
+from flexor.plot.style import CHAMBER, COLUMN, LINE, MARK, shades, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
+
+    from flexor.scene import Scene as Solid
 
 MAX_LEGEND_ENTRIES = 12
 MAX_LEGEND_COLUMNS = 6
@@ -32,8 +35,9 @@ def draw_path(
     planar_model: bool,
     history: History | None = None,
     unit: str = "N",
+    solid: Solid | None = None,
 ) -> Figure:
-    """Draw a model at every load step, to scale."""
+    """Draw a model at every load step, to scale; in space, with `solid`, the last with surfaces."""
     from matplotlib.figure import Figure
 
     colours = [tuple(shade) for shade in shades(len(scenes))]
@@ -62,6 +66,12 @@ def draw_path(
             for scene, colour in zip(scenes, colours, strict=True):
                 last = scene is scenes[-1]
                 shown = scene if last else replace(scene, lines=[], marks=[])
+                if last and solid is not None:
+                    # One colour, that of the load.
+                    materials = dict.fromkeys(solid_colours([solid]), colour)
+                    draw_solid(space, solid, -1, materials, 0.0)
+                    within = [line for line in scene.lines if line.colour == CHAMBER]
+                    shown = replace(scene, rods=[], links=[], lines=within)
                 spatial.draw_scene(space, shown, colour=colour, opacity=0.8 if last else 0.3)
             spatial.draw_contact_forces(space, scenes[-1], cm_per_newton=cm_per_newton)
         if history is not None:

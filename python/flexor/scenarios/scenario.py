@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flexor.errors import InputError, unknown_name
 from flexor.model.reading import with_changes
 from flexor.model.variants import changes as changes_of
-from flexor.model.variants import leaves
+from flexor.model.variants import leaf_keys, leaves
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -35,6 +35,11 @@ class Scenario:
     name: str
     weight: float = 1.0
     changes: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def keys(self) -> tuple[tuple[str, ...], ...]:
+        """Keys of the fields that change."""
+        return tuple(leaf_keys(self.changes))
 
     @property
     def fields(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 
-Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "tie", "obstacle"]
+Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "tie", "obstacle", "friction"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class Object:
     Attributes
     ----------
     name : str
-        Of the body, strap, spring, tie, actuator or obstacle.
+        Of the body, strap, spring, tie, actuator or obstacle; of marks what they mark.
     kind : str
         What it is.
     part : str

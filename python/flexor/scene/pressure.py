@@ -94,32 +94,55 @@ def footprints(
     return found
 
 
-def on_link(link: Attached, prints: Iterable[Footprint]) -> Array:
-    """Return the pressure at the vertices of a link, (s, v); NaN where nothing touches."""
+def on_link(
+    link: Attached,
+    prints: Iterable[Footprint],
+    borrowed: Iterable[tuple[Footprint, Array]] = (),
+) -> Array:
+    """Return the pressure at the vertices of a link, (s, v); NaN where nothing touches.
+
+    Parameters
+    ----------
+    link
+        The surface of the link.
+    prints
+        What touches it.
+    borrowed
+        What touches others where their surfaces are the same, and at which vertices (v,).
+    """
     found = np.zeros((len(link.frames), link.size))
     for each in prints:
-        for step in np.flatnonzero(each.pressure.any(axis=1)):
-            order = np.argsort(each.points[step, :, 0])
-            along = each.points[step, order, 0]
-            # From the last point before to the first after those that touch.
-            touched = np.flatnonzero(each.pressure[step, order])
-            ends = np.clip([touched[0] - 1, touched[-1] + 1], 0, len(along) - 1)
-            x = link.local[:, 0]
-            near = np.flatnonzero((x >= along[ends[0]]) & (x <= along[ends[1]]))
-            x, radial = x[near], link.local[near, 1:]
-            values = [
-                np.interp(x, along, column[step, order])
-                for column in (each.pressure, each.depth, each.curvature)
-            ]
-            across = each.points[step, order, 1:]
-            y, z = (np.interp(x, along, column) for column in across.T)
-            width = np.interp(x, along, each.half_width[order])
-            turned = np.arctan2(radial[:, 1], radial[:, 0]) - np.arctan2(z, y)
-            distance = np.linalg.norm(radial, axis=1) * np.sin(turned)
-            here = each.at(distance, *values)
-            outside = (np.abs(distance) > width) | (np.cos(turned) < 0.0)
-            found[step, near] = np.maximum(found[step, near], np.where(outside, 0.0, here))
+        np.maximum(found, _painted(link, each), out=found)
+    for each, same in borrowed:
+        np.maximum(found, np.where(same, _painted(link, each), 0.0), out=found)
     return _touched(found)
+
+
+def _painted(link: Attached, each: Footprint) -> Array:
+    """Return the pressure of one footprint at the vertices of a link, (s, v)."""
+    found = np.zeros((len(link.frames), link.size))
+    for step in np.flatnonzero(each.pressure.any(axis=1)):
+        order = np.argsort(each.points[step, :, 0])
+        along = each.points[step, order, 0]
+        # From the last point before to the first after those that touch.
+        touched = np.flatnonzero(each.pressure[step, order])
+        ends = np.clip([touched[0] - 1, touched[-1] + 1], 0, len(along) - 1)
+        x = link.local[:, 0]
+        near = np.flatnonzero((x >= along[ends[0]]) & (x <= along[ends[1]]))
+        x, radial = x[near], link.local[near, 1:]
+        values = [
+            np.interp(x, along, column[step, order])
+            for column in (each.pressure, each.depth, each.curvature)
+        ]
+        across = each.points[step, order, 1:]
+        y, z = (np.interp(x, along, column) for column in across.T)
+        width = np.interp(x, along, each.half_width[order])
+        turned = np.arctan2(radial[:, 1], radial[:, 0]) - np.arctan2(z, y)
+        distance = np.linalg.norm(radial, axis=1) * np.sin(turned)
+        here = each.at(distance, *values)
+        outside = (np.abs(distance) > width) | (np.cos(turned) < 0.0)
+        found[step, near] = np.where(outside, 0.0, here)
+    return found
 
 
 def on_rod(part: Attached, rod: Swept, prints: Iterable[Footprint]) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,11 +12,13 @@ from flexor.arrays import Array
 from flexor.model.schema import ModelFile
 from flexor.scene import pressure
 from flexor.scene.frames import frames_of
+from flexor.scene.friction import friction_objects
 from flexor.scene.links import link_objects
 from flexor.scene.objects import Attached, Free, Object
 from flexor.scene.obstacles import obstacle_objects
 from flexor.scene.rods import Swept, chambers, lines, rod_objects
 from flexor.scene.scale import Scale
+from flexor.scene.shared_spheres import borrowed
 from flexor.scene.springs import spring_objects
 from flexor.scene.straps import strap_objects
 from flexor.scene.ties import tie_objects
@@ -40,7 +42,8 @@ class Scene:
     path : Path
         The equilibria.
     objects : list of Object
-        Meshes of rods, links, chambers, straps, springs, obstacles and ties, each at every step.
+        Meshes of rods, links, chambers, straps, springs, obstacles, ties and points with friction,
+        each at every step.
     scales : dict of Scale
         Colour scale of each field that there is, the same at every step.
     """
@@ -97,11 +100,12 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
             objects += _rod(name, rods[name], prints)
             objects += [*chambers(rods[name], shown), *lines(rods[name], path, shown)]
         else:
-            objects += _link(path, name, frames[name], prints, shown)
+            objects += _link(path, name, frames, prints, shown)
     objects += strap_objects(path, rods, frames, shown)
     objects += spring_objects(path, frames, shown)
     objects += obstacle_objects(path, frames, objects, shown)
     objects += tie_objects(path, frames, shown)
+    objects += friction_objects(path, frames)
     scales = {}
     for name, (label, unit, signed) in _FIELDS.items():
         values = [each.fields[name] for each in objects if name in each.fields]
@@ -122,14 +126,15 @@ def _rod(name: str, rod: Swept, prints: Prints) -> Iterator[Object]:
 
 
 def _link(
-    path: Path, name: str, frames: Array, prints: Prints, file: ModelFile
+    path: Path, name: str, frames: Mapping[str, Array], prints: Prints, file: ModelFile
 ) -> Iterator[Object]:
     base, tip = (
         float(path.model.slot(f"{name}.radius_{end}", path.parameters)[0])
         for end in ("base", "tip")
     )
     mine = [each for (_, second), each in prints.items() if second == name]
-    for part in link_objects(name, frames, (base, tip), file):
+    for part in link_objects(name, frames[name], (base, tip), file):
         if part.part == "skin":
-            part.fields[PRESSURE] = pressure.on_link(part, mine)
+            others = borrowed(path, part, frames, prints)
+            part.fields[PRESSURE] = pressure.on_link(part, mine, others)
         yield part

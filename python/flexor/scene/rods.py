@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 # Frames along a rod: at least so many.
 STATIONS = 48
 THREAD = 7e-4  # radius of lines that stand for chambers and cables [m]
+# Sections with the stations where they are.
+Groups = list[tuple[NDArray[np.intp], Geometry | None]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +110,25 @@ class Swept:
 
     def around(self, station: int) -> Array:
         """Return points around the section at a station, y and z, (n, 2) [m]."""
-        here = np.array([station])
-        (place,) = self.rod.pieces_at(self.x[here]).tolist()
-        ((_, geometry),) = along(self.rod, self.materials, place, self.x[here])
-        outlines = [outline(part.shape, self.surface[here]) for part in _material_parts(geometry)]
-        return np.concatenate([each.points[0] for each in outlines])
+        (place,) = self.rod.pieces_at(self.x[[station]]).tolist()
+        rows, points = self._outlines[place]
+        return np.asarray(points[int(np.searchsorted(rows, station))])
+
+    @cached_property
+    def _outlines(self) -> dict[int, tuple[NDArray[np.intp], Array]]:
+        """Return stations (m,) of each piece and the points (m, n, 2) around the sections there."""
+        found = {}
+        for place, rows, groups in self.pieces:
+            parts = [_material_parts(geometry) for _, geometry in groups]
+            shapes = [[each[i].shape for each in parts] for i in range(len(parts[0]))]
+            outlines = [_along(self, rows, groups, each) for each in shapes]
+            found[place] = rows, np.concatenate([each.points for each in outlines], axis=1)
+        return found
+
+    @cached_property
+    def pieces(self) -> list[tuple[int, NDArray[np.intp], Groups]]:
+        """Each piece's index, its stations, both ends included, and its sections there."""
+        return list(_pieces(self))
 
     def strained(self, swept: Attached, stretch: float) -> Array:
         """Return the strain λ - 1 along x at the vertices, (s, v), given the reference stretch."""
@@ -123,7 +140,7 @@ class Swept:
 def rod_objects(swept: Swept) -> Iterator[Attached]:
     """Yield the parts of a rod, one mesh for each shape of each of its sections."""
     strained = is_made_of_fibres(swept.rod)
-    for rows, groups in _pieces(swept):
+    for _, rows, groups in swept.pieces:
         parts = [_material_parts(geometry) for _, geometry in groups]
         for i, part in enumerate(parts[0]):
             shapes = [each[i].shape for each in parts]
@@ -139,7 +156,7 @@ def chambers(swept: Swept, file: ModelFile) -> Iterator[Attached]:
         if not isinstance(pressure, Pressure) or pressure.rod != swept.name:
             continue
         low, high = pressure.span
-        for rows, groups in _pieces(swept, low, high):
+        for _, rows, groups in _pieces(swept, low, high):
             hollow = [_cavity(geometry, pressure.cavity) for _, geometry in groups]
             for i in range(len(hollow[0])):
                 shape = _along(swept, rows, groups, [each[i] for each in hollow])
@@ -163,19 +180,16 @@ def lines(swept: Swept, path: Path, file: ModelFile) -> Iterator[Attached]:
         yield swept.sweep("line", actuator.kind, np.arange(len(swept.x)), shape, name)
 
 
-Groups = list[tuple[NDArray[np.intp], Geometry | None]]
-
-
 def _pieces(
     swept: Swept, low: float = 0.0, high: float = 1.0
-) -> Iterator[tuple[NDArray[np.intp], Groups]]:
-    """Yield the stations of each piece of a rod, its ends included, with its sections there."""
+) -> Iterator[tuple[int, NDArray[np.intp], Groups]]:
+    """Yield each piece of a rod as `Swept.pieces` does, between two places."""
     for place, piece in enumerate(swept.rod.pieces):
         first, last = piece.span or (0.0, 1.0)
         inside = (swept.x >= max(first, low) - 1e-9) & (swept.x <= min(last, high) + 1e-9)
         rows = np.flatnonzero(inside)
         if len(rows) > 1:
-            yield rows, list(along(swept.rod, swept.materials, place, swept.x[rows]))
+            yield place, rows, list(along(swept.rod, swept.materials, place, swept.x[rows]))
 
 
 def _material_parts(geometry: Geometry | None) -> list[Part]:

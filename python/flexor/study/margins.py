@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -49,6 +50,10 @@ class WorstErrors:
         return not (self.excess > 0.0).any()
 
 
+# By problem: the design that was checked last, which the verdict asks for again.
+_LAST: WeakKeyDictionary[ScenarioProblem, tuple[bytes, WorstErrors]] = WeakKeyDictionary()
+
+
 def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0) -> WorstErrors:
     """Find the errors within the tolerances that matter most for a design (k,).
 
@@ -56,6 +61,15 @@ def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0)
     to which the slopes over the whole tolerance of each field point for each constraint, scenario
     and the objective.
     """
+    key, (last, known_errors) = design.tobytes(), _LAST.get(problem, (b"", None))
+    if known_errors is not None and last == key:
+        return known_errors
+    found = _found(problem, design, threads)
+    _LAST[problem] = key, found
+    return found
+
+
+def _found(problem: ScenarioProblem, design: FloatArray, threads: int) -> WorstErrors:
     reach = np.array([each.reach for each in problem.tolerances])
     axes = np.concatenate([np.diag(reach), -np.diag(reach)])
     m, count = len(reach), len(problem.scenarios)
@@ -66,8 +80,7 @@ def worst_errors(problem: ScenarioProblem, design: FloatArray, threads: int = 0)
     else:
         corners = _steepest_corners(problem, design, reach, axes, threads)
     tried = np.concatenate([known, axes, corners, spread])
-    found = _evaluated(problem, design, tried, threads)
-    return _worst(problem, tried, found)
+    return _worst(problem, tried, _evaluated(problem, design, tried, threads))
 
 
 def _steepest_corners(

@@ -64,8 +64,6 @@ def run_rounds(
     problem, corners = study.problem, list[FloatArray]()
     near = getattr(search, "from_optimum", search)
     many = isinstance(problem, ScenarioProblem) and problem.count > MANY
-    if many:
-        near = getattr(search, "from_optimum_of_many", near)
     rounds = _Rounds(study, run, budget, divided)
     if many and near != search:
         # The best of the model as it is, which takes as many times less, is a good beginning.

@@ -378,7 +378,7 @@ class ScenarioProblem(Problem):
         chosen = self.parameters
         if not isinstance(chosen, Variables):
             return chosen.on(model.design) if scenario.changes else chosen
-        changed = {tuple(path.split(".")) for path in scenario.fields}
+        changed = set(scenario.keys)
         for label in chosen.fields:
             keys = keys_of(label, self.model.file)
             if any(keys[: len(each)] == each for each in changed):

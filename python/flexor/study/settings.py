@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_v
 
 from flexor.constraints import Constraint, constraint
 from flexor.design import ParameterSet, parameter_set
+from flexor.design.given import recorded_variables
 from flexor.design.variables import NAME as FIELDS
-from flexor.design.variables import recorded_variables
 from flexor.errors import InputError, shortened
 from flexor.model.loads import loads
 from flexor.model.toml import read_text

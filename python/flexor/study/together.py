@@ -130,10 +130,9 @@ def _of_the_limb(scenario: Scenario, model: Model) -> bool:
     Results read these from the engine; of others, such as limits of materials, the file counts.
     """
     bodies = model.file.bodies
-    for path in scenario.fields:
-        table, name, *rest = path.split(".")
-        if table != "bodies" or name not in bodies:
+    for keys in scenario.keys:
+        if len(keys) < 3 or keys[0] != "bodies" or keys[1] not in bodies:
             return False
-        if isinstance(bodies[name], Rod) and rest[:1] != ["placement"]:
+        if isinstance(bodies[keys[1]], Rod) and keys[2] != "placement":
             return False
     return True

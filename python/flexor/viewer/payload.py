@@ -30,6 +30,7 @@ PLOTS = (
     ("Volume", ("volume",)),
 )
 _ACTIVE = 0.02  # of the bound
+_ROUNDING = 1e-9  # of the unit for display: what is smaller is shown as zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,7 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
     path, model = design.path, design.paths.model
     assert isinstance(model, Model)
     found = observables(model)
-    values = {name: each.values(design.paths)[0] for name, each in found.items()}
+    values = {name: _tidy(each.values(design.paths)[0], each) for name, each in found.items()}
     one = len(model.inputs) == 1
     return {
         "title": design.title,
@@ -196,6 +197,11 @@ def _plots(
                 }
             )
     return plots
+
+
+def _tidy(values: Array, each: Observable) -> Array:
+    """Return values (s,) with zeros for what is rounding, such as 1e-14 mm."""
+    return np.where(np.abs(values) < _ROUNDING * each.unit[0], 0.0, values)
 
 
 def _members(kind: str, found: Mapping[str, Observable]) -> bool:

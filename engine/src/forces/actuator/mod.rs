@@ -35,7 +35,7 @@ pub enum ActuatorKind {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorDescription {
-    /// Unique name, also that of its load input.
+    /// Unique name, also that of its load input unless it shares one.
     pub name: String,
     /// Chamber or cable.
     pub kind: ActuatorKind,
@@ -49,7 +49,7 @@ pub struct ActuatorDescription {
     pub lever: [f64; 2],
 }
 
-/// All chambers and cables; the load inputs come first and in their order.
+/// All chambers and cables.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Actuators(Vec<Actuator>);
 
@@ -78,8 +78,8 @@ impl Actuators {
             let routing = tree.rods[rod].gauss.iter().map(at).collect();
             let lever = tree.slot(format!("{}.lever", actuator.name), "m", &actuator.lever).start;
             let sign = if actuator.kind == ActuatorKind::Chamber { 1.0 } else { -1.0 };
-            built.push(Actuator { rod, sign, lever, routing });
-            tree.inputs.push(actuator.name.clone());
+            let input = tree.input(&actuator.name);
+            built.push(Actuator { rod, input, sign, lever, routing });
         }
         Ok(Self(built))
     }
@@ -261,7 +261,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         curvature.clear();
         along.clear();
         self.for_each_point(at.q, paths, |actuator, weight, unit, norm, columns| {
-            let tension = -self.0[actuator].sign * at.load[actuator] * weight;
+            let tension = -self.0[actuator].sign * at.load[self.0[actuator].input] * weight;
             out.energy += tension * norm;
             curvature.push(tension / norm);
             for (unit, columns) in unit.iter().zip(columns) {
@@ -293,7 +293,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn add_magnitudes(&self, at: &State<G, D, P>, paths: &Paths, _: &Tangents, out: &mut Magnitudes<P>) {
         self.for_each_point(at.q, paths, |actuator, weight, _, _, columns| {
             for column in columns.into_iter().flatten() {
-                out.add(column.dof, at.load[actuator] * weight * column.size);
+                out.add(column.dof, at.load[self.0[actuator].input] * weight * column.size);
             }
         });
     }
@@ -308,7 +308,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         _: &impl Fn(usize, &Vector<D>, &mut [f64]),
     ) {
         self.for_each_point(at.q, paths, |actuator, weight, unit, _, columns| {
-            let tension = -self.0[actuator].sign * change[actuator] * weight;
+            let tension = -self.0[actuator].sign * change[self.0[actuator].input] * weight;
             for (unit, columns) in unit.iter().zip(columns) {
                 for column in columns {
                     out[column.dof] += tension * unit * column.size;
@@ -319,7 +319,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn update_sensitivity(&self, at: &State<G, D, P>, _: &Paths, points: &mut Vec<PointSensitivity>) {
         points.clear();
-        for (actuator, load) in self.0.iter().zip(at.load) {
+        for actuator in &self.0 {
+            let load = at.load[actuator.input];
             let rod = &at.tree.rods[actuator.rod];
             for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
                 let path = actuator.path(rod, gauss, routing, at.parameters());

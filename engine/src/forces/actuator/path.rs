@@ -4,10 +4,12 @@ use crate::lie::LieGroup;
 use crate::strain::Mode;
 use crate::tree::{GaussPoint, Rod};
 
-/// A chamber or cable: one load input acting along a path on one rod.
+/// A chamber or cable: a load input acting along a path on one rod.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Actuator {
     pub rod: usize,
+    /// The load input.
+    pub input: usize,
     /// +1 when a positive input lengthens the path, −1 when it shortens it.
     pub sign: f64,
     /// Parameter holding the lever (y, z).

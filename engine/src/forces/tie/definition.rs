@@ -91,9 +91,8 @@ impl<const P: usize> Ties<P> {
             tree.keep_jacobian(tree.points[point].frame);
         }
         let drive = tie.drive.map(|kind| {
-            tree.inputs.push(tie.name.clone());
             let twist = drive_twist(kind, &tie.axis);
-            Drive { input: tree.inputs.len() - 1, twist, row: 0 }
+            Drive { input: tree.input(&tie.name), twist, row: 0 }
         });
         let start = self.rows.len();
         let conditions = conditions::<G, D, P>(tie, &axes);

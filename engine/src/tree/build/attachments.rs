@@ -88,6 +88,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         }
     }
 
+    /// A coordinate of the joint that carries a body.
+    pub(crate) fn joint_coordinate(
+        &self,
+        field: &str,
+        body: &str,
+        coordinate: &str,
+    ) -> Result<usize, ModelError> {
+        let name = format!("{body}.{coordinate}");
+        let found = self.joints.iter().find(|joint| self.coordinates[joint.dof] == name);
+        let missing = || ModelError::new(field, format!("no joint has the coordinate `{name}`"));
+        found.map(|joint| joint.dof).ok_or_else(missing)
+    }
+
     /// The frame and place of a station on a body.
     fn locate(&self, field: &str, name: &str, station: Station) -> Result<(usize, Place), ModelError> {
         let (index, body) = self.body(field, name)?;

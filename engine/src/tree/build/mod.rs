@@ -44,6 +44,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             parameters: vec![],
             coordinates: vec![],
             inputs: vec![],
+            shared_inputs: vec![],
             frame_names: vec!["world".into()],
             group: std::marker::PhantomData,
         };
@@ -68,6 +69,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         defaults: &[f64],
     ) -> Range<usize> {
         self.layout.push(&mut self.parameters, name, unit.into(), defaults)
+    }
+
+    /// The index of the load input of a force: one that it shares with others, or a new one of its name.
+    pub(crate) fn input(&mut self, force: &str) -> usize {
+        let shared = self.shared_inputs.iter().find(|input| input.drives.iter().any(|name| name == force));
+        let name = shared.map_or(force, |input| &input.name).to_owned();
+        self.inputs.iter().position(|input| *input == name).unwrap_or_else(|| {
+            self.inputs.push(name);
+            self.inputs.len() - 1
+        })
     }
 
     /// Keeps the Jacobian of `frame`, on whose coordinates a coupling between bodies will depend.

@@ -12,14 +12,20 @@ from flexor.model.validation import field_error
 _NAME = re.compile(r"[A-Za-z]\w*(-\w+)*", re.ASCII)
 
 
+def is_name(name: object) -> bool:
+    """Whether something can be the name of an entry, without that of a part before it."""
+    return isinstance(name, str) and _NAME.fullmatch(name) is not None
+
+
 def check_names(tables: Mapping[str, Iterable[str]]) -> None:
     """Check that names are valid, and unique but for groups of spheres.
 
     The engine finds bodies and forces by name alone; a group may be called like the body it covers.
+    Names of parts come before those of their entries, with dots between them.
     """
     for table, names in tables.items():
         for name in names:
-            if not _NAME.fullmatch(name):
+            if not all(map(is_name, name.split("."))):
                 rule = "names start with a letter and consist of letters, digits, _ and -"
                 raise field_error(f'contains "{name}": {rule}', path=table)
     owner: dict[str, str] = {}
@@ -32,6 +38,12 @@ def check_names(tables: Mapping[str, Iterable[str]]) -> None:
                     f"has the same name as {owner[name]}.{name}", path=f"{table}.{name}"
                 )
             owner[name] = table
+    for name, table in owner.items():
+        parts = name.split(".")
+        for part in (".".join(parts[:end]) for end in range(1, len(parts))):
+            if part in owner:
+                tail = f"has the name of the part of {table}.{name}: rename it"
+                raise field_error(tail, path=f"{owner[part]}.{part}")
 
 
 def check_tree(bodies: Mapping[str, Body]) -> None:

@@ -28,7 +28,35 @@ def skin_materials(system: BodySystem) -> dict[str, Material]:
     return {**library(), **{name: each.material(name) for name, each in system.materials.items()}}
 
 
-def touching(system: BodySystem) -> tuple[list[str], list[str]]:
+def touching(system: BodySystem) -> list[tuple[list[str], list[str]]]:
+    """Return the names of rods with a skin and of the links that they touch.
+
+    A rod of a part touches the links of that part, of its parts and of the models that it is a part
+    of, not those of other parts beside it.
+
+    Returns
+    -------
+    list of pairs of lists
+        For each part that has both.
+    """
+    rods, links = _with_skins(system)
+    of_part: dict[str, list[str]] = {}
+    for name in rods:
+        of_part.setdefault(name.rpartition(".")[0], []).append(name)
+    found = [
+        (own, [link for link in links if _are_related(part, link.rpartition(".")[0])])
+        for part, own in of_part.items()
+    ]
+    return [(own, near) for own, near in found if near]
+
+
+def _are_related(part: str, other: str) -> bool:
+    """Whether one of two parts is a part of the other, or the same; the model itself is ``""``."""
+    shorter, longer = sorted((part, other), key=len)
+    return not shorter or longer == shorter or longer.startswith(f"{shorter}.")
+
+
+def _with_skins(system: BodySystem) -> tuple[list[str], list[str]]:
     """Return the names of the rods and of the links that have a skin, parents before children."""
     with_skin = {name: body for name, body in system.bodies.items() if body.skin is not None}
     rods = [name for name, body in with_skin.items() if body.kind == "rod"]
@@ -54,11 +82,19 @@ def lower_skins(system: BodySystem) -> Iterator[tuple[list[dict[str, Any]], dict
     groups, foundation
         For each rod: two groups of spheres and the foundation between them.
     """
-    rods, names = touching(system)
-    if not (rods and names):
-        return
-    links: dict[str, Link] = {name: system.bodies[name] for name in names}  # type: ignore[misc]
     materials = skin_materials(system)
+    for rods, names in touching(system):
+        links: dict[str, Link] = {name: system.bodies[name] for name in names}  # type: ignore[misc]
+        yield from _of_links(rods, links, system, materials)
+
+
+def _of_links(
+    rods: list[str],
+    links: dict[str, Link],
+    system: BodySystem,
+    materials: Mapping[str, Material],
+) -> Iterator[tuple[list[dict[str, Any]], dict[str, Any]]]:
+    """Describe the contact of some rods with the same links, parents before children."""
     joined = [False] + [_is_joined(links[b], a) for a, b in pairwise(links)]
     soft = np.repeat([compliance(link.skin, materials) for link in links.values()], 2)
     for index in np.flatnonzero(joined):

@@ -127,6 +127,20 @@ Joint = Annotated[
 ]
 
 
+def coordinates_of(joint: Joint, planar: bool) -> tuple[str, ...]:
+    """Return the names of the angles of a joint, as the engine calls them."""
+    if planar and joint.kind == "free":
+        return ("theta_y",)
+    every = ("theta_x", "theta_y", "theta_z")
+    angles: dict[str, tuple[str, ...]] = {
+        "revolute": ("theta",),
+        "universal": every[1:],
+        "spherical": every,
+        "free": every,
+    }
+    return angles.get(joint.kind, ())
+
+
 def _check_axis(axis: tuple[float, float, float]) -> None:
     if not any(axis):
         raise field_error("is zero: it must not be", path="axis")

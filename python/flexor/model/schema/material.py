@@ -13,7 +13,7 @@ from flexor import materials
 from flexor.errors import InputError
 from flexor.materials.laws import engine_name
 from flexor.model import units
-from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table
+from flexor.model.schema.table import Choice, Number, PositiveNumber, Table, Text
 from flexor.model.units import Density, Modulus, PositiveModulus
 from flexor.model.validation import describe, field_error
 
@@ -33,7 +33,7 @@ class Material(Table):
     With ``library``, keys that are not given are those of that material of the library.
     """
 
-    library: Name | None = None
+    library: Text | None = None
     kind: Annotated[
         Literal["linear", "neo-hookean", "mooney-rivlin", "yeoh", "ogden"],
         Choice(*materials.KINDS),

@@ -12,6 +12,7 @@ from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_known, check_names, check_rod, check_tree
 from flexor.model.schema.contact import Contact
+from flexor.model.schema.coupling import Coupling
 from flexor.model.schema.design import Design, Evaluation
 from flexor.model.schema.force import Force
 from flexor.model.schema.foundation import skin_materials, touching
@@ -19,11 +20,13 @@ from flexor.model.schema.planar import check_planar_body, in_plane
 from flexor.model.schema.population import Population
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.section_geometry import check_section
+from flexor.model.schema.shared_input import check_inputs
 from flexor.model.schema.solid import AnyObstacle
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
 from flexor.model.schema.tie import Tie
+from flexor.model.schema.torque import Torque
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
 
@@ -71,10 +74,15 @@ class ModelFile(BodySystem):
     contacts: dict[Name, Contact] = Field(default_factory=dict)
     obstacles: dict[Name, AnyObstacle] = Field(default_factory=dict)
     actuators: dict[Name, AnyActuator] = Field(default_factory=dict)
+    torques: dict[Name, Torque] = Field(default_factory=dict)
+    couplings: dict[Name, Coupling] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     straps: dict[Name, Strap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     ties: dict[Name, Tie] = Field(default_factory=dict)
+    inputs: dict[Name, Annotated[tuple[Name, ...], Field(min_length=1)]] = Field(
+        default_factory=dict
+    )
     design: Design | None = None
     population: Population | None = None
     evaluation: Evaluation = Evaluation()
@@ -93,6 +101,7 @@ class ModelFile(BodySystem):
             group.check(f"spheres.{name}", self.bodies)
         for table, name, force in self.forces():
             force.check(f"{table}.{name}", self)
+        check_inputs(self)
         if self.design is not None and self.design.rod is not None:
             check_rod(self.design.rod, self.bodies, "design.rod")
         known = skin_materials(self)
@@ -134,8 +143,11 @@ class ModelFile(BodySystem):
             + sum(rods[body].sample_count + 1 if body in rods else 2 for body in group.bodies)
             for name, group in self.spheres.items()
         }
-        skinned, links = touching(self)
-        pairs = sum(rods[name].sample_count for name in skinned) * len(links)
+        pairs = sum(
+            rods[name].sample_count * len(links)
+            for skinned, links in touching(self)
+            for name in skinned
+        )
         if pairs > MAX_PAIRS:
             tail = f"with a skin have {pairs:,} points that may touch: at most {MAX_PAIRS:,}"
             raise field_error(tail, path="bodies")

@@ -13,7 +13,7 @@ from flexor.model.schema.cavity import lower_cavity
 from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.section import cavities_of
-from flexor.model.schema.table import Choice, Name, Number
+from flexor.model.schema.table import Choice, Name, Number, Text
 from flexor.model.validation import field_error
 
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
@@ -30,7 +30,7 @@ class Pressure(Force):
 
     kind: Literal["pressure"]
     rod: Name
-    cavity: Name | None = None
+    cavity: Text | None = None
     span: tuple[Fraction, Fraction] = (0.0, 1.0)
     control: Annotated[Literal["pressure", "volume"], Choice("pressure", "volume")] = "pressure"
 

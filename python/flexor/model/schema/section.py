@@ -8,7 +8,15 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from flexor.model import units
 from flexor.model.schema.profile import Samples, Spline, is_spline
-from flexor.model.schema.table import Choice, Name, Number, PositiveNumber, Table, one_of
+from flexor.model.schema.table import (
+    Choice,
+    Name,
+    Number,
+    PositiveNumber,
+    Table,
+    Text,
+    one_of,
+)
 from flexor.model.units import (
     AxialStiffness,
     BendingStiffness,
@@ -158,7 +166,7 @@ class Part(Table):
     width: Size | None = None
     height: Size | None = None
     material: Name | None = None
-    cavity: Name | None = None
+    cavity: Text | None = None
     stretch: PositiveNumber = 1.0
 
     @model_validator(mode="after")

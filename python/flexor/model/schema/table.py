@@ -28,7 +28,13 @@ Count = Annotated[int, Strict(), Field(ge=1)]
 Index = Annotated[int, Strict(), Field(ge=0, le=1_000_000)]
 Switch = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]
-Name = Annotated[str, Strict()]
+
+
+class EntryName:
+    """Annotation of a field that holds the name of an entry of the file."""
+
+
+Name = Annotated[str, Strict(), EntryName()]
 
 
 class Choice:

@@ -30,7 +30,8 @@ class Wrench(Attachment, Force):
     @property
     def load(self) -> Dimension:
         """Dimension of its load: a force or moment if the vector has length one, else a factor."""
-        force, moment = (math.hypot(*each.components) for each in (self.force, self.moment))
+        lengths = (math.hypot(*each.components) for each in (self.force, self.moment))
+        force, moment = (round(length, 12) for length in lengths)  # of a turned vector, too
         return {(1.0, 0.0): FORCE, (0.0, 1.0): MOMENT}.get((force, moment), LOAD_FACTOR)
 
     def check(self, path: str, system: BodySystem) -> None:

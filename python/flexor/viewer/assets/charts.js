@@ -25,7 +25,8 @@ Flexor.chart = (index, designs) => {
   const xs = plots.flatMap(({ design }) => design.loads.values);
   const bounds = first.bounds;
   const ys = plots.flatMap(({ plot }) => plot.series.flatMap((s) => s.values)).filter((v) => v !== null);
-  const spread = [Math.min(0, ...ys), Math.max(...ys, 1e-12)];
+  const spread = [Math.min(0, ...ys), Math.max(0, ...ys)];
+  if (spread[0] === spread[1]) spread[1] = 1;
   // A bound that is far beyond the curve would flatten it.
   for (const { value } of bounds) if (value <= 3 * spread[1]) spread[1] = Math.max(spread[1], 1.05 * value);
   const [x0, x1] = [Math.min(...xs), Math.max(...xs)];

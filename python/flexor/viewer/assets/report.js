@@ -17,7 +17,8 @@ Flexor.verdict = (design) => {
             ? "Feasible as drawn: all constraints are kept. Errors within the tolerances are not checked here."
             : "Feasible: all constraints are kept."
           : "NOT FEASIBLE.";
-  const state = verdict.feasible && !verdict.headline.startsWith("NOT") ? "kept" : "broken";
+  const none = verdict.constraints.length === 0 && !verdict.failed;
+  const state = none ? "" : verdict.feasible && !verdict.headline.startsWith("NOT") ? "kept" : "broken";
   const rows = verdict.constraints.map((row) =>
     h(
       "tr",
@@ -47,6 +48,9 @@ Flexor.verdict = (design) => {
   );
 };
 
+// A name whose line may break after a dot, and not within a word.
+Flexor.breakable = (name) => name.split(/(?<=\.)/).flatMap((part) => [part, Flexor.h("wbr")]);
+
 // A table of observables at one load; returns an element with a method `mark(step)`.
 Flexor.observables = (designs) => {
   const { h } = Flexor;
@@ -57,7 +61,7 @@ Flexor.observables = (designs) => {
     h(
       "tr",
       {},
-      h("th", { scope: "row", title: row.text }, row.name),
+      h("th", { scope: "row", title: row.text }, ...Flexor.breakable(row.name)),
       ...designs.flatMap((design) => {
         const other = design.table[i];
         const now = h("td", { class: "number" });
@@ -85,13 +89,13 @@ Flexor.parameters = (designs) => {
     h(
       "tr",
       {},
-      h("th", { scope: "row" }, unit ? `${label} / ${unit}` : label),
+      h("th", { scope: "row" }, ...Flexor.breakable(unit ? `${label} / ${unit}` : label)),
       ...designs.map((d) => h("td", { class: "number" }, number(d.parameters[i][1]))),
     ),
   );
   return h(
     "table",
-    {},
+    { class: "parameters" },
     h("thead", {}, h("tr", {}, h("th", {}), ...designs.map((d) => h("th", { scope: "col" }, d.title)))),
     h("tbody", {}, ...rows),
   );
@@ -150,6 +154,8 @@ Flexor.viewControls = (view, legend, current) => {
     legend.replaceChildren();
     const scale = view.scale();
     if (scale) legend.append(Flexor.legend(scale, view.arrays.get(scale.colours)));
+    const key = Flexor.frictionKey(current());
+    if (key) legend.append(key);
   };
   fields.addEventListener("change", pick);
   const colour = h("label", {}, "Colour ", fields);

@@ -12,6 +12,8 @@ Flexor.colours = {
   spring: "#009e73",
   tie: "#cc79a7",
   obstacle: "#8f979e",
+  holds: "#009e73",
+  slides: "#d55e00",
 };
 // Series of plots (Okabe and Ito); the page's style has darker and lighter ones of the same hue.
 Flexor.series = 7;
@@ -42,5 +44,17 @@ Flexor.legend = (scale, table) => {
       { class: "ticks" },
       ...[scale.low, middle, scale.high].map((v) => h("span", {}, number(v, 3))),
     ),
+  );
+};
+
+// What the marks of points with friction mean, or null if a design has none.
+Flexor.frictionKey = (design) => {
+  const { h } = Flexor;
+  if (!design.scene.objects.some((object) => object.kind === "friction")) return null;
+  return h(
+    "ul",
+    { class: "legend marks" },
+    h("li", {}, h("span", { class: "holds", "aria-hidden": "true" }, "◆"), " friction holds"),
+    h("li", {}, h("span", { class: "slides", "aria-hidden": "true" }, "▶"), " slides: force on the first body"),
   );
 };

@@ -275,8 +275,9 @@
   const mark = () => {
     const context = map.getContext("2d");
     const style = getComputedStyle(document.body);
-    context.clearRect(0, 0, map.width, map.height);
+    map.hidden = !field;
     if (!field) return;
+    context.clearRect(0, 0, map.width, map.height);
     const { x, y, rows, count } = field;
     const w = map.width - frame.left - frame.right, t = map.height - frame.top - frame.bottom;
     const all = rows.filter(Boolean).flatMap((row) => row.shown).filter((v) => v !== null);
@@ -289,7 +290,8 @@
         context.fillStyle = `rgb(${colour.join()})`;
         context.fillRect(left, top, w / count + 0.6, t / count + 0.6);
         if (value === null || row.broken[i]) {
-          context.strokeStyle = value === null ? "#000" : "rgba(255,255,255,0.75)";
+          const light = value === null || colour[1] > 150;
+          context.strokeStyle = light ? "rgba(0,0,0,0.75)" : "rgba(255,255,255,0.75)";
           context.beginPath();
           context.moveTo(left, top + t / count);
           context.lineTo(left + w / count, top);

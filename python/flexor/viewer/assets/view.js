@@ -76,7 +76,11 @@ Flexor.View = class {
         // Behind the wall that it touches.
         Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
       }
+      // Marks are within what touches, and are seen through it.
+      const mark = object.kind === "friction";
+      if (mark) Object.assign(material, { side: THREE.FrontSide, depthTest: false });
       const mesh = new THREE.Mesh(geometry, material);
+      if (mark) mesh.renderOrder = 1;
       mesh.frustumCulled = false;
       const base = object.kind === "rod"
         ? Flexor.colours.rod[parts.indexOf(object.part) % Flexor.colours.rod.length]
@@ -167,9 +171,10 @@ Flexor.View = class {
     // The skin is touched below the device, which hides it.
     const covers = this.field === "contact-pressure" && (device || object.kind === "chamber");
     mesh.visible = !(covers && object.kind === "chamber");
-    const through = covers || (this.seeThrough && (device || object.part === "skin"));
+    const through = covers || (this.seeThrough && (device || (object.part === "skin" && !key)));
     material.opacity = object.kind === "obstacle" ? 0.45 : covers ? 0.15 : through ? 0.3 : 1;
-    const transparent = material.opacity < 1;
+    // The graphics card draws what is transparent last.
+    const transparent = material.opacity < 1 || object.kind === "friction";
     if (material.transparent !== transparent) material.needsUpdate = true;
     material.transparent = transparent;
     material.depthWrite = !transparent;

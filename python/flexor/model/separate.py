@@ -1,0 +1,398 @@
+"""Following the equilibria of a model whose components do nothing to one another, each by itself.
+
+A snap of one then costs no steps of the others, and the work is that of small systems. Loads,
+designs and results are those of the whole model.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexor import _engine
+from flexor._engine import REGULARITY, STABILITY, STATUS
+from flexor.arrays import Array
+
+Indices = NDArray[np.intp]
+Found = Mapping[str, Any]
+
+_EQUILIBRIA = [STATUS.index("converged"), STATUS.index("unstable")]
+_NOT_REACHED = STATUS.index("not-reached")
+# From what is worst to what is best.
+_STABILITY = ("unknown", "unstable", "flutter-undecided", "neutral", "stable")
+_REGULARITY = ("no-equilibrium", "nearly-singular", "contact-threshold")
+_SUMS = ("energy", "tip_force", "dissipated", "pairs", "touching", "iterations")
+_LARGEST = ("max_overlap", "max_contact_pressure")
+# What has one row for each force or body of its kind, by the list of the description.
+_ROWS = {
+    "volume": "pressures",
+    "tie_loads": "ties",
+    "tie_gaps": "ties",
+    "tie_redundancy": "ties",
+    "tie_singularity": "ties",
+}
+_OF_EQUILIBRIA = ("q", "energy", "volume", "rod_bending", "stretch", "tie_loads", "tie_redundancy")
+_ZERO_WITHOUT = ("pairs", "touching", "tip_force", "dissipated", *_LARGEST)
+
+
+@dataclass(frozen=True, eq=False)
+class _Component:
+    """A component, and where what it has is in the whole model."""
+
+    engine: _engine.Model
+    slots: Indices  # the whole model's parameter of each of its own
+    coordinates: Indices
+    inputs: Indices
+    rows: Mapping[str, Indices]  # by list of the description
+    outputs: Indices  # the whole model's output of each of its own
+
+    def of(self, which: Indices) -> tuple[Indices, Indices]:
+        """Return which of some parameters of the whole model it has, and which of its own."""
+        order = np.argsort(self.slots, kind="stable")
+        place = np.searchsorted(self.slots, which, sorter=order)
+        place = order[np.minimum(place, len(order) - 1)]
+        has = np.flatnonzero(self.slots[place] == which)
+        return has, place[has]
+
+
+class Separate:
+    """The components of a model, in place of its engine where paths are followed."""
+
+    def __init__(
+        self,
+        whole: _engine.Model,
+        description: Mapping[str, Any],
+        components: Sequence[Mapping[str, Any]],
+    ) -> None:
+        self.whole = whole
+        self.components = [_component(each, whole, description) for each in components]
+        several = np.zeros(_count(whole.outputs), dtype=int)
+        for each in self.components:
+            several[each.outputs] += 1
+        # The largest of what several components have is that of the whole model.
+        self._common = np.flatnonzero(several > 1)
+        start, stop = whole.outputs["tip_force"]
+        self._common = self._common[(self._common < start) | (self._common >= stop)]
+
+    def path(
+        self,
+        slot_indices: Indices,
+        values: Array,
+        loads: Array,
+        threads: int = 0,
+        *,
+        steps: int,
+        start: Array | None = None,
+        **settings: Any,
+    ) -> dict[str, Any]:
+        """Follow designs; see `flexor._engine.Model.path`."""
+        count = len(values)
+        found = []
+        for each in self.components:
+            has, own = each.of(np.asarray(slot_indices, dtype=np.intp))
+            column = np.ascontiguousarray(loads[:, each.inputs])
+            varied = np.ascontiguousarray(values[:, has])
+            # What designs have in common is followed once.
+            once = count > 1 and len(loads) == steps and (varied == varied[:1]).all()
+            if once:
+                varied = varied[:1]
+            given = dict(settings)
+            if start is not None:
+                given["start"] = np.ascontiguousarray(start[each.coordinates])
+            one = each.engine.path(own, varied, column, threads, steps=steps, **given)
+            found.append(_repeated(one, count) if once else one)
+        return self._together(found, loads, count, steps)
+
+    def differentiate(
+        self,
+        slot_indices: Indices,
+        values: Array,
+        designs: Indices,
+        q: Array,
+        applied: Array,
+        sums: Indices,
+        weights: Array,
+        wanted: Indices,
+        threads: int = 0,
+    ) -> dict[str, Any]:
+        """Differentiate at known equilibria; see `flexor._engine.Model.differentiate`."""
+        by_parameters = np.zeros((len(sums), len(wanted)))
+        by_loads = np.zeros((len(sums), len(self.whole.inputs)))
+        regularity = np.full(len(sums), REGULARITY.index("regular"), dtype=np.uint8)
+        shared = np.zeros_like(weights)
+        shared[:, self._common] = weights[:, self._common]
+        own_weights = weights - shared
+        if shared.any():
+            common = self.whole.differentiate(
+                slot_indices, values, designs, q, applied, sums, shared, wanted, threads
+            )
+            by_parameters += common["by_parameters"]
+            by_loads += common["by_loads"]
+            regularity = np.array(common["regularity"])
+        for each in self.components:
+            weighed = own_weights[:, each.outputs]
+            rows = np.flatnonzero(weighed.any(axis=1))
+            if not len(rows):
+                continue
+            has, own = each.of(slot_indices)
+            asked, own_wanted = each.of(wanted)
+            visited, of = np.unique(sums[rows], return_inverse=True)
+            found = each.engine.differentiate(
+                own,
+                np.ascontiguousarray(values[:, has]),
+                designs[visited],
+                np.ascontiguousarray(q[np.ix_(visited, each.coordinates)]),
+                np.ascontiguousarray(applied[np.ix_(visited, each.inputs)]),
+                of,
+                np.ascontiguousarray(weighed[rows]),
+                own_wanted,
+                threads,
+            )
+            by_parameters[np.ix_(rows, asked)] += found["by_parameters"]
+            by_loads[np.ix_(rows, each.inputs)] += found["by_loads"]
+            regularity[rows] = _worst(
+                [regularity[rows], found["regularity"]], REGULARITY, _REGULARITY
+            )
+        return {"by_parameters": by_parameters, "by_loads": by_loads, "regularity": regularity}
+
+    def _together(
+        self, found: Sequence[Found], loads: Array, count: int, steps: int
+    ) -> dict[str, Any]:
+        """Join the arrays of the components."""
+        shape = (count, steps)
+        codes = np.stack([each["status"] for each in found])
+        status, failing = _status(codes)
+        made: dict[str, Any] = {
+            "status": status,
+            "stability": _worst([each["stability"] for each in found], STABILITY, _STABILITY),
+            "friction": found[0]["friction"],
+        }
+        for name in _SUMS:
+            made[name] = np.sum([each[name] for each in found], axis=0, dtype=found[0][name].dtype)
+        for name in _LARGEST:
+            made[name] = np.max([each[name] for each in found], axis=0)
+        stretch = np.stack([each["stretch"] for each in found])
+        made["stretch"] = np.stack(
+            [np.fmin.reduce(stretch[..., 0]), np.fmax.reduce(stretch[..., 1])], axis=-1
+        )
+        residuals = np.stack([each["residual"] for each in found])
+        tolerances = np.stack([each["tolerance"] for each in found])
+        share = np.nan_to_num(residuals / tolerances, nan=-1.0)
+        share[codes != status] = -2.0
+        worst = share.argmax(axis=0)[None]
+        made["residual"] = np.take_along_axis(residuals, worst, axis=0)[0]
+        made["tolerance"] = np.take_along_axis(tolerances, worst, axis=0)[0]
+        own = np.broadcast_to(loads.reshape(-1, steps, loads.shape[-1]), (*shape, loads.shape[-1]))
+        made["applied"] = own.copy()
+        made["q"] = np.empty((*shape, self.whole.dof))
+        made["rod_bending"] = np.empty((*shape, _total(self.components, "rods")))
+        for name, rows in _ROWS.items():
+            rest = found[0][name].shape[3:]
+            made[name] = np.empty((*shape, _total(self.components, rows), *rest))
+        for each, component in zip(found, self.components, strict=True):
+            made["q"][..., component.coordinates] = each["q"]
+            made["applied"][..., component.inputs] = each["applied"]
+            made["rod_bending"][..., component.rows["rods"]] = each["rod_bending"]
+            for name, rows in _ROWS.items():
+                made[name][:, :, component.rows[rows]] = each[name]
+        made["free"] = self._free(found)
+        made["events"] = self._events(found, made["q"], own)
+        for name in _OF_EQUILIBRIA:
+            made[name][failing] = np.nan
+        for name in _ZERO_WITHOUT:
+            made[name][failing] = 0
+        return made
+
+    def _free(self, found: Sequence[Found]) -> NDArray[np.intp]:
+        rows = []
+        for each, component in zip(found, self.components, strict=True):
+            own = each["free"].copy()
+            own[:, 2] = component.coordinates[own[:, 2]]
+            rows.append(own)
+        every = np.concatenate(rows)
+        return np.asarray(every[np.lexsort((every[:, 2], every[:, 1], every[:, 0]))])
+
+    def _events(self, found: Sequence[Found], q: Array, loads: Array) -> dict[str, Any]:
+        """Join events, in the order in which they come along the loads.
+
+        The rest of the model is where it is at the load on the way to which one happens.
+        """
+        made: dict[str, list[Any]] = {
+            name: [] for name in ("design", "step", "kind", "load", "before", "after")
+        }
+        shares = []
+        for each, component in zip(found, self.components, strict=True):
+            events = each["events"]
+            for k, (design, step) in enumerate(zip(events["design"], events["step"], strict=True)):
+                end = loads[design, step]
+                begin = loads[design, max(int(step) - 1, 0)]
+                range_ = np.abs(end - begin)[component.inputs]
+                share = 1.0
+                if range_.size and range_.max() > 0.0:
+                    most = int(range_.argmax())
+                    place = component.inputs[most]
+                    share = (events["load"][k, most] - begin[place]) / (end[place] - begin[place])
+                load = begin + share * (end - begin)
+                load[component.inputs] = events["load"][k]
+                states = []
+                for name in ("before", "after"):
+                    state = q[design, step].copy()
+                    state[component.coordinates] = events[name][k]
+                    states.append(state)
+                shares.append((int(design), int(step), float(share)))
+                row = (design, step, events["kind"][k], load, *states)
+                for values, value in zip(made.values(), row, strict=True):
+                    values.append(value)
+        order = sorted(range(len(shares)), key=shares.__getitem__)
+        first = found[0]["events"]
+        joined: dict[str, Any] = {
+            name: np.array([made[name][i] for i in order], dtype=first[name].dtype)
+            for name in ("design", "step", "kind")
+        }
+        widths = {"load": loads.shape[-1], "before": q.shape[-1], "after": q.shape[-1]}
+        for name, width in widths.items():
+            joined[name] = np.array([made[name][i] for i in order]).reshape(len(order), width)
+        return joined
+
+
+def _component(
+    described: Mapping[str, Any], whole: _engine.Model, description: Mapping[str, Any]
+) -> _Component:
+    text = json.dumps(described, sort_keys=True, separators=(",", ":"))
+    engine = _engine.Model(text)
+    rows = {
+        "rods": _places(_rods(described), _rods(description)),
+        **{
+            name: _places(_names(described, name), _names(description, name))
+            for name in set(_ROWS.values())
+        },
+    }
+    slots = np.full(len(engine.parameters), -1, dtype=np.intp)
+    weightless = _weightless(described, description)
+    for name, (start, stop) in engine.slots.items():
+        if name not in weightless:
+            first, last = whole.slots[name]
+            slots[start:stop] = np.arange(first, last)
+    return _Component(
+        engine=engine,
+        slots=slots,
+        coordinates=_places(engine.coordinates, whole.coordinates),
+        inputs=_places(engine.inputs, whole.inputs),
+        rows=rows,
+        outputs=_outputs(engine, whole, rows, described, description),
+    )
+
+
+def _outputs(
+    engine: _engine.Model,
+    whole: _engine.Model,
+    rows: Mapping[str, Indices],
+    described: Mapping[str, Any],
+    description: Mapping[str, Any],
+) -> Indices:
+    """Return the whole model's output of each output of a component."""
+    by_name = {
+        "joints": _places(_joints(engine), _joints(whole)),
+        "rod_bending": rows["rods"],
+        "applied": _places(engine.inputs, whole.inputs),
+    }
+    lists = {
+        "springs": "springs",
+        "loops": "loops",
+        "obstacles": "obstacles",
+        "volume": "pressures",
+        "ties": "ties",
+    }
+    for group, table in lists.items():
+        by_name[group] = _places(_names(described, table), _names(description, table))
+    found = np.zeros(_count(engine.outputs), dtype=np.intp)
+    for group, (start, stop) in engine.outputs.items():
+        first, last = whole.outputs[group]
+        places = by_name.get(group)
+        if places is None:  # the same for every model: largest values, and materials
+            found[start:stop] = np.arange(first, last)
+        elif len(places):
+            each = (stop - start) // len(places)
+            found[start:stop] = (first + each * places[:, None] + np.arange(each)).ravel()
+    return found
+
+
+def _joints(engine: _engine.Model) -> list[str]:
+    return [joint["name"] for joint in engine.joints]
+
+
+def _rods(description: Mapping[str, Any]) -> list[str]:
+    return [body["name"] for body in description["bodies"] if "rod" in body["shape"]]
+
+
+def _names(description: Mapping[str, Any], table: str) -> list[str]:
+    return [entry["name"] for entry in description.get(table, ())]
+
+
+def _weightless(described: Mapping[str, Any], description: Mapping[str, Any]) -> set[str]:
+    """Return the densities that are not those of the whole model; see `components`."""
+    of = {body["name"]: body["shape"] for body in description["bodies"]}
+    return {
+        f"{body['name']}.density"
+        for body in described["bodies"]
+        if "link" in body["shape"]
+        and body["shape"]["link"]["density"] != of[body["name"]]["link"]["density"]
+    }
+
+
+def _places(names: Sequence[str], every: Sequence[str]) -> Indices:
+    place = {name: index for index, name in enumerate(every)}
+    return np.array([place[name] for name in names], dtype=np.intp)
+
+
+def _count(outputs: Mapping[str, tuple[int, int]]) -> int:
+    return max(stop for _, stop in outputs.values())
+
+
+def _total(all_components: Sequence[_Component], rows: str) -> int:
+    return sum(len(each.rows[rows]) for each in all_components)
+
+
+def _status(codes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Return the status of the whole, (n, s), of those of k components, and where it failed.
+
+    That of the first component that failed, rather than of one that was not followed further.
+    """
+    failed = ~np.isin(codes, _EQUILIBRIA)
+    weight = np.where(failed & (codes != _NOT_REACHED), 3, np.where(failed, 2, codes != 0))
+    first = weight.argmax(axis=0)[None]
+    return np.take_along_axis(codes, first, axis=0)[0], np.asarray(failed.any(axis=0))
+
+
+def _worst(
+    codes: Sequence[NDArray[Any]], names: Sequence[str], order: Sequence[str]
+) -> NDArray[Any]:
+    """Return the worst of several codes of names; those that are not ordered are the best."""
+    rank = np.array([order.index(name) if name in order else len(order) for name in names])
+    stacked = np.stack(codes)
+    worst = rank[stacked].argmin(axis=0)[None]
+    return np.asarray(np.take_along_axis(stacked, worst, axis=0)[0])
+
+
+def _repeated(found: Found, count: int) -> dict[str, Any]:
+    """Return the results of one design for each of several that are the same."""
+    made: dict[str, Any] = {}
+    for name, array in found.items():
+        if name == "events":
+            size = len(array["design"])
+            made[name] = {key: np.concatenate([value] * count) for key, value in array.items()}
+            made[name]["design"] = np.repeat(np.arange(count), size)
+        elif name == "free":
+            rows = np.concatenate([array] * count)
+            rows[:, 0] = np.repeat(np.arange(count), len(array))
+            made[name] = rows
+        elif name == "friction":  # without rows
+            made[name] = array
+        else:
+            made[name] = np.repeat(array, count, axis=0)
+    return made
