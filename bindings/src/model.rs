@@ -166,6 +166,44 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.loops.into_pyarray(py))
     }
 
+    /// Length of each tendon.
+    fn tendon_lengths<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, None)?.tendons.lengths.into_pyarray(py))
+    }
+
+    /// Tension of each tendon under loads.
+    fn tendon_tensions<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+        u: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.state(&parameters, &q, Some(&u))?.tendons.tensions.into_pyarray(py))
+    }
+
+    /// Minus the derivative of the length of each tendon by each coordinate.
+    fn tendon_arms<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let tendons = on_model!(&self.inner, m => m.tendon_count());
+        let arms = self.state(&parameters, &q, None)?.tendons.arms;
+        arms.into_pyarray(py).reshape([tendons, self.dof()])
+    }
+
+    /// Places along each tendon, branch by branch.
+    fn tendon_paths(&self, parameters: Numbers<'_>, q: Numbers<'_>) -> PyResult<Vec<Vec<Vec<[f64; 3]>>>> {
+        Ok(self.state(&parameters, &q, None)?.tendons.paths)
+    }
+
     fn obstacle_forces<'py>(
         &self,
         py: Python<'py>,

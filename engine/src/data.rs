@@ -229,6 +229,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.springs.tensions(&self.state(model, &[], &[]))
     }
 
+    /// Length of each tendon [m] at the last state evaluated.
+    pub fn tendon_lengths(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.tendons.lengths(&self.state(model, &[], &[]))
+    }
+
+    /// Tension of each tendon [N] at the last state evaluated, given its load again.
+    pub fn tendon_tensions(&self, model: &Model<G, D, P>, load: &[f64]) -> Vec<f64> {
+        model.forces.tendons.tensions(&self.state(model, &[], load))
+    }
+
+    /// −∂ℓ/∂q of each tendon by each coordinate at the last state evaluated, row by row.
+    pub fn tendon_arms(&self, model: &Model<G, D, P>) -> Vec<f64> {
+        model.forces.tendons.arms(&self.state(model, &[], &[]))
+    }
+
+    /// Places along each tendon, branch by branch, at the last state evaluated.
+    pub fn tendon_paths(&self, model: &Model<G, D, P>) -> Vec<Vec<Vec<Vector<P>>>> {
+        model.forces.tendons.paths(&self.state(model, &[], &[]))
+    }
+
     /// Tension of each strap around a link [N] at the last state evaluated.
     pub fn loop_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
         model.forces.loops.tensions(&self.assembly.forces.loops)

@@ -17,6 +17,7 @@ use crate::forces::obstacle::Obstacles;
 use crate::forces::pressure::Pressures;
 use crate::forces::spring::Springs;
 use crate::forces::state::State;
+use crate::forces::tendon::Tendons;
 use crate::forces::terms::Terms;
 use crate::forces::tie::Ties;
 use crate::forces::wrench::Wrenches;
@@ -259,6 +260,9 @@ registry! {
     foundations: Foundations = |tree, description| Foundations::build(tree, &description.foundations)?;
     loops: StrapLoops = |tree, description| StrapLoops::build(tree, &description.loops)?;
     obstacles: Obstacles<P> = |tree, description| Obstacles::build(tree, &description.obstacles)?;
+    tendons: Tendons<P> = |tree, description| {
+        Tendons::build(tree, &description.tendons, &description.wraps)?
+    };
     wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
     ties: Ties<P> = |tree, description| Ties::build(tree, &description.ties)?;
     frictions: Frictions = |tree, description| Frictions::build(tree, description)?;

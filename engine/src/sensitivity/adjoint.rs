@@ -180,7 +180,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let applied = &weights[weights.len() - by_loads.len()..];
         self.differential.clear();
         for (output, weight) in self.outputs.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            output.add(model, data, q, *weight, &mut self.differential);
+            output.add(model, data, [q, load], *weight, &mut self.differential);
         }
         if let Some(later) = later {
             let own = self.differential.coordinates.iter_mut();
@@ -225,6 +225,9 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         }
         for ((out, direct), change) in by_loads.iter_mut().zip(applied).zip(&self.by_load) {
             *out = direct - change.iter().zip(&lambda).map(|(a, b)| a * b).sum::<f64>();
+        }
+        for (input, slope) in &self.differential.loads {
+            by_loads[*input] += slope;
         }
         self.ties.add_loads(&reactions, by_loads);
         held.set_by_loads(model, by_loads);

@@ -445,7 +445,8 @@ class Path(Displayed, Results):
             cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
             [Pa] or ``tension`` [N], with ``ties`` what each does to its second place, as ``force``
             [N] and ``moment`` [N·m] in the world and, if it is driven, ``drive`` [N or N·m], with
-            straps ``strap_force`` [N] and with obstacles
+            straps ``strap_force`` [N], with tendons ``tendon_length`` [m] and ``tendon_force`` [N],
+            and with obstacles
             ``obstacle_force`` [N] likewise, with friction ``friction``, for each point that touches
             what has friction, ``place`` [m], ``force`` on the first body and its ``limit`` [N],
             elastic ``slip`` [m] and whether it ``slides``, and the energy ``dissipated`` so far
@@ -511,6 +512,33 @@ class Path(Displayed, Results):
         if len(loops) < len(straps):
             tensions |= self._each(springs, engine.spring_tensions)
         return {name: tensions[name] for name in straps}
+
+    def tendon_lengths(self) -> dict[str, Array]:
+        """Return the length of each tendon [m], (s,); NaN where there is no equilibrium."""
+        return self._each(self.model.tendons, self.model.engine.tendon_lengths)
+
+    def tendon_forces(self) -> dict[str, Array]:
+        """Return the tension of each tendon [N], likewise."""
+        engine, tendons = self.model.engine, self.model.tendons
+        values = np.full((len(self), len(tendons)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if tendons else ():
+            values[step] = engine.tendon_tensions(self.parameters, self.q[step], self.applied[step])
+        return dict(zip(tendons, values.T, strict=True))
+
+    def moment_arms(self) -> dict[str, dict[str, Array]]:
+        """Return -∂ℓ/∂q of each tendon by each joint's coordinate [m; 1 for translations], (s,).
+
+        Of an angle it is the moment arm, positive where the tendon's tension increases the angle.
+        """
+        tendons, joints = self.model.tendons, self.model.joints
+        values = np.full((len(self), len(tendons), len(joints)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if tendons else ():
+            arms = self.model.engine.tendon_arms(self.parameters, self.q[step])
+            values[step] = arms[:, self.model.joint_columns]
+        return {
+            tendon: {joint: values[:, i, j] for j, joint in enumerate(joints)}
+            for i, tendon in enumerate(tendons)
+        }
 
     def tie_forces(self) -> dict[str, Array]:
         """Return the magnitude of the force that each tie transmits [N], (s,)."""
@@ -595,6 +623,12 @@ class Path(Displayed, Results):
             shown.setdefault(kind, {})[name] = _plain(found)
         if forces := self.strap_forces():
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
+        if self.model.tendons:
+            each = (
+                ("tendon_length", self.tendon_lengths()),
+                ("tendon_force", self.tendon_forces()),
+            )
+            shown |= {key: {n: _plain(v) for n, v in found.items()} for key, found in each}
         if forces := self.obstacle_forces():
             shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
         if self.friction is not None:
