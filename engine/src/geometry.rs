@@ -252,7 +252,7 @@ fn for_each_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize>(
             visit(link.radius_tip, [taper, by_tip]);
         }
         SphereRadius::Between(between, side) => {
-            gradient[radius_between(tree, parameters, between, side)] += weight;
+            visit(radius_between(tree, parameters, between, side), [1.0; 2]);
         }
     }
 }
