@@ -53,11 +53,22 @@ pub struct State {
     pub tensions: Vec<f64>,
     pub obstacles: Vec<f64>,
     pub loops: Vec<f64>,
+    pub tendons: Tendons,
     /// −1 for a material that nothing is made of.
     pub stretch_frames: Vec<[i64; 2]>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
     pub contacts: Vec<ContactForce>,
+}
+
+/// What tendons do, one after another.
+pub struct Tendons {
+    pub lengths: Vec<f64>,
+    pub tensions: Vec<f64>,
+    /// By each coordinate.
+    pub arms: Vec<f64>,
+    /// Places along each, branch by branch.
+    pub paths: Vec<Vec<Vec<[f64; 3]>>>,
 }
 
 /// A contact force.
@@ -87,6 +98,14 @@ impl AnyModel {
                 tensions: data.spring_tensions(model),
                 obstacles: data.obstacle_forces(model),
                 loops: data.loop_tensions(model),
+                tendons: Tendons {
+                    lengths: data.tendon_lengths(model),
+                    tensions: data.tendon_tensions(model, load),
+                    arms: data.tendon_arms(model),
+                    paths: data.tendon_paths(model).iter().map(|tendon| {
+                        tendon.iter().map(|branch| branch.iter().map(|p| spatial(&p.0)).collect()).collect()
+                    }).collect(),
+                },
                 energy: data.energy(),
                 residual: data.residual().to_vec(),
                 tangent: data.tangent().to_vec(),

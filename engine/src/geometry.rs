@@ -171,21 +171,46 @@ pub(crate) fn add_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize
     weight: f64,
     gradient: &mut [f64],
 ) {
+    for_each_radius_slope(tree, parameters, radius, |slot, [a, b]| gradient[slot] += weight * a * b);
+}
+
+/// dR/dp of a sphere's radius R by one parameter.
+pub(crate) fn radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+    wanted: usize,
+) -> f64 {
+    let mut sum = 0.0;
+    for_each_radius_slope(tree, parameters, radius, |slot, [a, b]| {
+        sum += if slot == wanted { a * b } else { 0.0 };
+    });
+    sum
+}
+
+/// Visits the parameters on which a sphere's radius depends, with its slopes, each as a product.
+#[inline]
+fn for_each_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+    mut visit: impl FnMut(usize, [f64; 2]),
+) {
     match radius {
-        SphereRadius::Parameter(k) => gradient[k] += weight,
+        SphereRadius::Parameter(k) => visit(k, [1.0; 2]),
         SphereRadius::Link(body, place) => {
             let Shape::Link(link) = &tree.bodies[body].shape else { return };
             let (_, f) = link_fraction(tree, parameters, place);
-            gradient[link.radius_base] += weight * (1.0 - f);
-            gradient[link.radius_tip] += weight * f;
+            visit(link.radius_base, [1.0 - f, 1.0]);
+            visit(link.radius_tip, [f, 1.0]);
+            let taper = parameters[link.radius_tip] - parameters[link.radius_base];
             if let Place::Along(_, slot) = place {
-                gradient[slot] += weight * (parameters[link.radius_tip] - parameters[link.radius_base]);
+                visit(slot, [taper, 1.0]);
             }
             // The centroid's fraction depends on the radii too.
-            let taper = parameters[link.radius_tip] - parameters[link.radius_base];
             let [by_base, by_tip] = link_fraction_slope(parameters, link, place);
-            gradient[link.radius_base] += weight * taper * by_base;
-            gradient[link.radius_tip] += weight * taper * by_tip;
+            visit(link.radius_base, [taper, by_base]);
+            visit(link.radius_tip, [taper, by_tip]);
         }
     }
 }

@@ -94,6 +94,11 @@ class Derivatives(TypedDict):
     by_loads: NDArray[np.float64]  # (sums, U), by the conjugate of controlled inputs
     regularity: NDArray[np.uint8]  # (sums,), codes of REGULARITY
 
+class PathDerivatives(TypedDict):
+    by_parameters: NDArray[np.float64]  # (n, numbers, wanted)
+    by_loads: NDArray[np.float64]  # (n, numbers, s, U), by the conjugate of controlled inputs
+    regularity: NDArray[np.uint8]  # (n, numbers), codes of REGULARITY
+
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
     second: NDArray[np.int64]
@@ -162,6 +167,23 @@ class Model:
         wanted: ArrayLike,
         threads: int = 0,
     ) -> Derivatives: ...
+    def differentiate_paths(
+        self,
+        slot_indices: ArrayLike,
+        values: ArrayLike,
+        loads: ArrayLike,
+        parts: ArrayLike,  # (m, 3): design, in increasing order, number, step
+        weights: ArrayLike,  # (m, outputs)
+        numbers: int,
+        wanted: ArrayLike,
+        threads: int = 0,
+        *,
+        steps: int | None = None,
+        base: ArrayLike | None = None,
+        start: ArrayLike | None = None,
+        slips: ArrayLike | None = None,
+        **solver_options: float,
+    ) -> PathDerivatives: ...
     def branch(
         self,
         parameters: ArrayLike,
@@ -179,6 +201,14 @@ class Model:
     def volumes(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def spring_tensions(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def loop_tensions(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def tendon_lengths(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def tendon_tensions(
+        self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike
+    ) -> NDArray[np.float64]: ...
+    def tendon_arms(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def tendon_paths(
+        self, parameters: ArrayLike, q: ArrayLike
+    ) -> list[list[list[list[float]]]]: ...
     def obstacle_forces(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def stretch_frames(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.int64]: ...
     def frames(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...

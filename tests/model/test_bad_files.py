@@ -98,8 +98,8 @@ def test_the_unmodified_file_is_valid() -> None:
             'it has an unknown key "gravitiy" (did you mean "gravity"?): expected one of "name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"torques", "couplings", "springs", "straps", "wrenches", "ties", "inputs", "design", '
-            '"population", '
+            '"torques", "couplings", "springs", "straps", "tendons", "wraps", "wrenches", "ties", '
+            '"inputs", "design", "population", '
             '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),
         (

@@ -103,6 +103,8 @@ def test_search_improves_and_ends_when_nobody_listens(bench) -> None:
     rows = [row for row in search(bench, [2.0, 10.0], [60.0], "pattern-search", 30, 0) if row]
     assert rows[-1]["ended"]
     assert rows[-1]["evaluations"] <= 30
+    assert rows[0]["evaluations"] == 0
+    assert rows[0]["shown"] < rows[-1]["shown"]
     study = flexor.optimize(
         bench.model, BOUNDS, "maximise range-of-motion", "pattern-search",
         subject_to=["overlap <= 1.2 mm"], budget=30)  # fmt: skip

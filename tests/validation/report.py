@@ -20,7 +20,7 @@ from .comparison import Comparison
 from .page import draw_figure, write_page
 
 FAMILIES = ("Closed forms", "Other libraries", "Convergence", "The toolbox of the paper")
-LIBRARIES = ("pin", "pyelastica", "soromox")
+LIBRARIES = ("pin", "pyelastica", "soromox", "mujoco", "myo-sim")
 IMAGES = Path("images", "validation")
 
 

@@ -17,6 +17,8 @@ pub(crate) struct Differential<const D: usize, const P: usize> {
     pub points: Vec<(usize, Vector<P>)>,
     /// By each parameter, with coordinates and points held.
     pub parameters: Vec<f64>,
+    /// By loads of inputs, with coordinates and points held.
+    pub loads: Vec<(usize, f64)>,
     /// By the reaction of each condition of ties.
     pub reactions: Vec<f64>,
     /// Whether it is the largest of several numbers, and another one equals it.
@@ -26,7 +28,15 @@ pub(crate) struct Differential<const D: usize, const P: usize> {
 impl<const D: usize, const P: usize> Differential<D, P> {
     pub fn new(dof: usize, parameters: usize, reactions: usize) -> Self {
         let [coordinates, parameters, reactions] = [dof, parameters, reactions].map(|n| vec![0.0; n]);
-        Self { coordinates, frames: vec![], points: vec![], parameters, reactions, tied: false }
+        Self {
+            coordinates,
+            frames: vec![],
+            points: vec![],
+            parameters,
+            loads: vec![],
+            reactions,
+            tied: false,
+        }
     }
 
     pub fn clear(&mut self) {
@@ -34,6 +44,7 @@ impl<const D: usize, const P: usize> Differential<D, P> {
         self.frames.clear();
         self.points.clear();
         self.parameters.fill(0.0);
+        self.loads.clear();
         self.reactions.fill(0.0);
         self.tied = false;
     }

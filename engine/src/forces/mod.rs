@@ -1,7 +1,7 @@
 //! The forces that act on a tree of bodies, one file each.
 //!
 //! A force is either a function of the coordinates themselves (elasticity, joint limits, chambers) or
-//! of the poses of frames (contact, gravity, springs, point loads). The latter report world-frame
+//! of the poses of frames (contact, gravity, springs, tendons, point loads). The latter report world-frame
 //! wrenches and stiffness forms, which the assembly turns into residual and tangent.
 
 pub(crate) mod actuator;
@@ -22,6 +22,7 @@ pub(crate) mod obstacle;
 pub(crate) mod pressure;
 pub(crate) mod spring;
 pub(crate) mod state;
+pub(crate) mod tendon;
 pub(crate) mod terms;
 pub(crate) mod tie;
 pub(crate) mod wrench;

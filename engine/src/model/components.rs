@@ -1,11 +1,11 @@
 //! Groups of bodies that interact, directly or through others.
 
-use super::description::{AttachmentDescription, Description, SpringDescription};
+use super::description::{AttachmentDescription, Description, SpringDescription, StageDescription};
 use crate::tree::Tree;
 
 /// Coordinates in groups that do not interact.
 ///
-/// Trees of bodies, joined where contacts, springs and ties connect them.
+/// Trees of bodies, joined where contacts, springs, tendons and ties connect them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Components {
     /// The component of each coordinate.
@@ -32,6 +32,16 @@ impl Components {
         }
         for SpringDescription { first, second, .. } in &d.springs {
             join(&mut [first, second].into_iter().filter_map(body_of));
+        }
+        for tendon in &d.tendons {
+            let stages = tendon.path.iter().filter_map(|stage| match stage {
+                StageDescription::Point(at) => Some(at),
+                StageDescription::Wrap { name, .. } => {
+                    d.wraps.iter().find(|wrap| wrap.name == *name).map(|wrap| &wrap.at)
+                }
+                StageDescription::Branch(_) => None,
+            });
+            join(&mut stages.filter_map(body_of));
         }
         for coupling in &d.joint_couplings {
             join(&mut coupling.bodies.iter().map(String::as_str));

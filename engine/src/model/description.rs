@@ -14,6 +14,9 @@ pub use crate::forces::joint_torque::{JointTorqueDescription, TorqueCurve};
 pub use crate::forces::obstacle::{ObstacleDescription, SurfaceDescription};
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
+pub use crate::forces::tendon::{
+    MuscleCurve, StageDescription, TendonDescription, TensionDescription, WrapDescription,
+};
 pub use crate::forces::tie::{TieDescription, TieDrive, TieKind};
 pub use crate::forces::wrench::{WrenchDescription, WrenchFrame};
 pub use crate::tree::description::*;
@@ -76,6 +79,12 @@ pub struct Description {
     /// Springs and straps.
     #[serde(default)]
     pub springs: Vec<SpringDescription>,
+    /// Tendons across bodies.
+    #[serde(default)]
+    pub tendons: Vec<TendonDescription>,
+    /// What tendons wrap around.
+    #[serde(default)]
+    pub wraps: Vec<WrapDescription>,
     /// Point loads.
     #[serde(default)]
     pub wrenches: Vec<WrenchDescription>,

@@ -60,7 +60,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         &self.tree.coordinates
     }
 
-    /// Names of the load inputs: actuators, then scaled wrenches.
+    /// Names of the load inputs: actuators, tendons, scaled wrenches, ties.
     pub fn inputs(&self) -> &[String] {
         &self.tree.inputs
     }
@@ -103,6 +103,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Number of ties.
     pub fn tie_count(&self) -> usize {
         self.forces.ties.count()
+    }
+
+    /// Number of tendons.
+    pub fn tendon_count(&self) -> usize {
+        self.forces.tendons.count()
     }
 
     /// Number of contacts with friction.

@@ -23,6 +23,10 @@ pub(crate) enum Output {
     Stretch(usize, f64),
     /// The tension of a spring.
     Spring(usize),
+    /// The length of a tendon.
+    TendonLength(usize),
+    /// The tension of a tendon.
+    TendonTension(usize),
     /// The tension of a strap around a link.
     Loop(usize),
     /// The force on an obstacle.
@@ -40,7 +44,7 @@ pub(crate) enum Output {
 /// Names of groups of outputs with the number of each, in their order.
 pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
-) -> [(&'static str, usize); 12] {
+) -> [(&'static str, usize); 14] {
     [
         ("joints", model.joints.len()),
         ("tip_force", 1),
@@ -53,6 +57,8 @@ pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
         ("volume", model.pressure_count()),
         ("rod_bending", model.rod_count()),
         ("ties", TieOutput::ALL.len() * model.tie_count()),
+        ("tendon_lengths", model.tendon_count()),
+        ("tendon_tensions", model.tendon_count()),
         ("applied", model.inputs().len()),
     ]
 }
@@ -75,6 +81,8 @@ impl Output {
                 let each = TieOutput::ALL;
                 Self::Tie(index / each.len(), each[index % each.len()])
             }
+            11 => Self::TendonLength(index),
+            12 => Self::TendonTension(index),
             _ => Self::Applied(index),
         };
         let groups = output_groups(model);
@@ -86,11 +94,11 @@ impl Output {
         self,
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
-        q: &[f64],
+        [q, load]: [&[f64]; 2],
         weight: f64,
         out: &mut Differential<D, P>,
     ) {
-        let (at, states) = (data.state(model, q, &[]), &data.assembly.forces);
+        let (at, states) = (data.state(model, q, load), &data.assembly.forces);
         let forces = &model.forces;
         match self {
             Self::Joint(joint) => out.coordinates[model.joints[joint].dof] += weight,
@@ -114,6 +122,8 @@ impl Output {
             Self::Pressure => forces.foundations.add_pressure(&at, weight, out),
             Self::Stretch(material, sign) => forces.fibres.add_stretch(material, sign, &at, weight, out),
             Self::Spring(spring) => forces.springs.add_tension(spring, &at, weight, out),
+            Self::TendonLength(tendon) => forces.tendons.add_length(tendon, &at, weight, out),
+            Self::TendonTension(tendon) => forces.tendons.add_tension(tendon, &at, weight, out),
             Self::Loop(strap) => forces.loops.add_tension(strap, &at, &states.loops, weight, out),
             Self::Obstacle(index) => {
                 forces.obstacles.add_force(index, &at, &states.obstacles, weight, out);

@@ -11,6 +11,7 @@ mod loads;
 mod obstacles;
 mod round_cones;
 mod sensitivity;
+mod tendons;
 mod toolbox_reference;
 mod toolbox_statics;
 

@@ -14,10 +14,11 @@ pub fn derivatives<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> usize {
     let model = Model::<G, D, P>::new(d).unwrap();
     let n = model.dof();
+    let load = &vec![0.7; model.inputs().len()];
     let q: Vec<f64> = (0..n).map(|i| size * (1.3 * i as f64 + 1.0).sin()).collect();
     let lambda: Vec<f64> = (0..n).map(|i| (0.7 * i as f64 + 2.0).cos()).collect();
     let mut data = Data::new(&model);
-    data.evaluate(&model, &q, &[]);
+    data.evaluate(&model, &q, load);
     assert!(enough(&data.contact_forces(&model)));
     let (residual, tangent) = (data.residual().to_vec(), data.tangent().to_vec());
     let h = 1e-4;
@@ -28,7 +29,7 @@ pub fn derivatives<G: LieGroup<D, P>, const D: usize, const P: usize>(
         for (step, weight) in stencil {
             let mut moved = q.clone();
             moved[j] += step * h;
-            data.evaluate_residual(&model, &moved, &[]);
+            data.evaluate_residual(&model, &moved, load);
             slope += weight * data.energy() / (60.0 * h);
             column.iter_mut().zip(data.residual()).for_each(|(c, r)| *c += weight * r / (60.0 * h));
         }
@@ -40,8 +41,8 @@ pub fn derivatives<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
     let all: Vec<usize> = (0..model.parameters().len()).collect();
     let mut adjoint = Adjoint::new(&model, &all);
-    data.evaluate(&model, &q, &[]);
-    let exact = adjoint.virtual_work_gradient(&model, &data, &q, &[], &lambda).to_vec();
+    data.evaluate(&model, &q, load);
+    let exact = adjoint.virtual_work_gradient(&model, &data, &q, load, &lambda).to_vec();
     let mut checked = 0;
     for (name, range) in model.layout().iter() {
         for i in range.clone() {
@@ -58,7 +59,7 @@ pub fn derivatives<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 let mut moved = p.to_vec();
                 moved[i] += step * h;
                 data.set_parameters(&model, &moved);
-                data.evaluate_residual(&model, &q, &[]);
+                data.evaluate_residual(&model, &q, load);
                 let work: f64 = data.residual().iter().zip(&lambda).map(|(r, l)| r * l).sum();
                 difference += weight * work / (60.0 * h);
             }

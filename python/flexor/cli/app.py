@@ -17,6 +17,7 @@ from flexor.cli import (
     compare,
     export,
     front,
+    import_model,
     landscape,
     listings,
     materials,
@@ -93,6 +94,7 @@ app.command("compare", cls=Command)(compare.compare)
 app.command("rerun", cls=Command)(rerun.rerun)
 app.command("calibrate", cls=Calibrate)(calibrate.calibrate)
 app.command("export", cls=Command)(export.export)
+app.command("import", cls=Command)(import_model.import_model)
 app.command("bench", cls=Command)(bench.bench)
 app.command("materials", cls=Command)(materials.materials)
 app.command("share", cls=Command)(share.share)

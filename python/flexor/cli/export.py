@@ -67,6 +67,13 @@ def export(
             "fill in.",
         ),
     ] = None,
+    mjcf: Annotated[
+        FilePath | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write links, joints and tendons for the simulator MuJoCo: an XML file.",
+        ),
+    ] = None,
     which: options.Which = None,
     rod: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which rod; by default the designed one.")
@@ -133,8 +140,14 @@ def export(
     from flexor.export import files
 
     given = dict(locals())
+    if mjcf is not None:
+        _write_mjcf(designed(design, which, variant, changes)[0], mjcf, force)
+        if all(each is None for each in (body, mould, sheets, finger, plot)):
+            return 0
     if all(each is None for each in (body, mould, sheets, finger, plot)):
-        raise InputError("nothing to export: give --body, --mould, --sheets, --finger or --plot.")
+        raise InputError(
+            "nothing to export: give --body, --mould, --sheets, --finger, --mjcf or --plot."
+        )
     files.require_packages()
     for path, formats in ((body, files.FORMATS), (sheets, (".dxf",))):
         if path is not None:
@@ -190,6 +203,19 @@ def export(
     else:
         _print_summary(made, written)
     return 0
+
+
+def _write_mjcf(model: Model, target: FilePath, force: bool) -> None:
+    from flexor.exchange import mjcf_of
+    from flexor.export.files import check_target
+    from flexor.store import write_text
+
+    check_target(target, force, (".xml",))
+    text, left_out = mjcf_of(model.file)
+    write_text(target, text)
+    say(f"model:     {target}")
+    for what, count in sorted(left_out.items()):
+        say(f"left out:  {what}{f', {count} times' if count > 1 else ''}")
 
 
 def _options(given: dict[str, Any]) -> tuple[BodyOptions, MouldOptions, FingerOptions]:

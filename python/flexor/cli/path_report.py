@@ -138,6 +138,7 @@ def _device(path: Path, known: Accuracy) -> Columns:
 
 def _forces(path: Path) -> dict[str, Array]:
     forces = {f"strap {name}": force for name, force in path.strap_forces().items()}
+    forces |= {f"tendon {name}": force for name, force in path.tendon_forces().items()}
     return forces | {f"obstacle {name}": x for name, x in path.obstacle_forces().items()}
 
 

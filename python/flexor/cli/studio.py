@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -72,6 +73,9 @@ def studio(
     bench = workbench(loaded, problem, chosen, model)
     running = serve(bench, host, port)
     say(f"studio: {running.url}  (Ctrl-C ends it)")
+    if host in ("0.0.0.0", "::"):
+        reached = running.url.replace("[::]" if host == "::" else host, socket.gethostname(), 1)
+        say(f"from other machines: {reached}")
     if show:
         _open(running.url)
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,8 @@ def drawn_file(chosen: ParameterSet, p: Array, model: Structure) -> ModelFile:
     """
     if not isinstance(chosen, Variables):
         return model.file
-    keys = [keys_of(label, model.file) for label in chosen.fields]
-    values = chosen.field_values(np.asarray(p))[0]
-    return replaced(model.file, dict(zip(keys, values.tolist(), strict=True)))
+    values = chosen.field_values(np.asarray(p))[0].tolist()
+    fields = zip_longest(chosen.fields, values, chosen.load_fields)
+    # Loads change nothing of what is drawn; their fields may be lists.
+    sizes = {keys_of(label, model.file): x for label, x, load in fields if load is None}
+    return replaced(model.file, sizes)

@@ -40,6 +40,8 @@ def factor(unit: str, si: str) -> Decimal | Literal["other"] | None:
     Decimal, "other" or None
         ``"other"`` where they are of different dimensions, None where one is not usual.
     """
+    if unit == si == "":
+        return Decimal(1)
     first, second = _product(unit), _product(si)
     if first is None or second is None:
         return None

@@ -16,6 +16,7 @@ from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
+from flexor.model.followed import Followed
 from flexor.model.friction import POINT, FrictionForces, described, friction_forces
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
@@ -58,6 +59,8 @@ class Results:
     ----------
     model : Model
         The model.
+    followed : Followed
+        How the engine followed the paths beside their loads.
     rod_length, radius, slope : (n,), (n, m) and (n, m) arrays
         Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
     slots : (n, P) array
@@ -119,7 +122,7 @@ class Results:
     friction : (n, s) array of structured arrays
         Points with friction of each state; see `flexor.model.friction`. None without friction.
     dissipated : (n, s) array
-        Energy that friction dissipated along the path up to each step [J], likewise.
+        Energy that friction dissipated along the path up to each step [J]; zero without friction.
     event_table : (n,) array of structured arrays
         Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
@@ -161,6 +164,7 @@ class Results:
     axes: ClassVar[str] = ""
 
     model: Structure = field(default=_NONE, metadata=_MODEL)
+    followed: Followed = field(default=_NONE, metadata=_MODEL)
     rod_length: Array = field(default=_NONE, metadata=_DESIGN)
     radius: Array = field(default=_NONE, metadata=_DESIGN)
     slope: Array = field(default=_NONE, metadata=_DESIGN)
@@ -441,7 +445,8 @@ class Path(Displayed, Results):
             cables ``length`` [m] likewise, of controlled inputs what was found as ``pressure``
             [Pa] or ``tension`` [N], with ``ties`` what each does to its second place, as ``force``
             [N] and ``moment`` [N·m] in the world and, if it is driven, ``drive`` [N or N·m], with
-            straps ``strap_force`` [N] and with obstacles
+            straps ``strap_force`` [N], with tendons ``tendon_length`` [m] and ``tendon_force`` [N],
+            and with obstacles
             ``obstacle_force`` [N] likewise, with friction ``friction``, for each point that touches
             what has friction, ``place`` [m], ``force`` on the first body and its ``limit`` [N],
             elastic ``slip`` [m] and whether it ``slides``, and the energy ``dissipated`` so far
@@ -507,6 +512,33 @@ class Path(Displayed, Results):
         if len(loops) < len(straps):
             tensions |= self._each(springs, engine.spring_tensions)
         return {name: tensions[name] for name in straps}
+
+    def tendon_lengths(self) -> dict[str, Array]:
+        """Return the length of each tendon [m], (s,); NaN where there is no equilibrium."""
+        return self._each(self.model.tendons, self.model.engine.tendon_lengths)
+
+    def tendon_forces(self) -> dict[str, Array]:
+        """Return the tension of each tendon [N], likewise."""
+        engine, tendons = self.model.engine, self.model.tendons
+        values = np.full((len(self), len(tendons)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if tendons else ():
+            values[step] = engine.tendon_tensions(self.parameters, self.q[step], self.applied[step])
+        return dict(zip(tendons, values.T, strict=True))
+
+    def moment_arms(self) -> dict[str, dict[str, Array]]:
+        """Return -∂ℓ/∂q of each tendon by each joint's coordinate [m; 1 for translations], (s,).
+
+        Of an angle it is the moment arm, positive where the tendon's tension increases the angle.
+        """
+        tendons, joints = self.model.tendons, self.model.joints
+        values = np.full((len(self), len(tendons), len(joints)), np.nan)
+        for step in np.flatnonzero(np.isfinite(self.q).all(axis=1)) if tendons else ():
+            arms = self.model.engine.tendon_arms(self.parameters, self.q[step])
+            values[step] = arms[:, self.model.joint_columns]
+        return {
+            tendon: {joint: values[:, i, j] for j, joint in enumerate(joints)}
+            for i, tendon in enumerate(tendons)
+        }
 
     def tie_forces(self) -> dict[str, Array]:
         """Return the magnitude of the force that each tie transmits [N], (s,)."""
@@ -591,6 +623,12 @@ class Path(Displayed, Results):
             shown.setdefault(kind, {})[name] = _plain(found)
         if forces := self.strap_forces():
             shown["strap_force"] = {name: _plain(force) for name, force in forces.items()}
+        if self.model.tendons:
+            each = (
+                ("tendon_length", self.tendon_lengths()),
+                ("tendon_force", self.tendon_forces()),
+            )
+            shown |= {key: {n: _plain(v) for n, v in found.items()} for key, found in each}
         if forces := self.obstacle_forces():
             shown["obstacle_force"] = {name: _plain(force) for name, force in forces.items()}
         if self.friction is not None:

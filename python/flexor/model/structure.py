@@ -118,7 +118,8 @@ class Structure:
     def show_load(self, load: float, spec: str = "g", index: int = 0) -> str:
         """Format a load of an input with its unit, such as ``"60 kPa"``."""
         size, unit = self.load_unit(index)
-        return f"{load / size:{spec}} {unit}" if unit else f"load factor {load:{spec}}"
+        shown = f"{load / size:{spec}}"
+        return f"{shown} {unit}" if unit else f"{self.load_name(index)} {shown}"
 
     def show_loads(self, loads: Array, spec: str = "g") -> str:
         """Show the loads of all inputs, such as ``"60 kPa"`` or ``"left 60 kPa, line 2 N"``."""
@@ -131,6 +132,16 @@ class Structure:
     def ties(self) -> tuple[str, ...]:
         """Names of the ties."""
         return tuple(self.file.ties)
+
+    @cached_property
+    def tendons(self) -> tuple[str, ...]:
+        """Names of the tendons."""
+        return tuple(self.file.tendons)
+
+    @cached_property
+    def muscles(self) -> tuple[str, ...]:
+        """Names of the tendons that are muscles."""
+        return tuple(name for name, each in self.file.tendons.items() if each.kind == "muscle")
 
     @cached_property
     def frictions(self) -> tuple[str, ...]:

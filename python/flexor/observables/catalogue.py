@@ -13,7 +13,7 @@ from flexor.model.extremes import fibre
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
 from flexor.model.units import ANGLE, FORCE, LENGTH, MOMENT, PRESSURE, VOLUME, Dimension
-from flexor.observables import quantities, slopes
+from flexor.observables import quantities, slopes, tendons
 from flexor.observables.observable import Observable
 from flexor.observables.snap_margin import snap_margin
 
@@ -247,6 +247,27 @@ def _drives(model: Structure, kind: str) -> dict[str, Member]:
     }
 
 
+def _tendons(model: Structure, values: Values, output: str) -> dict[str, Member]:
+    return {
+        name: Member(
+            lambda paths, i=i: values(paths)[:, :, i],  # type: ignore[misc]
+            slopes.member(output, i),
+        )
+        for i, name in enumerate(model.tendons)
+    }
+
+
+def _arms(model: Structure) -> dict[str, Member]:
+    names = [model.joint_labels[name] for name in model.joints]
+    return {
+        f"{model.tendons[tendon]}.{names[joint]}": Member(
+            lambda paths, i=tendon, j=joint: tendons.arms(paths)[:, :, i, j]  # type: ignore[misc]
+        )
+        for tendon, joint in tendons.crossed(model)
+        if model.joints[joint] in model.angular_joints
+    }
+
+
 def _limited(model: Structure, key: str) -> bool:
     return any(getattr(each, key) is not None for each in model.file.materials.values())
 
@@ -398,6 +419,36 @@ _KINDS = (
         "moment that a driven rotation of a tie needs",
         lambda model: _drives(model, "rotation"),
         "a tie driven by a rotation",
+    ),
+    Kind(
+        "tendon-length",
+        LENGTH,
+        "length of a tendon",
+        lambda model: _tendons(model, tendons.lengths, "tendon_lengths"),
+        "tendons",
+        lowest=0.0,
+    ),
+    Kind(
+        "tendon-force",
+        FORCE,
+        "tension of a tendon",
+        lambda model: _tendons(model, tendons.tensions, "tendon_tensions"),
+        "tendons",
+    ),
+    Kind(
+        "moment-arm",
+        LENGTH,
+        "moment arm of a tendon about a joint, positive where it turns the joint positively",
+        _arms,
+        "a tendon across a joint that turns",
+    ),
+    Kind(
+        "effort",
+        None,
+        "sum of the squared activations of all muscles",
+        lambda model: _if(model.muscles, tendons.effort, tendons.effort_slope),
+        "muscles",
+        lowest=0.0,
     ),
     Kind("volume", VOLUME, "volume of a cavity", _volumes, "a pressure"),
     Kind(

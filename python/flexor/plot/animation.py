@@ -47,7 +47,7 @@ def animation(path: Path) -> FuncAnimation:
     scenes = [read_scene(path, step) for step in steps]
     cm_per_newton, _ = arrow_scale(scenes)
     with style():
-        figure = Figure(figsize=(COLUMN, COLUMN))
+        figure = Figure(figsize=(COLUMN, COLUMN), layout="constrained")
         axes = figure.add_subplot(projection=None if path.model.planar else "3d")
 
     def draw(frame: int) -> None:

@@ -78,8 +78,8 @@ def _views(figure: Figure, landscape: Landscape, paths: Sequence[SearchPath]) ->
     value = _values(landscape).T  # rows are the second parameter
     low, high = (np.nanmin(value), np.nanmax(value)) if np.isfinite(value).any() else (0.0, 1.0)
     colours = ScalarMappable(Normalize(low, high if high > low else low + 1.0), "viridis")
-    space: Any = figure.add_axes((0.025, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
-    plan = figure.add_axes((0.58, 0.24, 0.33, 0.73))
+    space: Any = figure.add_axes((-0.005, 0.15, 0.45, 0.83), projection="3d", computed_zorder=False)
+    plan = figure.add_axes((0.6, 0.24, 0.31, 0.73))
     _surface(space, x, y, value, colours, landscape)
     _plan(plan, x, y, value, colours, landscape)
     for axes in (space, plan):

@@ -1,4 +1,4 @@
-"""Springs, ties and obstacles as lines of a scene."""
+"""Springs, tendons, ties and obstacles as lines of a scene."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from flexor.plot.scene import Line
 from flexor.plot.style import LINE
 from flexor.scene.attachments import place_of
 from flexor.scene.obstacles import obstacle_poses
+from flexor.scene.tendons import wrap_poses
 
 if TYPE_CHECKING:
     from flexor.model import Path
 
 SPRING, TIE, OBSTACLE = "#009E73", "#CC79A7", LINE
+TENDON, WRAP = "#B2182B", "#9ECAE1"
 RING = 0.015  # radius of the ring around a tie, as a share of the longest body
 
 
@@ -27,6 +29,24 @@ def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
     for name, spring in path.model.file.springs.items():
         ends = [place_of(path, frames, end) for end in (spring.first, spring.second)]
         lines.append(Line(name, np.array(ends), "spring", SPRING))
+    return lines
+
+
+def tendons(path: Path, frames: dict[str, Array], q: Array) -> list[Line]:
+    """Return a line for each branch of each tendon in a state, and a circle for each wrap."""
+    lines = []
+    found = path.model.engine.tendon_paths(path.parameters, q) if path.model.tendons else []
+    for name, branches in zip(path.model.tendons, found, strict=True):
+        lines += [Line(name, np.array(branch), "tendon", TENDON) for branch in branches]
+    angle = np.linspace(0.0, 2.0 * np.pi, 49)
+    flat = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
+    for name, wrap in path.model.file.wraps.items():
+        pose = wrap_poses(path, frames, wrap)
+        radius = float(path.model.slot(f"{name}.radius", path.parameters)[0])
+        # In the plane of a planar model a sphere is what it is cut to.
+        circle = flat[:, [0, 2, 1]] if wrap.kind == "sphere" else flat
+        points = radius * circle @ pose[:3, :3].T + pose[:3, 3]
+        lines.append(Line(name, points, "wrap", WRAP))
     return lines
 
 

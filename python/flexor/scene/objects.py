@@ -10,7 +10,19 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 
-Kind = Literal["rod", "link", "chamber", "line", "strap", "spring", "tie", "obstacle", "friction"]
+Kind = Literal[
+    "rod",
+    "link",
+    "chamber",
+    "line",
+    "strap",
+    "spring",
+    "tie",
+    "tendon",
+    "wrap",
+    "obstacle",
+    "friction",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +32,8 @@ class Object:
     Attributes
     ----------
     name : str
-        Of the body, strap, spring, tie, actuator or obstacle; of marks what they mark.
+        Of the body, strap, spring, tendon, wrap, tie, actuator or obstacle; of marks what they
+        mark.
     kind : str
         What it is.
     part : str

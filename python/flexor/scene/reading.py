@@ -21,6 +21,7 @@ from flexor.scene.scale import Scale
 from flexor.scene.shared_spheres import borrowed
 from flexor.scene.springs import spring_objects
 from flexor.scene.straps import strap_objects
+from flexor.scene.tendons import tendon_objects
 from flexor.scene.ties import tie_objects
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ class Scene:
     path : Path
         The equilibria.
     objects : list of Object
-        Meshes of rods, links, chambers, straps, springs, obstacles, ties and points with friction,
-        each at every step.
+        Meshes of rods, links, chambers, straps, springs, tendons, wraps, obstacles, ties and points
+        with friction, each at every step.
     scales : dict of Scale
         Colour scale of each field that there is, the same at every step.
     """
@@ -53,14 +54,15 @@ class Scene:
     scales: dict[str, Scale]
 
     def extent(self) -> tuple[Array, Array]:
-        """Return the corners of a box with rods, links and springs over all steps, each (3,) [m].
+        """Return the corners of a box with bodies and cords over all steps, each (3,) [m].
 
         It is that of some vertices, for looking at.
         """
         solid = [each for each in self.objects if isinstance(each, Attached)]
         points = [each.sampled(31).reshape(-1, 3) for each in solid if each.kind in ("rod", "link")]
-        springs = [each for each in self.objects if isinstance(each, Free)]
-        points += [each.positions.reshape(-1, 3) for each in springs if each.kind == "spring"]
+        cords = [each for each in self.objects if isinstance(each, Free)]
+        cords = [each for each in cords if each.kind in ("spring", "tendon")]
+        points += [each.positions.reshape(-1, 3) for each in cords]
         every = np.concatenate(points) if points else np.zeros((1, 3))
         return every.min(axis=0), every.max(axis=0)
 
@@ -103,6 +105,7 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
             objects += _link(path, name, frames, prints, shown)
     objects += strap_objects(path, rods, frames, shown)
     objects += spring_objects(path, frames, shown)
+    objects += tendon_objects(path, frames, shown)
     objects += obstacle_objects(path, frames, objects, shown)
     objects += tie_objects(path, frames, shown)
     objects += friction_objects(path, frames)

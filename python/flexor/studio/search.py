@@ -60,8 +60,9 @@ def search(
     Yields
     ------
     dict
-        ``values`` of the best design in units for display, ``shown``, ``feasible``,
-        ``evaluations``, ``rate`` [1/s], and in the end ``ended``, the reason.
+        First of the start and then of the best design so far: ``values`` in units for display,
+        ``shown``, ``feasible``, ``evaluations``, ``rate`` [1/s], and in the end ``ended``, the
+        reason.
 
     Raises
     ------
@@ -109,9 +110,16 @@ def search(
         except BaseException as error:
             found.put(error)
 
+    at_start = problem.evaluate(start[None, :], 1)
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     try:
+        yield {
+            "values": (start / problem.parameters.scale).tolist(),
+            "shown": float(at_start.shown[0]) if np.isfinite(at_start.shown[0]) else None,
+            "feasible": not at_start.violation[0] > 0.0,
+            "evaluations": 0,
+        }
         while True:
             try:
                 each = found.get(timeout=0.5)

@@ -24,6 +24,7 @@ from flexor.model.schema.table import Table
 from flexor.model.schema.tie import Tie
 from flexor.model.schema.torque import DoubleExponential, Spastic, TorqueTable
 from flexor.model.schema.vector import ForceVector, MomentVector, Offset, Rotation, Triple
+from flexor.model.schema.wrap import Wrap
 from flexor.model.units import Quantity
 
 # Strain modes that change their sign.
@@ -152,6 +153,7 @@ _IMAGES: dict[type[Table], Callable[[Any], dict[str, Any]]] = {
     HalfSpace: lambda plane: {"normal": _polar(plane.normal)},
     Capsule: lambda solid: {"axis": _polar(solid.axis)},
     Cylinder: lambda solid: {"axis": _polar(solid.axis)},
+    Wrap: lambda wrap: {} if wrap.axis is None else {"axis": _polar(wrap.axis)},
     Tie: _tie,
     DoubleExponential: _exponentials,
     TorqueTable: _table,

@@ -16,8 +16,10 @@ from flexor.model.schema.points import Attachment, Ground
 from flexor.model.schema.solid import Box, Capsule, Cylinder
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.table import Table
+from flexor.model.schema.tendon import Branch, Over, Tendon
 from flexor.model.schema.tie import Tie
 from flexor.model.schema.vector import ForceVector, MomentVector, Offset, Rotation, Triple
+from flexor.model.schema.wrap import Wrap
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import field_error
 
@@ -66,6 +68,10 @@ class Frame:
             return {"second": self._anchor(table.second)}
         if isinstance(table, Tie):
             return self._tie(table)
+        if isinstance(table, Tendon):
+            return {"path": tuple(self._stage(stage) for stage in table.path)}
+        if isinstance(table, Wrap):
+            return self._wrap(table) if isinstance(table.point, Offset) else {}
         if isinstance(table, Wrench) and table.frame == "world":
             if self.parent is not None:
                 tail = f'acts in the world, and "{self.parent}" may turn: use frame = "body", or '
@@ -94,6 +100,19 @@ class Frame:
         elif isinstance(obstacle, Box):
             fields["rotation"] = _rotation(self.axes @ turning(obstacle.rotation.components))
         return fields
+
+    def _wrap(self, wrap: Wrap) -> dict[str, Any]:
+        assert isinstance(wrap.point, Offset)
+        fields: dict[str, Any] = {"point": self._place(wrap.point)}
+        if wrap.direction is not None:
+            x, y, z = wrap.direction
+            fields["axis"] = self._direction((x, y, z))
+        return fields
+
+    def _stage(self, stage: Attachment | Ground | Over | Branch) -> Any:
+        if isinstance(stage, Over) and isinstance(stage.side, Ground):
+            return stage.model_copy(update={"side": self._anchor(stage.side)})
+        return self._anchor(stage) if isinstance(stage, Ground) else stage
 
     def _tie(self, tie: Tie) -> dict[str, Any]:
         fields: dict[str, Any] = {name: self._anchor(getattr(tie, name)) for name in ENDS}

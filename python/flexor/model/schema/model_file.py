@@ -25,8 +25,10 @@ from flexor.model.schema.solid import AnyObstacle
 from flexor.model.schema.spring import Spring
 from flexor.model.schema.strap import Strap
 from flexor.model.schema.table import Name, Number
+from flexor.model.schema.tendon import AnyTendon
 from flexor.model.schema.tie import Tie
 from flexor.model.schema.torque import Torque
+from flexor.model.schema.wrap import Wrap
 from flexor.model.schema.wrench import Wrench
 from flexor.model.validation import describe, field_error
 
@@ -78,6 +80,8 @@ class ModelFile(BodySystem):
     couplings: dict[Name, Coupling] = Field(default_factory=dict)
     springs: dict[Name, Spring] = Field(default_factory=dict)
     straps: dict[Name, Strap] = Field(default_factory=dict)
+    tendons: dict[Name, AnyTendon] = Field(default_factory=dict)
+    wraps: dict[Name, Wrap] = Field(default_factory=dict)
     wrenches: dict[Name, Wrench] = Field(default_factory=dict)
     ties: dict[Name, Tie] = Field(default_factory=dict)
     inputs: dict[Name, Annotated[tuple[Name, ...], Field(min_length=1)]] = Field(

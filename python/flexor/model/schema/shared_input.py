@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 def own_inputs(file: ModelFile) -> dict[str, Dimension]:
     """Return the dimension of the load of each force that has one, by its name."""
     found = {name: each.loads for name, each in file.actuators.items()}
+    found |= {name: each.load for name, each in file.tendons.items() if each.load is not None}
     found |= {name: each.load for name, each in file.wrenches.items() if each.input}
     return found | {name: each.load for name, each in file.ties.items() if each.drive is not None}
 

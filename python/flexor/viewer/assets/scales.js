@@ -11,6 +11,8 @@ Flexor.colours = {
   strap: "#cc79a7",
   spring: "#009e73",
   tie: "#cc79a7",
+  tendon: "#b2182b",
+  wrap: "#9ecae1",
   obstacle: "#8f979e",
   holds: "#009e73",
   slides: "#d55e00",
