@@ -368,8 +368,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         points: &mut [Vector<P>],
     ) {
         self.assembly.twists(model, rates, twists);
-        for ((velocity, world), point) in points.iter_mut().zip(&self.kinematics.points).zip(&model.points) {
-            *velocity = G::point_jacobian(world) * twists[point.frame];
+        let frames = &self.design.geometry.frames;
+        for ((velocity, world), frame) in points.iter_mut().zip(&self.kinematics.points).zip(frames) {
+            *velocity = G::point_jacobian(world) * twists[*frame];
         }
     }
 

@@ -130,7 +130,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let held = (&data.design.forces, &data.assembly.forces);
         self.gradient.fill(0.0);
         model.forces.add_parameter_work(&at, held, &self.forces, &motion, &mut self.gradient);
-        for design_velocity in &self.design_velocities {
+        for design_velocity in self.design_velocities.iter().filter(|velocity| velocity.acts) {
             let forces = model.forces.geometric_work(&at, held, &motion, &design_velocity.velocities());
             let columns = design_velocity.column_work(model, data, &self.twists, &self.blocks);
             self.gradient[design_velocity.parameter] += forces + columns;
@@ -191,7 +191,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         self.wrench.fill(Vector::ZERO);
         for (point, slope) in &self.differential.points {
             let jacobian = G::point_jacobian(&data.kinematics.points[*point]);
-            self.wrench[model.points[*point].frame] += jacobian.transpose_times(slope);
+            self.wrench[data.design.geometry.frames[*point]] += jacobian.transpose_times(slope);
         }
         for (frame, slope) in &self.differential.frames {
             self.wrench[*frame] += *slope;
@@ -213,7 +213,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for (total, explicit) in self.gradient.iter_mut().zip(&self.differential.parameters) {
             *total = explicit - *total;
         }
-        for design_velocity in &self.design_velocities {
+        for design_velocity in self.design_velocities.iter().filter(|velocity| velocity.acts) {
             let Velocities { twists, points } = design_velocity.velocities();
             let Differential { frames, points: moved, .. } = &self.differential;
             let turned: f64 = frames.iter().map(|(frame, slope)| slope.dot(&twists[*frame])).sum();
