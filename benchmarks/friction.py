@@ -56,15 +56,15 @@ def _loop(path: Path, steps: int) -> list[str]:
         return [f"{path.status[bad]} in step {bad}", "", "", "", ""]
     angle = np.degrees(path.joint_angles.sum(axis=1))
     places = (steps, steps // 2, 2 * steps - steps // 2, 2 * steps)
-    lost = "" if path.dissipated is None else f"{1e3 * path.dissipated[-1]:.3g} mJ"
+    lost = f"{1e3 * path.dissipated[-1]:.3g} mJ"
     return [*(f"{angle[place]:.2f}°" for place in places), lost]
 
 
 def _searches(budget: int) -> Table:
     """Search for the best pneumatic finger, without its tolerances, from the one without friction.
 
-    Its value without friction is that with the friction of each row; a search with friction, which
-    has no derivatives, starts there.
+    Its value without friction is that with the friction of each row; a search with friction starts
+    there.
     """
     table = Table("friction", "the best without friction", "best", "best design")
     start: np.ndarray | None = None

@@ -5,8 +5,8 @@ use crate::error::value_error;
 use crate::interrupt::interruptible;
 use crate::{friction, options, structure};
 use flexor_engine::model::{Description, Structure};
-use flexor_engine::sensitivity::{KnownEquilibria, output_groups};
-use flexor_engine::{Batch, PathEvent, PathResults};
+use flexor_engine::sensitivity::{HistoryPart, KnownEquilibria, output_groups};
+use flexor_engine::{Batch, PathEvent, PathFriction, PathResults};
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, ToPyArray,
 };
@@ -284,53 +284,82 @@ impl Model {
         slips: Option<Table<'_>>,
         solver_options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let default = on_model!(&self.inner, m => m.parameters().to_vec());
-        let base = base.map_or(default, |b| b.as_array().to_vec());
-        let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
-        let varied = indices(&slot_indices);
-        let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
-        let [rows, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
-        let steps = steps.unwrap_or(rows);
-        if rows != steps && rows != designs * steps {
-            return value_error(format!("loads: found {rows} rows for {designs} designs of {steps} steps"));
-        }
-        if base.len() != slots {
-            return value_error(format!("base: found {} parameters, the model has {slots}", base.len()));
-        }
-        if columns != varied.len() {
-            return value_error(format!("values: found {columns} columns for {} slots", varied.len()));
-        }
-        if let Some(i) = varied.iter().find(|i| **i >= slots) {
-            return value_error(format!("slot_indices: found {i}, the model has {slots} parameters"));
-        }
-        if load_inputs != inputs {
-            return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
-        }
-        if loads.as_array().iter().any(|u| !u.is_finite()) {
-            return value_error("loads: must be finite numbers");
-        }
-        let start = self.start(start)?;
-        let slips = friction::slips(slips)?;
-        let values: Vec<f64> = values.as_array().iter().copied().collect();
-        let loads: Vec<f64> = loads.as_array().iter().copied().collect();
+        let paths = self.paths((&slot_indices, &values, &loads), steps, (base, start, slips))?;
         let options = options::read(solver_options)?;
-        let batch = Batch {
-            base: &base,
-            varied: &varied,
-            values: &values,
-            designs,
-            loads: &loads,
-            steps,
-            start: start.as_deref(),
-            slips: &slips,
-            cancel: None,
-        };
+        let batch = paths.batch();
         let pieces = interruptible(py, batch.is_parallel(threads), |cancel| {
             let batch = Batch { cancel: Some(cancel), ..batch };
             on_model!(&self.inner, m => m.solve_in_pieces(batch, options, threads))
         })?;
         let result = py.detach(|| on_model!(&self.inner, m => m.join(pieces)));
-        self.results(py, result, [designs, steps])
+        self.results(py, result, [batch.designs, batch.steps])
+    }
+
+    /// Follows the same paths again and differentiates numbers of each, weighted sums of outputs at several of
+    /// its steps.
+    #[pyo3(signature = (slot_indices, values, loads, parts, weights, numbers, wanted, threads=0, *, steps=None, base=None, start=None, slips=None, **solver_options))]
+    #[allow(clippy::too_many_arguments)]
+    fn differentiate_paths<'py>(
+        &self,
+        py: Python<'py>,
+        slot_indices: Indices<'_>,
+        values: Table<'_>,
+        loads: Table<'_>,
+        parts: PyArrayLike2<'_, i64, AllowTypeChange>,
+        weights: Table<'_>,
+        numbers: usize,
+        wanted: Indices<'_>,
+        threads: usize,
+        steps: Option<usize>,
+        base: Option<Numbers<'_>>,
+        start: Option<Numbers<'_>>,
+        slips: Option<Table<'_>>,
+        solver_options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let paths = self.paths((&slot_indices, &values, &loads), steps, (base, start, slips))?;
+        let options = options::read(solver_options)?;
+        let (batch, wanted) = (paths.batch(), indices(&wanted));
+        let outputs: usize = on_model!(&self.inner, m => output_groups(m)).iter().map(|(_, n)| n).sum();
+        let (table, weighed) = (parts.as_array(), weights.as_array());
+        if table.ncols() != 3 || weighed.dim() != (table.nrows(), outputs) {
+            return value_error(format!(
+                "parts, weights: found the shapes {:?} and {:?}, expected three columns and {outputs}",
+                table.dim(),
+                weighed.dim()
+            ));
+        }
+        let weights = numbers_of(&weights);
+        let index = |row: usize, column: usize| usize::try_from(table[[row, column]]).unwrap_or(usize::MAX);
+        let parts: Vec<HistoryPart> = (0..table.nrows())
+            .map(|row| HistoryPart {
+                design: index(row, 0),
+                number: index(row, 1),
+                step: index(row, 2),
+                weights: &weights[row * outputs..(row + 1) * outputs],
+            })
+            .collect();
+        let inside = |part: &HistoryPart| {
+            part.design < batch.designs && part.number < numbers && part.step < batch.steps
+        };
+        if !parts.iter().all(inside) || !parts.is_sorted_by_key(|part| part.design) {
+            return value_error("parts: must be of these designs, in increasing order, numbers and steps");
+        }
+        if let Some(i) = wanted.iter().find(|i| **i >= batch.base.len()) {
+            return value_error(format!("wanted: found {i}, there are {}", batch.base.len()));
+        }
+        let found = interruptible(py, batch.designs > 1 && threads != 1, |cancel| {
+            let batch = Batch { cancel: Some(cancel), ..batch };
+            let sums = (numbers, &parts[..]);
+            on_model!(&self.inner, m => m.differentiate_histories(batch, options, sums, &wanted, threads))
+        })?;
+        let inputs = on_model!(&self.inner, m => m.inputs().len());
+        let out = PyDict::new(py);
+        let shape = [batch.designs, numbers, wanted.len()];
+        out.set_item("by_parameters", found.by_parameters.into_pyarray(py).reshape(shape)?)?;
+        let shape = [batch.designs, numbers, batch.steps, inputs];
+        out.set_item("by_loads", found.by_loads.into_pyarray(py).reshape(shape)?)?;
+        out.set_item("regularity", found.regularity.into_pyarray(py).reshape([batch.designs, numbers])?)?;
+        Ok(out)
     }
 
     /// Names and ranges of the numbers that can be differentiated.
@@ -390,7 +419,7 @@ impl Model {
         if !sums.is_sorted() {
             return value_error("sums: must be in increasing order");
         }
-        let [values, q, applied, weights] = [&values, &q, &applied, &weights].map(numbers);
+        let [values, q, applied, weights] = [&values, &q, &applied, &weights].map(numbers_of);
         let known = KnownEquilibria {
             base: &base,
             varied: &varied,
@@ -463,11 +492,76 @@ fn indices(array: &Indices<'_>) -> Vec<usize> {
     array.as_array().iter().map(|i| usize::try_from(*i).unwrap_or(usize::MAX)).collect()
 }
 
-fn numbers(table: &Table<'_>) -> Vec<f64> {
+fn numbers_of(table: &Table<'_>) -> Vec<f64> {
     table.as_array().iter().copied().collect()
 }
 
+/// Paths of designs, as read.
+struct GivenPaths {
+    base: Vec<f64>,
+    varied: Vec<usize>,
+    values: Vec<f64>,
+    designs: usize,
+    loads: Vec<f64>,
+    steps: usize,
+    start: Option<Vec<f64>>,
+    slips: Vec<PathFriction>,
+}
+
+impl GivenPaths {
+    fn batch(&self) -> Batch<'_> {
+        Batch {
+            base: &self.base,
+            varied: &self.varied,
+            values: &self.values,
+            designs: self.designs,
+            loads: &self.loads,
+            steps: self.steps,
+            start: self.start.as_deref(),
+            slips: &self.slips,
+            cancel: None,
+        }
+    }
+}
+
 impl Model {
+    /// Reads and checks the paths of designs.
+    fn paths(
+        &self,
+        (slot_indices, values, loads): (&Indices<'_>, &Table<'_>, &Table<'_>),
+        steps: Option<usize>,
+        (base, start, slips): (Option<Numbers<'_>>, Option<Numbers<'_>>, Option<Table<'_>>),
+    ) -> PyResult<GivenPaths> {
+        let default = on_model!(&self.inner, m => m.parameters().to_vec());
+        let base = base.map_or(default, |b| b.as_array().to_vec());
+        let (inputs, slots) = on_model!(&self.inner, m => (m.inputs().len(), m.parameters().len()));
+        let varied = indices(slot_indices);
+        let [designs, columns] = [values.as_array().nrows(), values.as_array().ncols()];
+        let [rows, load_inputs] = [loads.as_array().nrows(), loads.as_array().ncols()];
+        let steps = steps.unwrap_or(rows);
+        if rows != steps && rows != designs * steps {
+            return value_error(format!("loads: found {rows} rows for {designs} designs of {steps} steps"));
+        }
+        if base.len() != slots {
+            return value_error(format!("base: found {} parameters, the model has {slots}", base.len()));
+        }
+        if columns != varied.len() {
+            return value_error(format!("values: found {columns} columns for {} slots", varied.len()));
+        }
+        if let Some(i) = varied.iter().find(|i| **i >= slots) {
+            return value_error(format!("slot_indices: found {i}, the model has {slots} parameters"));
+        }
+        if load_inputs != inputs {
+            return value_error(format!("loads: found {load_inputs} columns, the model has {inputs} inputs"));
+        }
+        if loads.as_array().iter().any(|u| !u.is_finite()) {
+            return value_error("loads: must be finite numbers");
+        }
+        let (start, slips) = (self.start(start)?, friction::slips(slips)?);
+        let [values, loads] = [values, loads].map(numbers_of);
+        Ok(GivenPaths { base, varied, values, designs, loads, steps, start, slips })
+    }
+
     /// Arrays over (design, step) by name.
     fn results<'py>(
         &self,

@@ -5,14 +5,12 @@ use crate::control::Controls;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
 use crate::forces::element::{ContactForce, Switch, Velocities};
-use crate::forces::friction::{FrictionForce, FrictionMemory};
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::state::{Law, State};
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
-use crate::results::PathFriction;
 use crate::ties::TieConditions;
 use crate::tree::Shape;
 
@@ -117,9 +115,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Π [J] at the last state evaluated, without the work of controlled inputs and what friction dissipates.
     pub(crate) fn potential(&self, model: &Model<G, D, P>) -> f64 {
-        let (at, memory) = (self.state(model, &[], &[]), &self.assembly.forces.frictions);
         let stored = self.controls.as_ref().map_or(0.0, |controls| controls.stored(&model.controls));
-        self.energy() - stored - model.forces.frictions.dissipation(&at, memory)
+        self.energy() - stored - self.dissipation(model)
     }
 
     /// The residual of (9), K q − B(q) u − F(q) = ∇Π, at the last state evaluated.
@@ -183,62 +180,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
                 frame = model.frames[frame].parent;
             }
         });
-    }
-
-    /// What friction remembers of a path.
-    pub(crate) fn friction_memory(&self) -> &FrictionMemory<P> {
-        &self.assembly.forces.frictions
-    }
-
-    /// Replaces what friction remembers.
-    pub(crate) fn recall_friction(&mut self, memory: FrictionMemory<P>) {
-        self.assembly.forces.frictions = memory;
-    }
-
-    /// Renews what friction holds in a step in the state evaluated last.
-    pub(crate) fn renew_friction(&mut self, model: &Model<G, D, P>) {
-        let Self { design, kinematics, assembly, law, .. } = self;
-        let (tree, geometry) = (&model.tree, &design.geometry);
-        let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
-        model.forces.renew_friction(&at, &mut assembly.forces);
-    }
-
-    /// Ends a step with friction in the state evaluated last: gives up the slip beyond the limit.
-    pub(crate) fn give_up_slip(&mut self, model: &Model<G, D, P>, excess: f64) {
-        let Self { design, kinematics, assembly, law, .. } = self;
-        let (tree, geometry) = (&model.tree, &design.geometry);
-        let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
-        model.forces.frictions.give_up_slip(&at, &mut assembly.forces.frictions, excess);
-    }
-
-    /// Lets all points with friction stick until they are renewed.
-    pub(crate) fn stick(&mut self, model: &Model<G, D, P>) {
-        model.forces.frictions.stick(&mut self.assembly.forces.frictions);
-    }
-
-    /// Sets the slip of a point that touches in the state evaluated last.
-    pub(crate) fn set_slip(&mut self, model: &Model<G, D, P>, given: &PathFriction) {
-        let Self { design, kinematics, assembly, law, .. } = self;
-        let (tree, geometry) = (&model.tree, &design.geometry);
-        let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
-        let key = [given.friction, given.sphere, given.other];
-        let points = &mut assembly.forces.frictions.points;
-        if let (Some(point), Some(slip)) =
-            (points.iter_mut().find(|point| point.key == key), G::point_from_spatial(&given.slip))
-        {
-            point.set_slip(&at, slip);
-        }
-    }
-
-    /// Friction in the state evaluated last, as of the path that led there.
-    pub fn friction_forces(&self, model: &Model<G, D, P>) -> Vec<FrictionForce<P>> {
-        model.forces.frictions.forces(&self.state(model, &[], &[]), &self.assembly.forces.frictions)
-    }
-
-    /// Energy that friction dissipated along the path up to the state evaluated last [J].
-    pub fn dissipated(&self, model: &Model<G, D, P>) -> f64 {
-        let memory = &self.assembly.forces.frictions;
-        memory.dissipated + model.forces.frictions.dissipation(&self.state(model, &[], &[]), memory)
     }
 
     /// Contact forces at the last state evaluated.
@@ -436,8 +377,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         points: &mut [Vector<P>],
     ) {
         self.assembly.twists(model, rates, twists);
-        for ((velocity, world), point) in points.iter_mut().zip(&self.kinematics.points).zip(&model.points) {
-            *velocity = G::point_jacobian(world) * twists[point.frame];
+        let frames = &self.design.geometry.frames;
+        for ((velocity, world), frame) in points.iter_mut().zip(&self.kinematics.points).zip(frames) {
+            *velocity = G::point_jacobian(world) * twists[*frame];
         }
     }
 

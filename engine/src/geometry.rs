@@ -2,7 +2,7 @@
 
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Matrix, Vector};
-use crate::tree::{Link, Motion, Place, Shape, SphereRadius, Tree};
+use crate::tree::{Between, Link, Motion, Place, Shape, SphereRadius, Tree};
 
 /// Geometric quantities derived from the parameters, refilled in place for each design.
 #[derive(Clone, Debug)]
@@ -14,6 +14,10 @@ pub(crate) struct Geometry<G, const D: usize, const P: usize> {
     /// Φ: from a frame's coordinates to the strains at both collocation points of its motion, in
     /// blocks of columns; a joint's are its twists.
     pub strain_maps: Vec<[Matrix<D, LANES>; 2]>,
+    /// The frame of each point.
+    pub frames: Vec<usize>,
+    /// Frames whose Jacobian is kept, with their slot in the store.
+    pub jacobian_slot: Vec<Option<usize>>,
     /// Local position of each point in its frame.
     pub points: Vec<Vector<P>>,
     /// Radius of each sphere.
@@ -35,6 +39,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
             rigid: vec![G::IDENTITY; 2 * tree.bodies.len()],
             rods: vec![RodStrain { axis_scale: Vector::ZERO, reference: Vector::ZERO }; tree.rods.len()],
             strain_maps: vec![[Matrix::ZERO; 2]; tree.frames.last().map_or(0, |f| f.blocks.end)],
+            frames: tree.points.iter().map(|point| point.frame).collect(),
+            jacobian_slot: tree.jacobian_slot.clone(),
             points: vec![Vector::ZERO; tree.points.len()],
             radii: vec![0.0; tree.spheres.len()],
         };
@@ -46,6 +52,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
     pub fn update(&mut self, tree: &Tree<G, D, P>) {
         self.place_bodies(tree);
         self.scale_strains(tree);
+        self.move_points(tree);
         self.map_strains(tree);
         self.place_points(tree);
         self.size_spheres(tree);
@@ -69,7 +76,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
             let length = self.parameters[rod.length];
             for (axis, mode) in G::AXES.into_iter().enumerate() {
                 out.axis_scale[axis] = if mode.is_angular() { 1.0 } else { length };
-                out.reference[axis] = length * rod.reference_strain[mode.index()];
+                out.reference[axis] = length * self.parameters[rod.reference_strain.start + mode.index()];
             }
         }
     }
@@ -97,12 +104,33 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
         }
     }
 
+    /// Finds the frames of points between sample points.
+    fn move_points(&mut self, tree: &Tree<G, D, P>) {
+        if tree.moving.is_empty() {
+            return;
+        }
+        for (frame, point) in self.frames.iter_mut().zip(&tree.points) {
+            if let Place::Between(between, side) = point.place {
+                *frame = point.frame + between.interval(&tree.rods, &self.parameters).before + side;
+            }
+        }
+        self.jacobian_slot.copy_from_slice(&tree.jacobian_slot);
+        let fixed = tree.jacobian_slot.iter().flatten().count();
+        for (k, point) in tree.moving.iter().enumerate() {
+            self.jacobian_slot[self.frames[*point]].get_or_insert(fixed + k);
+        }
+    }
+
     fn place_points(&mut self, tree: &Tree<G, D, P>) {
         for (local, point) in self.points.iter_mut().zip(&tree.points) {
             *local = point.offset;
             let (body, fraction) = link_fraction(tree, &self.parameters, point.place);
             if let Some(Shape::Link(link)) = body {
                 local[0] += fraction * self.parameters[link.length];
+            }
+            if let Place::Between(between, side) = point.place {
+                let length = self.parameters[tree.rods[between.rod].length];
+                local[0] += between.interval(&tree.rods, &self.parameters).arm(side)[0] * length;
             }
             if let Some((radius, direction)) = &point.surface {
                 *local += *direction * radius_of(tree, &self.parameters, *radius);
@@ -131,7 +159,18 @@ fn radius_of<G: LieGroup<D, P>, const D: usize, const P: usize>(
             let (a, b) = (parameters[link.radius_base], parameters[link.radius_tip]);
             a + f * (b - a)
         }
+        SphereRadius::Between(between, side) => parameters[radius_between(tree, parameters, between, side)],
     }
+}
+
+/// The parameter that holds the radius of a rod at the sample point before (0) or after (1) a place.
+pub(crate) fn radius_between<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    between: Between,
+    side: usize,
+) -> usize {
+    tree.rods[between.rod].radius.start + between.interval(&tree.rods, parameters).before + side
 }
 
 /// The link of a place and the fraction of its length, when it depends on a link.
@@ -141,7 +180,7 @@ pub(crate) fn link_fraction<'a, G: LieGroup<D, P>, const D: usize, const P: usiz
     place: Place,
 ) -> (Option<&'a Shape>, f64) {
     match place {
-        Place::Frame => (None, 0.0),
+        Place::Frame | Place::Between(..) => (None, 0.0),
         Place::Fraction(body, f) => (Some(&tree.bodies[body].shape), f),
         Place::Along(body, slot) => (Some(&tree.bodies[body].shape), parameters[slot]),
         Place::Centroid(body) => {
@@ -171,21 +210,49 @@ pub(crate) fn add_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize
     weight: f64,
     gradient: &mut [f64],
 ) {
+    for_each_radius_slope(tree, parameters, radius, |slot, [a, b]| gradient[slot] += weight * a * b);
+}
+
+/// dR/dp of a sphere's radius R by one parameter.
+pub(crate) fn radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+    wanted: usize,
+) -> f64 {
+    let mut sum = 0.0;
+    for_each_radius_slope(tree, parameters, radius, |slot, [a, b]| {
+        sum += if slot == wanted { a * b } else { 0.0 };
+    });
+    sum
+}
+
+/// Visits the parameters on which a sphere's radius depends, with its slopes, each as a product.
+#[inline]
+fn for_each_radius_slope<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    tree: &Tree<G, D, P>,
+    parameters: &[f64],
+    radius: SphereRadius,
+    mut visit: impl FnMut(usize, [f64; 2]),
+) {
     match radius {
-        SphereRadius::Parameter(k) => gradient[k] += weight,
+        SphereRadius::Parameter(k) => visit(k, [1.0; 2]),
         SphereRadius::Link(body, place) => {
             let Shape::Link(link) = &tree.bodies[body].shape else { return };
             let (_, f) = link_fraction(tree, parameters, place);
-            gradient[link.radius_base] += weight * (1.0 - f);
-            gradient[link.radius_tip] += weight * f;
+            visit(link.radius_base, [1.0 - f, 1.0]);
+            visit(link.radius_tip, [f, 1.0]);
+            let taper = parameters[link.radius_tip] - parameters[link.radius_base];
             if let Place::Along(_, slot) = place {
-                gradient[slot] += weight * (parameters[link.radius_tip] - parameters[link.radius_base]);
+                visit(slot, [taper, 1.0]);
             }
             // The centroid's fraction depends on the radii too.
-            let taper = parameters[link.radius_tip] - parameters[link.radius_base];
             let [by_base, by_tip] = link_fraction_slope(parameters, link, place);
-            gradient[link.radius_base] += weight * taper * by_base;
-            gradient[link.radius_tip] += weight * taper * by_tip;
+            visit(link.radius_base, [taper, by_base]);
+            visit(link.radius_tip, [taper, by_tip]);
+        }
+        SphereRadius::Between(between, side) => {
+            visit(radius_between(tree, parameters, between, side), [1.0; 2]);
         }
     }
 }

@@ -66,8 +66,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
                 _ => parent.compose(&G::exp(&self.omega[f], &self.stumpff[f])),
             };
         }
-        for ((world, local), point) in self.points.iter_mut().zip(&geometry.points).zip(&tree.points) {
-            *world = self.pose[point.frame].act(local);
+        for ((world, local), frame) in self.points.iter_mut().zip(&geometry.points).zip(&geometry.frames) {
+            *world = self.pose[*frame].act(local);
         }
     }
 

@@ -13,6 +13,7 @@ mod data;
 mod design;
 pub mod equilibrium;
 mod forces;
+mod friction;
 mod geometry;
 mod kinematics;
 pub mod lie;

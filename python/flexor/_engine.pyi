@@ -94,6 +94,11 @@ class Derivatives(TypedDict):
     by_loads: NDArray[np.float64]  # (sums, U), by the conjugate of controlled inputs
     regularity: NDArray[np.uint8]  # (sums,), codes of REGULARITY
 
+class PathDerivatives(TypedDict):
+    by_parameters: NDArray[np.float64]  # (n, numbers, wanted)
+    by_loads: NDArray[np.float64]  # (n, numbers, s, U), by the conjugate of controlled inputs
+    regularity: NDArray[np.uint8]  # (n, numbers), codes of REGULARITY
+
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
     second: NDArray[np.int64]
@@ -162,6 +167,23 @@ class Model:
         wanted: ArrayLike,
         threads: int = 0,
     ) -> Derivatives: ...
+    def differentiate_paths(
+        self,
+        slot_indices: ArrayLike,
+        values: ArrayLike,
+        loads: ArrayLike,
+        parts: ArrayLike,  # (m, 3): design, in increasing order, number, step
+        weights: ArrayLike,  # (m, outputs)
+        numbers: int,
+        wanted: ArrayLike,
+        threads: int = 0,
+        *,
+        steps: int | None = None,
+        base: ArrayLike | None = None,
+        start: ArrayLike | None = None,
+        slips: ArrayLike | None = None,
+        **solver_options: float,
+    ) -> PathDerivatives: ...
     def branch(
         self,
         parameters: ArrayLike,

@@ -45,8 +45,8 @@ def check_same(one: object, other: object) -> None:
 
 
 def arrays(results: Results) -> dict[str, object]:
-    names = [field.name for field in dataclasses.fields(results) if field.name != "model"]
-    return {name: getattr(results, name) for name in names}
+    names = {field.name for field in dataclasses.fields(results)} - {"model", "followed"}
+    return {name: getattr(results, name) for name in sorted(names)}
 
 
 @pytest.mark.parametrize("size", [1, 7, 40])

@@ -150,6 +150,7 @@ input = true
     [
         ("", "obstacles.stop touches nothing: no body has a skin, and it names no spheres: give"),
         ('stiffness = "1 N/m"', "obstacles.stop.stiffness is of no use without spheres"),
+        ("friction = 0.3", "obstacles.stop.friction acts on spheres only: name groups of them"),
         ('spheres = ["tip"]', "obstacles.stop.stiffness is missing: spheres press on it with a"),
         (
             'spheres = ["tip"]\nstiffness = "1 N/m"\n'

@@ -76,7 +76,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             run: Run::new(model),
             chain: ChainSums::new(model),
             prefix: vec![0.0; model.bodies.len() * D * n],
-            kept: vec![0.0; model.jacobian_slot.iter().flatten().count() * D * n],
+            kept: vec![0.0; (model.jacobian_slot.iter().flatten().count() + model.moving.len()) * D * n],
             coupled: vec![0.0; frames * D * model.coupled.len()],
         }
     }
@@ -110,8 +110,9 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
 
         self.carry_stiffness(model);
         self.expand_motions(at);
-        self.keep_jacobians(model);
-        let coupled = self.carry_couplings(model);
+        let slots = &design.geometry.jacobian_slot;
+        self.keep_jacobians(model, slots);
+        let coupled = self.carry_couplings(model, slots);
         self.accumulate_tangent(model, &design.geometry, coupled);
         self.symmetrise(model);
         self.add_circulatory(model);
@@ -139,10 +140,10 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     }
 
     /// Jacobians of the frames that couplings and follower loads refer to.
-    fn keep_jacobians<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) {
+    fn keep_jacobians<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, slots: &[Option<usize>]) {
         let n = model.dof;
         self.kept.fill(0.0);
-        for (frame, slot) in model.jacobian_slot.iter().enumerate() {
+        for (frame, slot) in slots.iter().enumerate() {
             let Some(slot) = slot else { continue };
             let jacobian = &mut self.kept[slot * D * n..(slot + 1) * D * n];
             let mut f = frame;
@@ -158,7 +159,11 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     }
 
     /// Sums X J_column of all couplings over the frames that each frame carries; `false` without any.
-    fn carry_couplings<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>) -> bool {
+    fn carry_couplings<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        slots: &[Option<usize>],
+    ) -> bool {
         let (n, span) = (model.dof, model.coupled.clone());
         let width = span.len();
         if self.terms.frames.couplings.is_empty() || width == 0 {
@@ -166,7 +171,7 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         }
         self.coupled.fill(0.0);
         for coupling in &self.terms.frames.couplings {
-            let Some(slot) = model.jacobian_slot[coupling.column] else { continue };
+            let Some(slot) = slots[coupling.column] else { continue };
             let rows = &mut self.coupled[coupling.row * D * width..(coupling.row + 1) * D * width];
             let jacobian = &self.kept[slot * D * n..(slot + 1) * D * n];
             for r in 0..D {

@@ -127,7 +127,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
             (None, None) => 3,
         };
         for (&point, share) in points.iter().zip(shares).take(moving) {
-            push(model.points[point].frame, &data.kinematics.points[point], share);
+            push(data.design.geometry.frames[point], &data.kinematics.points[point], share);
         }
         if let Some((frame, place)) = carrier {
             push(*frame, place, 1.0);

@@ -5,6 +5,7 @@ use super::controlled::SetPoints;
 use super::corrector::{Corrector, CorrectorTolerance};
 use super::critical::CriticalSearch;
 use super::damped_newton::DampedNewton;
+use super::friction::FrictionSubstep;
 use super::options::ContinuationOptions;
 use super::passage::Passage;
 use super::path::{Event, PathSink, StepReport};
@@ -54,6 +55,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) passage: Passage,
     /// Slips that points with friction have in the state in which paths begin; none has slipped if empty.
     pub(super) start_slips: Vec<PathFriction>,
+    /// Loads between the listed ones at which friction settled along the path followed last.
+    pub(crate) friction_substeps: Vec<FrictionSubstep<P>>,
 }
 
 /// The listed load that is being approached.
@@ -97,6 +100,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             set_points: SetPoints::new(inputs),
             passage: Passage::default(),
             start_slips: vec![],
+            friction_substeps: vec![],
         }
     }
 
@@ -125,6 +129,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let closed: Vec<&[f64]> = closed.iter().map(Vec::as_slice).collect();
         let loads = if closed.is_empty() { loads } else { &closed };
         self.set_ranges(loads);
+        self.friction_substeps.clear();
         self.system.set_state(q0);
         if self.system.has_friction() {
             self.system.begin_friction(&self.start_slips);
@@ -146,7 +151,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                     held = true;
                     if self.unstable { Status::Unstable } else { Status::Converged }
                 } else {
-                    let status = self.follow_with_friction(target, step, sink);
+                    let status = self.follow_with_friction([loads[index - 1], target], step, sink);
                     self.why_ended(status, target)
                 };
             } else {

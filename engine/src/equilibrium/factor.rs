@@ -21,6 +21,10 @@ pub(super) struct Factor<const D: usize> {
     chained: bool,
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
+    /// For the tangent of a step in which friction is renewed, which is not symmetric either.
+    renewed: Option<GeneralFactor>,
+    /// Whether adjoints are those of that tangent.
+    adjoints_renewed: bool,
     /// For a tangent with null modes; allocated when one occurs.
     semidefinite: Option<Box<SemidefiniteFactor>>,
     /// Whether that is the current factor.
@@ -44,6 +48,8 @@ impl<const D: usize> Factor<D> {
             chain,
             chained: false,
             general,
+            renewed: (n > 0 && model.friction_count() > 0).then(|| GeneralFactor::new(n)),
+            adjoints_renewed: false,
             semidefinite: None,
             is_semidefinite: false,
             projected: (model.tie_count() > 0).then(Box::default),
@@ -96,6 +102,26 @@ impl<const D: usize> Factor<D> {
         match (&mut self.chain, matrix) {
             (Some(chain), Some(matrix)) => chain.factorise(matrix, shift),
             _ => self.cholesky.factorise(tangent, scale, shift),
+        }
+    }
+
+    /// Factorises the current tangent as one that is not symmetric; whether its determinant is positive or, to
+    /// rounding, zero.
+    pub fn factorise_renewed<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>) -> bool {
+        let projected = self.projected.as_deref().filter(|_| self.is_projected);
+        let Some(renewed) = &mut self.renewed else { return false };
+        match projected {
+            Some(projected) => renewed.factorise(&projected.free, &projected.ones, 0.0),
+            None => renewed.factorise(data.tangent(), &data.design.units.scale, 0.0),
+        }
+    }
+
+    /// Solves in place with that factor.
+    pub fn solve_renewed(&self, b: &mut [f64]) {
+        let Some(renewed) = &self.renewed else { return };
+        match self.projected() {
+            Some(projected) => projected.solve(b, |b| renewed.solve(b)),
+            None => renewed.solve(b),
         }
     }
 
@@ -223,8 +249,13 @@ impl<const D: usize> Factor<D> {
         }
     }
 
+    /// Lets adjoints be those of the tangent with friction renewed from now on.
+    pub fn solve_adjoints_renewed(&mut self) {
+        self.adjoints_renewed = true;
+    }
+
     fn solve_matrix_transposed(&self, b: &mut [f64]) {
-        match &self.general {
+        match self.renewed.as_ref().filter(|_| self.adjoints_renewed).or(self.general.as_ref()) {
             None => self.solve_matrix(b),
             Some(general) => general.solve_transposed(b),
         }

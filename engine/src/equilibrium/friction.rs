@@ -1,14 +1,12 @@
 //! Steps of a load with friction.
 //!
-//! In the equilibrium found with the normal forces held, these and the planes of contact are renewed, and the
-//! step is solved again from there, until the renewed ones leave it an equilibrium.
+//! With the normal forces and planes of contact held with which a step begins, the branch is followed to the listed
+//! load; from there friction [settles](super::settling). A step that fails is tried in other ways, and then in halves.
 
 use super::continuation::{Continuation, LoadStep};
-use super::corrector::CorrectorTolerance;
 use super::path::{Event, EventKind, PathSink, StepReport};
 use super::status::Status;
 use super::system::System;
-use super::vector::max_norm;
 use crate::forces::friction::FrictionMemory;
 use crate::lie::LieGroup;
 use crate::results::PathFriction;
@@ -25,6 +23,31 @@ struct StepStart<const P: usize> {
     memory: FrictionMemory<P>,
 }
 
+/// A load between two listed ones at which friction had to settle.
+#[derive(Clone, Debug)]
+pub(crate) struct FrictionSubstep<const P: usize> {
+    /// Index of the listed load that is approached.
+    pub step: usize,
+    /// How much of the way from the one before.
+    pub share: f64,
+    pub q: Vec<f64>,
+    pub applied: Vec<f64>,
+    pub memory: FrictionMemory<P>,
+}
+
+/// How a step is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Attempt {
+    /// With what friction holds in the state in which it begins.
+    Plain,
+    /// At first with all points that touch, or rest on what they may touch, sticking.
+    Sticking,
+    /// From an equilibrium without friction.
+    Smooth,
+    /// From there, none of its points having slipped.
+    Unslipped,
+}
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// Whether the model has friction.
     pub(super) fn has_friction(&self) -> bool {
@@ -35,44 +58,64 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     pub(super) fn begin_friction(&mut self, slips: &[PathFriction]) {
         self.data.recall_friction(FrictionMemory::default());
         self.renew_friction();
-        slips.iter().for_each(|slip| self.data.set_slip(self.model, slip));
+        self.data.begin_friction_step(self.model, slips);
     }
 
-    /// Renews what friction holds in a step in the current state.
-    fn renew_friction(&mut self) {
+    /// Renews what friction holds in a step in the current state, and returns the largest residual there.
+    pub(super) fn renew_friction(&mut self) -> f64 {
         self.evaluate();
         self.data.renew_friction(self.model);
+        self.evaluate()
+    }
+
+    /// Factorises the tangent of the current state, in which friction was renewed, with the change of what is
+    /// renewed; whether its determinant is positive.
+    pub(super) fn factorise_renewed(&mut self) -> bool {
+        self.evaluate_tangent();
+        self.data.complete_tangent(self.model);
+        self.data.complete_columns(self.model);
+        if let Some(work) = &mut self.renewal {
+            self.data.add_renewal(self.model, work);
+        }
+        let projection = self.is_projected().then_some(&self.projection);
+        self.factor.project(&self.data, projection);
+        self.factor.factorise_renewed(&self.data)
+    }
+
+    /// Goes to an equilibrium of a path, with what friction held there, and factorises its tangent with friction
+    /// renewed, for adjoints; `false` if that cannot be.
+    pub(crate) fn revisit_step(&mut self, q: &[f64], applied: &[f64], memory: &FrictionMemory<P>) -> bool {
+        self.data.recall_friction(memory.clone());
+        let found = self.revisit(q, applied);
+        self.factor.solve_adjoints_renewed();
+        self.factorise_renewed() && found
+    }
+
+    /// Goes to where a path starts; whether its first step with friction begins there.
+    pub(crate) fn revisit_start(&mut self, q: &[f64], first: &FrictionMemory<P>) -> bool {
+        self.data.recall_friction(FrictionMemory::default());
+        self.set_state(q);
+        self.evaluate();
+        self.data.begins_here(self.model, first)
     }
 
     /// Ends a step in the current equilibrium, and factorises the tangent with which the next one begins:
     /// points that slide go on sliding or, if that leaves a motion without stiffness, stick.
     fn end_friction_step(&mut self) {
-        self.evaluate();
-        self.data.give_up_slip(self.model, BEYOND_LIMIT);
-        self.evaluate();
-        self.evaluate_tangent();
-        if !self.factorise(0.0) && self.is_conservative() {
-            self.data.give_up_slip(self.model, -BEYOND_LIMIT);
+        for excess in [BEYOND_LIMIT, -BEYOND_LIMIT] {
+            self.evaluate();
+            self.data.end_friction_step(self.model, excess);
             self.evaluate();
             self.evaluate_tangent();
-            self.factorise(0.0);
+            if self.factorise(0.0) || !self.is_conservative() {
+                return;
+            }
         }
     }
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
-    /// What the next step begins with, of a model with friction.
-    fn step_start(&self) -> Option<StepStart<P>> {
-        self.system.has_friction().then(|| StepStart {
-            q: self.system.state().to_vec(),
-            load: self.system.load().to_vec(),
-            unstable: self.unstable,
-            memory: self.system.data().friction_memory().clone(),
-        })
-    }
-
-    /// Finds an equilibrium at the first load from the current state; with friction, where that fails in the
-    /// contacts of this state, first one without.
+    /// Finds an equilibrium at the first load of a path from the current state.
     pub(super) fn begin_with_friction(
         &mut self,
         target: &[f64],
@@ -82,99 +125,138 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         if !self.system.has_friction() {
             return self.begin(target, step, sink);
         }
-        let start = self.system.state().to_vec();
+        let attempts = [Attempt::Plain, Attempt::Sticking, Attempt::Smooth, Attempt::Unslipped];
         let mut events = Deferred::default();
-        let status = self.begin(target, step, &mut events);
-        let status = self.settle_friction(status, target, step, &mut events);
-        if status.is_equilibrium() || self.system.budget.exhausted().is_some() {
-            events.release(step, sink);
-            return status;
-        }
-        self.system.set_state(&start);
-        self.system.data_mut().recall_friction(FrictionMemory::default());
-        let mut events = Deferred::default();
-        let again = self.begin(target, step, &mut events);
-        let again = self.settle_friction(again, target, step, &mut events);
-        if again.is_equilibrium() {
-            events.release(step, sink);
-            return again;
-        }
+        let status = self.try_in_turn(&attempts, target, step, &mut events);
+        events.release(step, sink);
         status
     }
 
-    /// Follows the branch to a listed load; with friction, where that fails because too little holds the
-    /// bodies, on the assumption that all points stick.
+    /// Follows the branch from one listed load to the next.
     pub(super) fn follow_with_friction(
         &mut self,
-        target: &[f64],
-        step: LoadStep,
-        sink: &mut impl PathSink<G, D, P>,
-    ) -> Status {
-        let Some(start) = self.step_start() else { return self.follow_to(target, step, sink) };
-        let mut events = Deferred::default();
-        let status = self.follow_to(target, step, &mut events);
-        let status = self.settle_friction(status, target, step, &mut events);
-        if status.is_equilibrium() || self.system.budget.exhausted().is_some() {
-            events.release(step, sink);
-            return status;
-        }
-        self.unstable = start.unstable;
-        self.predictor.forget_curvature();
-        self.system.restart_friction_step(start);
-        let mut events = Deferred::default();
-        let again = self.follow_to(target, step, &mut events);
-        let again = self.settle_friction(again, target, step, &mut events);
-        if again.is_equilibrium() {
-            events.release(step, sink);
-            return again;
-        }
-        status
-    }
-
-    /// Continues from an equilibrium found with normal forces held to one with its own.
-    pub(super) fn settle_friction(
-        &mut self,
-        mut status: Status,
-        target: &[f64],
+        [from, target]: [&[f64]; 2],
         step: LoadStep,
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         if !self.system.has_friction() {
+            return self.follow_to(target, step, sink);
+        }
+        let mut events = Deferred::default();
+        let status = self.follow_in_parts([from, target], [0.0, 1.0], step, &mut events);
+        events.release(step, sink);
+        status
+    }
+
+    /// Follows the branch in one step or, if friction does not settle, in two, and so on.
+    fn follow_in_parts(
+        &mut self,
+        [from, target]: [&[f64]; 2],
+        [begin, end]: [f64; 2],
+        step: LoadStep,
+        events: &mut Deferred,
+    ) -> Status {
+        let start = self.step_start();
+        let status = self.try_in_turn(&[Attempt::Plain, Attempt::Sticking], target, step, events);
+        let smallest = 0.5f64.powi(self.options.friction.max_halvings_of_load as i32);
+        if status != Status::Stalled || end - begin <= smallest || self.system.budget.exhausted().is_some() {
             return status;
         }
-        let reach = self.options.max_displacement_with_contact;
-        let residual = self.options.tolerance;
-        let tolerance = CorrectorTolerance { residual, tangent_reuse: step.tangent_reuse, least_pivots: 0.0 };
-        for _ in 0..self.options.friction.max_rounds {
-            if !status.is_equilibrium() {
-                return status;
-            }
-            if let Some(status) = self.system.budget.exhausted() {
-                return status;
-            }
-            self.start.copy_from_slice(self.system.state());
-            self.system.renew_friction();
-            let size = self.system.evaluate();
-            if self.system.has_converged(size, residual) || self.system.is_balanced(residual) {
-                return status;
-            }
-            if !self.corrector.iterate(&mut self.system, size, reach, tolerance) {
-                self.system.set_state(&self.start);
-                status = self.find_stable_from_here(self.options.friction.radius, step.tangent_reuse);
-                self.unstable = status == Status::Unstable;
-                self.system.displacement(&self.start, &mut self.moved);
-                if status.is_equilibrium() && max_norm(&self.moved) > reach && self.crosses_a_barrier() {
-                    let (load, after) = (self.system.input_loads(), self.system.state());
-                    let (step, kind) = (step.index, EventKind::Snap);
-                    sink.event(Event { step, kind, load, before: &self.start, after });
-                }
-            } else if status == Status::Unstable {
-                status = Status::Converged;
-                self.unstable = false;
-            }
-            status = self.hold(status, target, step, sink);
+        self.go_back(&start);
+        let (known, substeps) = (events.0.len(), self.friction_substeps.len());
+        let middle: Vec<f64> = from.iter().zip(target).map(|(a, b)| 0.5 * (a + b)).collect();
+        let share = 0.5 * (begin + end);
+        let mut again = self.follow_in_parts([from, &middle], [begin, share], step, events);
+        if again.is_equilibrium() {
+            self.friction_substeps.push(FrictionSubstep {
+                step: step.index,
+                share,
+                q: self.system.state().to_vec(),
+                applied: self.system.applied_load().to_vec(),
+                memory: self.system.data().friction_memory().clone(),
+            });
+            self.end_friction_step();
+            again = self.follow_in_parts([&middle, target], [share, end], step, events);
         }
-        Status::Stalled
+        if again.is_equilibrium() {
+            return again;
+        }
+        events.0.truncate(known);
+        self.friction_substeps.truncate(substeps);
+        status
+    }
+
+    /// What the next step begins with.
+    fn step_start(&self) -> StepStart<P> {
+        StepStart {
+            q: self.system.state().to_vec(),
+            load: self.system.load().to_vec(),
+            unstable: self.unstable,
+            memory: self.system.data().friction_memory().clone(),
+        }
+    }
+
+    /// Goes to a listed load in one of these ways, the first that succeeds; otherwise, what the first came to.
+    fn try_in_turn(
+        &mut self,
+        attempts: &[Attempt],
+        target: &[f64],
+        step: LoadStep,
+        sink: &mut Deferred,
+    ) -> Status {
+        let start = self.step_start();
+        let mut first = None;
+        for attempt in attempts {
+            if first.is_some() {
+                self.go_back(&start);
+            }
+            let known = sink.0.len();
+            let status = self.attempt(*attempt, &start, target, step, sink);
+            if status.is_equilibrium() || self.system.budget.exhausted().is_some() {
+                return status;
+            }
+            sink.0.truncate(known);
+            first.get_or_insert(status);
+        }
+        first.unwrap_or(Status::Stalled)
+    }
+
+    fn attempt(
+        &mut self,
+        attempt: Attempt,
+        start: &StepStart<P>,
+        target: &[f64],
+        step: LoadStep,
+        events: &mut Deferred,
+    ) -> Status {
+        match attempt {
+            Attempt::Plain => {}
+            Attempt::Sticking => self.system.stick(),
+            Attempt::Smooth | Attempt::Unslipped => {
+                self.system.data_mut().recall_friction(FrictionMemory::default());
+            }
+        }
+        let status = if step.index == 0 {
+            self.begin(target, step, events)
+        } else {
+            self.follow_to(target, step, events)
+        };
+        if attempt == Attempt::Smooth {
+            self.system.data_mut().recall_friction(start.memory.clone());
+        }
+        self.settle_friction(status, &start.q, target, step, events)
+    }
+
+    /// Goes back to where a step began.
+    fn go_back(&mut self, start: &StepStart<P>) {
+        self.unstable = start.unstable;
+        self.predictor.forget_curvature();
+        self.system.set_load(&start.load);
+        self.system.set_state(&start.q);
+        self.system.data_mut().recall_friction(start.memory.clone());
+        self.system.evaluate();
+        self.system.evaluate_tangent();
+        self.system.factorise(0.0);
     }
 
     /// Ends a step whose equilibrium has been reported.
@@ -185,11 +267,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
-    /// Begins a step again, with every point that touches sticking.
-    fn restart_friction_step(&mut self, start: StepStart<P>) {
-        self.set_load(&start.load);
-        self.set_state(&start.q);
-        self.data.recall_friction(start.memory);
+    /// Lets every point that touches stick.
+    fn stick(&mut self) {
         self.data.stick(self.model);
         self.evaluate();
         self.evaluate_tangent();

@@ -443,8 +443,14 @@ options! {
 options! {
     /// Steps with friction.
     pub struct FrictionOptions {
-        /// Largest number of times that the normal forces are renewed in a step of the load.
-        max_rounds: usize = 200, Interval::from(1.0).to(1e6);
+        /// Largest number of times that a structure gives way in a step of the load.
+        max_rounds: usize = 60, Interval::from(1.0).to(1e6);
+        /// Largest number of times that a step of the load is halved where friction does not settle.
+        max_halvings_of_load: usize = 5, Interval::from(0.0).to(20.0);
+        /// Largest number of Newton steps to an equilibrium with its own normal forces.
+        max_iterations: usize = 30, Interval::from(1.0).to(1e6);
+        /// Largest number of halvings of one of these steps.
+        max_halvings: usize = 12, Interval::from(1.0).to(1e3);
         /// Initial radius of the trust region where Newton's method then fails.
         radius: f64 = 0.03, Interval::above(0.0).to(1e3);
     }

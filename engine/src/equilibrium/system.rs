@@ -11,6 +11,7 @@ use crate::Data;
 use crate::forces::element::Velocities;
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::state::Law;
+use crate::friction::RenewalWork;
 use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::tolerances::{
@@ -66,6 +67,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     /// What the reactions found last add to the energy, as the assembly has earlier ones.
     pub(super) reaction_energy: f64,
     pub(super) scratch: Vec<f64>,
+    /// Of a model with friction.
+    pub(super) renewal: Option<Box<RenewalWork<D, P>>>,
 }
 
 /// How well forces balance.
@@ -107,6 +110,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             free_residual: vec![],
             reaction_energy: 0.0,
             scratch: vec![],
+            renewal: (model.friction_count() > 0).then(|| Box::new(RenewalWork::new(model))),
         };
         if let Some(closed) = system.load.get_mut(model.inputs().len()) {
             *closed = 1.0;

@@ -227,10 +227,14 @@ impl Pressures {
             let (s, weight) = (p[radius], factor * gauss.weight);
             let (share, enclosed) = (pressure.share.start + g, pressure.enclosed.start + g);
             let moments = Moments::new(&p[slot.clone()], s);
-            let strain = &rod.reference_strain;
+            let strain = &p[rod.reference_strain.clone()];
             let by_moments = [weight * strain[3], -weight * strain[2], weight * strain[1]];
             let by_length = dot(&by_moments, &moments.value);
             out.parameters[rod.length] += p[share] * by_length;
+            for mode in 0..6 {
+                let size = by_mode(moments.value, mode).map_or(0.0, |(size, _)| size);
+                out.parameters[rod.reference_strain.start + mode] += weight * p[share] * p[rod.length] * size;
+            }
             out.parameters[share] += by_length * p[rod.length] - factor * p[enclosed];
             out.parameters[enclosed] -= factor * p[share];
             let work = by_moments.map(|work| work * p[share] * p[rod.length]);
@@ -276,7 +280,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let s = p[rod.radius.start + gauss.point];
                 let moments = Moments::new(&p[pressure.sections[pressure.of_gauss[g]].clone()], s).value;
                 let weight = gauss.weight * shares[g];
-                for (mode, strain) in rod.reference_strain.iter().enumerate() {
+                for (mode, strain) in p[rod.reference_strain.clone()].iter().enumerate() {
                     fixed += by_mode(moments, mode).map_or(0.0, |(size, _)| weight * length * size * strain);
                 }
                 for (dof, mode, phi) in &gauss.columns {

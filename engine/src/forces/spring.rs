@@ -1,4 +1,5 @@
-//! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)².
+//! Springs and straps between two points: ½ k (‖r‖ − ℓ₀)². The first end may be a place between two sample
+//! points of a rod, which a share of each carries.
 
 use super::differential::Differential;
 use super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
@@ -9,7 +10,7 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::COINCIDENT;
 use crate::tree::description::AttachmentDescription;
-use crate::tree::{ModelError, Tree, not_negative};
+use crate::tree::{Between, ModelError, Tree, not_negative};
 use serde::Deserialize;
 
 /// A linear spring between two points; a strap when `slack`.
@@ -35,6 +36,8 @@ pub struct SpringDescription {
 #[derive(Clone, Debug, PartialEq)]
 struct Spring {
     ends: [usize; 2],
+    /// The point that carries the rest of the first end, if that is between two sample points, and its place.
+    between: Option<(usize, Between)>,
     /// Parameters holding k and ℓ₀.
     stiffness: usize,
     rest_length: usize,
@@ -57,6 +60,15 @@ struct Taut<const P: usize> {
     hessian: [f64; 2],
 }
 
+impl<const P: usize> Taut<P> {
+    /// The change of the force as r changes.
+    fn change(&self, r: &Vector<P>) -> Vector<P> {
+        let [normal, tangential] = self.hessian;
+        let along = self.direction * self.direction.dot(r);
+        along * normal + (*r - along) * tangential
+    }
+}
+
 impl Springs {
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
@@ -67,15 +79,18 @@ impl Springs {
             let field = |f: &str| format!("springs.{}.{f}", spring.name);
             not_negative(field("stiffness"), spring.stiffness)?;
             not_negative(field("rest_length"), spring.rest_length)?;
-            let ends = [
-                tree.attach(&field("first"), &spring.first)?,
-                tree.attach(&field("second"), &spring.second)?,
-            ];
+            let moving = tree.attach_between(&field("first"), &spring.first)?;
+            let first = match moving {
+                Some(([first, _], _)) => first,
+                None => tree.attach(&field("first"), &spring.first)?,
+            };
+            let ends = [first, tree.attach(&field("second"), &spring.second)?];
+            let between = moving.map(|([_, after], place)| (after, place));
             tree.keep_jacobian(tree.points[ends[1]].frame);
             let stiffness = tree.slot(format!("{}.stiffness", spring.name), "N/m", &[spring.stiffness]).start;
             let rest_length =
                 tree.slot(format!("{}.rest_length", spring.name), "m", &[spring.rest_length]).start;
-            built.push(Spring { ends, stiffness, rest_length, slack: spring.slack });
+            built.push(Spring { ends, between, stiffness, rest_length, slack: spring.slack });
         }
         Ok(Self(built))
     }
@@ -111,9 +126,10 @@ impl Springs {
         let spring = &self.0[index];
         let Some(Taut { stretch, direction, .. }) = spring.taut(at, None) else { return };
         let k = at.parameters()[spring.stiffness];
-        let [a, b] = spring.ends;
-        out.points.push((a, direction * (k * weight)));
-        out.points.push((b, direction * (-k * weight)));
+        spring.for_each_arm(at, |point, share| out.points.push((point, direction * (k * weight * share))));
+        if let Some((slot, moved)) = spring.moved(at, |point| *at.point(point)) {
+            out.parameters[slot] += k * weight * direction.dot(&moved);
+        }
         out.parameters[spring.stiffness] += stretch * weight;
         out.parameters[spring.rest_length] -= k * weight;
     }
@@ -129,13 +145,58 @@ impl Springs {
 }
 
 impl Spring {
+    /// Visits the points that r is a sum of, with their weights.
+    #[inline]
+    fn for_each_arm<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        let [a, b] = self.ends;
+        match self.between {
+            None => visit(a, 1.0),
+            Some((after, place)) => {
+                let [share, _] = place.interval(&at.tree.rods, at.parameters()).share();
+                visit(a, 1.0 - share);
+                visit(after, share);
+            }
+        }
+        visit(b, -1.0);
+    }
+
+    /// The sum of something over these points.
+    #[inline]
+    fn sum<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        of: impl Fn(usize) -> Vector<P>,
+    ) -> Vector<P> {
+        if self.between.is_none() {
+            return of(self.ends[0]) - of(self.ends[1]);
+        }
+        let mut sum = Vector::ZERO;
+        self.for_each_arm(at, |point, weight| sum += of(point) * weight);
+        sum
+    }
+
+    /// The parameter of the place of the first end, and the derivative by it of such a sum, points held.
+    fn moved<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        of: impl Fn(usize) -> Vector<P>,
+    ) -> Option<(usize, Vector<P>)> {
+        let (after, place) = self.between?;
+        let [_, slope] = place.interval(&at.tree.rods, at.parameters()).share();
+        Some((place.slot, (of(after) - of(self.ends[0])) * slope))
+    }
+
     fn taut<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         kept: Option<&Vector<P>>,
     ) -> Option<Taut<P>> {
         let [k, rest] = [self.stiffness, self.rest_length].map(|i| at.parameters()[i]);
-        let r = *at.point(self.ends[0]) - *at.point(self.ends[1]);
+        let r = self.sum(at, |point| *at.point(point));
         let length = r.norm();
         let stretch = length - rest;
         let kept = kept.filter(|_| at.law != Law::Actual);
@@ -174,11 +235,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
-        self.0.iter().all(|s| [s.stiffness, s.rest_length].iter().all(|i| parameters[*i] >= 0.0))
+        self.0.iter().all(|s| {
+            let on_rod = s.between.is_none_or(|(_, place)| (0.0..=1.0).contains(&parameters[place.slot]));
+            on_rod && [s.stiffness, s.rest_length].iter().all(|i| parameters[*i] >= 0.0)
+        })
     }
 
     fn max_couplings(&self) -> usize {
-        self.0.len()
+        self.0.iter().map(|spring| if spring.between.is_none() { 1 } else { 3 }).sum()
     }
 
     fn add_residual(
@@ -189,10 +253,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         for (spring, taut) in self.taut(at, kept) {
-            let [a, b] = spring.ends;
             out.energy += taut.energy;
-            out.add_force::<G, P>(at.frame(a), at.point(a), &taut.force);
-            out.add_force::<G, P>(at.frame(b), at.point(b), &-taut.force);
+            spring.for_each_arm(at, |point, weight| {
+                out.add_force::<G, P>(at.frame(point), at.point(point), &(taut.force * weight));
+            });
         }
     }
 
@@ -204,6 +268,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
         for (spring, Taut { force, direction, hessian, .. }) in self.taut(at, kept) {
+            if let Some((after, place)) = spring.between {
+                let [share, _] = place.interval(&at.tree.rods, at.parameters()).share();
+                let [a, b] = spring.ends;
+                let arm = |point: usize, weight: f64| (at.frame(point), *at.point(point), weight);
+                let arms = [arm(a, 1.0 - share), arm(after, share), arm(b, -1.0)];
+                out.add_weighted::<G, P>(&arms, &force, &direction, hessian);
+                continue;
+            }
             let frames = spring.ends.map(|end| at.frame(end));
             out.add_pair::<G, P>(frames, spring.ends.map(|end| at.point(end)), &force, &direction, hessian);
         }
@@ -223,20 +295,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for spring in self.0.iter().filter(|spring| spring.slack) {
             let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
             let [a, b] = spring.ends;
-            let r = *at.point(a) - *at.point(b);
+            let r = spring.sum(at, |point| *at.point(point));
             let length = r.norm();
             let depth = length - rest;
             if length > 0.0 && depth > -margin {
-                let normal = r * (-1.0 / length);
-                visit(Switch {
-                    points: [a, b, b],
-                    t: 0.0,
-                    own: None,
-                    carrier: None,
-                    normal,
-                    depth,
-                    stiffness: k,
-                });
+                let (points, t, sign) = match spring.between {
+                    None => ([a, b, b], 0.0, -1.0),
+                    Some((after, place)) => {
+                        ([b, a, after], place.interval(&at.tree.rods, at.parameters()).share()[0], 1.0)
+                    }
+                };
+                let normal = r * (sign / length);
+                visit(Switch { points, t, own: None, carrier: None, normal, depth, stiffness: k });
             }
         }
     }
@@ -248,9 +318,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     fn keep(&self, at: &State<G, D, P>, motion: &Velocities<D, P>, kept: &mut Vec<Option<Vector<P>>>) {
         for (spring, kept) in self.0.iter().zip(kept) {
             let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
-            let [a, b] = spring.ends;
-            let r = *at.point(a) - *at.point(b);
-            let (moved, length) = (r + (motion.points[a] - motion.points[b]), r.norm());
+            let r = spring.sum(at, |point| *at.point(point));
+            let (moved, length) = (r + spring.sum(at, |point| motion.points[point]), r.norm());
             let direction = r * (1.0 / length);
             let stretch = moved.dot(&direction) - rest;
             *kept = if rest == 0.0 {
@@ -272,7 +341,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let [k, rest] = [spring.stiffness, spring.rest_length].map(|i| at.parameters()[i]);
             let [a, b] = spring.ends.map(|end| at.point(end).norm());
             let places = a + b + rest;
-            spring.ends.iter().for_each(|end| out.add_of_distance(at, *end, taut.force.norm(), [k, places]));
+            spring.for_each_arm(at, |point, weight| {
+                out.add_of_distance(at, point, taut.force.norm() * weight.abs(), [k, places]);
+            });
         }
     }
 
@@ -286,8 +357,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         gradient: &mut [f64],
     ) {
         for (spring, taut) in self.taut(at, kept) {
-            let [va, vb] = spring.ends.map(|end| motion.velocities.points[end]);
-            let extension = taut.direction.dot(&(va - vb));
+            let rate = spring.sum(at, |point| motion.velocities.points[point]);
+            let extension = taut.direction.dot(&rate);
+            if let Some((slot, moved)) = spring.moved(at, |point| *at.point(point)) {
+                gradient[slot] += taut.change(&moved).dot(&rate);
+                let carried = spring.moved(at, |point| motion.velocities.points[point]);
+                gradient[slot] += carried.map_or(0.0, |(_, rate)| taut.force.dot(&rate));
+            }
             gradient[spring.stiffness] += taut.stretch * extension;
             gradient[spring.rest_length] -= at.parameters()[spring.stiffness] * extension;
         }
@@ -303,14 +379,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         work: &mut f64,
     ) {
         let VirtualMotion { velocities: virtual_motion, .. } = motion;
-        for (spring, Taut { force, direction, hessian: [normal, tangential], .. }) in self.taut(at, kept) {
-            let [va, vb] = spring.ends.map(|end| virtual_motion.points[end]);
-            let [da, db] = spring.ends.map(|end| velocities.points[end]);
-            let [sa, sb] =
-                spring.ends.map(|end| virtual_motion.shifted::<G>(at.frame(end), &velocities.points[end]));
-            let along = direction * direction.dot(&(da - db));
-            let change = along * normal + ((da - db) - along) * tangential;
-            *work += change.dot(&(va - vb)) + force.dot(&(sa - sb));
+        for (spring, taut) in self.taut(at, kept) {
+            let rate = spring.sum(at, |point| virtual_motion.points[point]);
+            let moved = spring.sum(at, |point| velocities.points[point]);
+            let shifted = spring
+                .sum(at, |point| virtual_motion.shifted::<G>(at.frame(point), &velocities.points[point]));
+            *work += taut.change(&moved).dot(&rate) + taut.force.dot(&shifted);
         }
     }
 }

@@ -48,6 +48,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> State<'_, G, D, P> {
     /// The frame that carries a point.
     #[inline]
     pub fn frame(&self, point: usize) -> usize {
-        self.tree.points[point].frame
+        self.geometry.frames[point]
     }
 }

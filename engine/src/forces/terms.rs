@@ -160,6 +160,27 @@ impl<const D: usize> FrameTerms<D> {
         self.couplings.push(Coupling { row: frames[0], column: frames[1], form: (at * hb) * -1.0 });
     }
 
+    /// The second derivative of a potential of a sum of points, each given by its frame, its place and its
+    /// weight; the Jacobians of all but the first frame are kept. Gradient and Hessian as above.
+    pub fn add_weighted<G: LieGroup<D, P>, const P: usize>(
+        &mut self,
+        arms: &[(usize, Vector<P>, f64)],
+        f: &Vector<P>,
+        n: &Vector<P>,
+        [normal, tangential]: [f64; 2],
+    ) {
+        let hessian = n.outer(n) * (normal - tangential) + Matrix::diagonal(tangential);
+        for (i, (row, p, weight)) in arms.iter().enumerate() {
+            let held = G::point_jacobian(p).transpose() * hessian * *weight;
+            self.stiffness[*row] +=
+                held * G::point_jacobian(p) * *weight + G::point_curvature(p, &(*f * *weight));
+            for (column, other, share) in &arms[i + 1..] {
+                let form = held * G::point_jacobian(other) * *share;
+                self.couplings.push(Coupling { row: *row, column: *column, form });
+            }
+        }
+    }
+
     /// The second derivative of a potential of the place that a point `p` of the first frame has in the second
     /// one, with gradient `f` in the world; `form` is its Hessian by the world twist of `p`.
     #[inline]

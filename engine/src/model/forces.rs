@@ -7,7 +7,7 @@ use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::fibres::FibreSections;
 use crate::forces::foundation::{Foundations, StrapLoops};
-use crate::forces::friction::{Frictions, Source};
+use crate::forces::friction::{Direction, Frictions, PressedChange, Source};
 use crate::forces::gravity::Gravity;
 use crate::forces::joint::Joints;
 use crate::forces::joint_coupling::JointCouplings;
@@ -269,22 +269,52 @@ registry! {
 }
 
 impl<const P: usize> Forces<P> {
-    /// Renews what friction holds in a step, from what the residual left.
+    /// Renews what friction holds in a step, from what the residual left; with a margin also where bodies rest on
+    /// each other, at a gap below that, except through skins, whose stiffness vanishes as they open.
     pub fn renew_friction<G: LieGroup<D, P>, const D: usize>(
         &self,
         at: &State<G, D, P>,
         states: &mut States<P>,
+        margin: f64,
     ) {
         let States { frictions: memory, contacts, foundations, obstacles, .. } = states;
         self.frictions.renew(at, memory, |visit| {
             for (friction, source) in self.frictions.sources().enumerate() {
                 let mut visit = |pressed| visit(friction, pressed);
                 match source {
-                    Source::Contact(i) => self.contacts.for_each_pressed(i, at, contacts, &mut visit),
+                    Source::Contact(i) => self.contacts.for_each_pressed(i, at, contacts, margin, &mut visit),
                     Source::Foundation(i) => {
                         self.foundations.for_each_pressed(i, at, foundations, &mut visit)
                     }
-                    Source::Obstacle(i) => self.obstacles.for_each_pressed(i, at, obstacles, &mut visit),
+                    Source::Obstacle(i) => {
+                        self.obstacles.for_each_pressed(i, at, obstacles, margin, &mut visit);
+                    }
+                }
+            }
+        });
+    }
+
+    /// How what presses on points with friction changes in a direction, in the state in which it was renewed.
+    pub fn pressed_changes<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        states: &States<P>,
+        direction: &Direction<D, P>,
+        out: &mut Vec<PressedChange<P>>,
+    ) {
+        let States { frictions: memory, contacts, foundations, obstacles, .. } = states;
+        Frictions::merge_changes(memory, out, |mut visit| {
+            for source in self.frictions.sources() {
+                match source {
+                    Source::Contact(i) => {
+                        self.contacts.for_each_pressed_change(i, at, contacts, direction, &mut visit);
+                    }
+                    Source::Foundation(i) => {
+                        self.foundations.for_each_pressed_change(i, at, foundations, direction, &mut visit);
+                    }
+                    Source::Obstacle(i) => {
+                        self.obstacles.for_each_pressed_change(i, at, obstacles, direction, &mut visit);
+                    }
                 }
             }
         });

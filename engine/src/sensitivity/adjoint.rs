@@ -8,9 +8,24 @@ use crate::data::Data;
 use crate::equilibrium::System;
 use crate::forces::differential::Differential;
 use crate::forces::element::{Velocities, VirtualMotion};
+use crate::forces::friction::{Direction, FrictionSlopes};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::{Model, Sensitivities};
+
+/// What later steps of a path have to do with a state: derivatives by its coordinates and by the world twist of
+/// frames.
+#[derive(Clone, Debug)]
+pub(super) struct Carried<const D: usize> {
+    pub coordinates: Vec<f64>,
+    pub frames: Vec<(usize, Vector<D>)>,
+}
+
+impl<const D: usize> Carried<D> {
+    pub fn new(dof: usize) -> Self {
+        Self { coordinates: vec![0.0; dof], frames: vec![] }
+    }
+}
 
 /// Workspace of the sensitivities.
 #[derive(Clone, Debug)]
@@ -115,7 +130,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let held = (&data.design.forces, &data.assembly.forces);
         self.gradient.fill(0.0);
         model.forces.add_parameter_work(&at, held, &self.forces, &motion, &mut self.gradient);
-        for design_velocity in &self.design_velocities {
+        for design_velocity in self.design_velocities.iter().filter(|velocity| velocity.acts) {
             let forces = model.forces.geometric_work(&at, held, &motion, &design_velocity.velocities());
             let columns = design_velocity.column_work(model, data, &self.twists, &self.blocks);
             self.gradient[design_velocity.parameter] += forces + columns;
@@ -147,6 +162,19 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         by_parameters: &mut [f64],
         by_loads: &mut [f64],
     ) -> bool {
+        self.differentiate_with(model, system, weights, None, by_parameters, by_loads)
+    }
+
+    /// The same of a sum to which later steps of a path add.
+    pub(super) fn differentiate_with<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        system: &System<G, D, P>,
+        weights: &[f64],
+        later: Option<&Carried<D>>,
+        by_parameters: &mut [f64],
+        by_loads: &mut [f64],
+    ) -> bool {
         let (data, q, load) = (system.data(), system.state(), system.load());
         let mut lambda = std::mem::take(&mut self.lambda);
         let applied = &weights[weights.len() - by_loads.len()..];
@@ -154,11 +182,16 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for (output, weight) in self.outputs.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
             output.add(model, data, [q, load], *weight, &mut self.differential);
         }
+        if let Some(later) = later {
+            let own = self.differential.coordinates.iter_mut();
+            own.zip(&later.coordinates).for_each(|(slope, more)| *slope += more);
+            self.differential.frames.extend_from_slice(&later.frames);
+        }
         lambda.copy_from_slice(&self.differential.coordinates);
         self.wrench.fill(Vector::ZERO);
         for (point, slope) in &self.differential.points {
             let jacobian = G::point_jacobian(&data.kinematics.points[*point]);
-            self.wrench[model.points[*point].frame] += jacobian.transpose_times(slope);
+            self.wrench[data.design.geometry.frames[*point]] += jacobian.transpose_times(slope);
         }
         for (frame, slope) in &self.differential.frames {
             self.wrench[*frame] += *slope;
@@ -180,7 +213,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         for (total, explicit) in self.gradient.iter_mut().zip(&self.differential.parameters) {
             *total = explicit - *total;
         }
-        for design_velocity in &self.design_velocities {
+        for design_velocity in self.design_velocities.iter().filter(|velocity| velocity.acts) {
             let Velocities { twists, points } = design_velocity.velocities();
             let Differential { frames, points: moved, .. } = &self.differential;
             let turned: f64 = frames.iter().map(|(frame, slope)| slope.dot(&twists[*frame])).sum();
@@ -200,5 +233,56 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         held.set_by_loads(model, by_loads);
         (self.held, self.lambda) = (held, lambda);
         !self.differential.tied
+    }
+
+    /// Velocities of everything under λ of what was differentiated last.
+    pub(super) fn virtual_velocities(&self) -> Velocities<'_, D, P> {
+        Velocities { twists: &self.twists, points: &self.points }
+    }
+
+    /// How points with friction change at the equilibrium visited last.
+    pub(super) fn friction_slopes<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        data: &Data<G, D, P>,
+        out: &mut FrictionSlopes<P>,
+    ) {
+        let mut rates = vec![0.0; model.dof()];
+        out.by_coordinates.clear();
+        for j in 0..model.dof() {
+            rates[j] = 1.0;
+            model.coordinate_blocks.gather(&rates, &mut self.blocks);
+            rates[j] = 0.0;
+            data.velocities(model, &self.blocks, &mut self.twists, &mut self.points);
+            let direction = Direction { velocities: self.virtual_velocities(), parameter: None };
+            out.by_coordinates.push(data.friction_slope(model, &direction));
+        }
+        self.twists.fill(Vector::ZERO);
+        self.points.fill(Vector::ZERO);
+        out.by_parameters.clear();
+        for parameter in &self.wanted {
+            let geometric = self.design_velocities.iter().find(|each| each.parameter == *parameter);
+            let velocities =
+                geometric.map_or_else(|| self.virtual_velocities(), |velocity| velocity.velocities());
+            let direction = Direction { velocities, parameter: Some(*parameter) };
+            out.by_parameters.push(data.friction_slope(model, &direction));
+        }
+        out.by_start = data.friction_slopes_by_start(model);
+    }
+
+    /// Prepares for [`Adjoint::add_place`] in the state evaluated last.
+    pub(super) fn prepare_place<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
+        self.design_velocities.iter_mut().for_each(|velocity| velocity.update(model, data));
+    }
+
+    /// Adds the derivatives by the wanted parameters through the place of frames alone.
+    pub(super) fn add_place(&self, later: &Carried<D>, by_parameters: &mut [f64]) {
+        for velocity in &self.design_velocities {
+            let twists = velocity.velocities().twists;
+            let turned: f64 = later.frames.iter().map(|(frame, slope)| slope.dot(&twists[*frame])).sum();
+            for (out, parameter) in by_parameters.iter_mut().zip(&self.wanted) {
+                *out += if *parameter == velocity.parameter { turned } else { 0.0 };
+            }
+        }
     }
 }

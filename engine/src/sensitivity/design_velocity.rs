@@ -6,18 +6,21 @@
 
 use crate::data::Data;
 use crate::forces::element::Velocities;
-use crate::geometry::{link_fraction, link_fraction_slope};
+use crate::geometry::{link_fraction, link_fraction_slope, radius_between};
 use crate::kinematics::strains;
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
 use crate::tree::{Motion, Place, Point, Shape, SphereRadius};
+use std::ops::Range;
 
 /// The motion of frames and points with a geometric parameter at fixed coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct DesignVelocity<const D: usize, const P: usize> {
     pub parameter: usize,
     kind: Geometric,
+    /// Whether anything moves with it in this design.
+    pub acts: bool,
     /// World twist of each frame.
     twists: Vec<Vector<D>>,
     /// Velocity of each point.
@@ -29,13 +32,15 @@ pub(super) struct DesignVelocity<const D: usize, const P: usize> {
 enum Geometric {
     /// The length of a rod.
     RodLength(usize),
+    /// The strain of a rod in the reference state along an axis.
+    RodReference(usize, usize),
     /// The length of the link of a body.
     LinkLength(usize),
     /// A radius of the link of a body (moves its centroid): at the base or at the tip.
     LinkRadius(usize, bool),
     /// The radius of a rod at a point on whose surface something is attached.
     RodRadius(usize),
-    /// The fraction of a link's length at which something is attached.
+    /// The fraction of a link's or a rod's length at which something is attached.
     Along(usize),
     /// A component of a body's translation.
     Translation(usize, usize),
@@ -53,21 +58,26 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         let mut push = |parameter: usize, kind| {
             if mask[parameter] {
                 let (twists, points) = (vec![Vector::ZERO; frames], vec![Vector::ZERO; points]);
-                all.push(Self { parameter, kind, twists, points });
+                all.push(Self { parameter, kind, acts: true, twists, points });
             }
         };
         for (r, rod) in model.rods.iter().enumerate() {
             push(rod.length, Geometric::RodLength(r));
+            for (axis, mode) in G::AXES.into_iter().enumerate() {
+                push(rod.reference_strain.start + mode.index(), Geometric::RodReference(r, axis));
+            }
         }
-        let mut surfaces: Vec<usize> = model.points.iter().filter_map(rod_radius).collect();
+        let mut surfaces: Vec<usize> = model.points.iter().flat_map(|p| rod_radii(model, p)).collect();
         surfaces.sort_unstable();
         surfaces.dedup();
         for radius in surfaces {
             push(radius, Geometric::RodRadius(radius));
         }
         for point in &model.points {
-            if let Place::Along(_, slot) = point.place {
-                push(slot, Geometric::Along(slot));
+            match point.place {
+                Place::Along(_, slot) => push(slot, Geometric::Along(slot)),
+                Place::Between(between, 0) => push(between.slot, Geometric::Along(between.slot)),
+                _ => {}
             }
         }
         for (b, body) in model.bodies.iter().enumerate() {
@@ -90,14 +100,21 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
 
     /// World twists of the frames and velocities of the points as the parameter changes.
     pub fn update<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
-        let kind = self.kind;
+        let (kind, p) = (self.kind, &data.design.geometry.parameters);
+        if let Geometric::RodRadius(radius) = kind {
+            self.acts = model.points.iter().any(|point| holds_radius(model, p, point, radius));
+            if !self.acts {
+                // No frame moves with it.
+                self.points.fill(Vector::ZERO);
+                return;
+            }
+        }
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             self.twists[f] = self.twists[frame.parent] + own_twist(model, data, f, kind);
         }
-        let p = &data.design.geometry.parameters;
         for (i, point) in model.points.iter().enumerate() {
-            let world = &data.kinematics.points[i];
-            let mut velocity = G::point_jacobian(world) * self.twists[point.frame];
+            let (world, frame) = (&data.kinematics.points[i], data.design.geometry.frames[i]);
+            let mut velocity = G::point_jacobian(world) * self.twists[frame];
             let along = match (point.place, kind) {
                 (Place::Fraction(b, f), Geometric::LinkLength(body)) if b == body => f,
                 (Place::Along(b, slot), Geometric::LinkLength(body)) if b == body => p[slot],
@@ -112,21 +129,27 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
                     let Shape::Link(link) = &model.bodies[b].shape else { continue };
                     link_fraction_slope(p, link, point.place)[usize::from(tip)] * p[link.length]
                 }
+                (Place::Between(between, side), Geometric::RodLength(rod)) if between.rod == rod => {
+                    between.interval(&model.rods, p).arm(side)[0]
+                }
+                (Place::Between(between, side), Geometric::Along(moved)) if between.slot == moved => {
+                    between.interval(&model.rods, p).arm(side)[1] * p[model.rods[between.rod].length]
+                }
                 _ => 0.0,
             };
             if along != 0.0 {
-                velocity += data.kinematics.pose[point.frame].rotate(&Vector::unit(0)) * along;
+                velocity += data.kinematics.pose[frame].rotate(&Vector::unit(0)) * along;
             }
             if let Some((radius, direction)) = &point.surface {
                 let rate = radius_rate(model, p, *radius, kind);
-                velocity += data.kinematics.pose[point.frame].rotate(direction) * rate;
+                velocity += data.kinematics.pose[frame].rotate(direction) * rate;
             }
             self.points[i] = velocity;
         }
     }
 
-    /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length
-    /// changes they change themselves.
+    /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length or
+    /// reference strain changes they change themselves.
     ///
     /// The virtual motion is given by the twists of the frames and the coordinates in blocks.
     pub fn column_work<G: LieGroup<D, P>>(
@@ -148,20 +171,37 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             let carrier = (self.twists[f] + self.twists[frame.parent]) * 0.5;
             work += wrench.dot(&(G::ad(&carrier) * own));
             let Motion::Strain(step) = frame.motion else { continue };
-            let Geometric::RodLength(rod) = self.kind else { continue };
-            if model.steps[step].rod == rod {
-                work += length_column_work(model, data, blocks, f, step);
+            if let Some(change) = strain_change(model, data, step, self.kind) {
+                let by_length = matches!(self.kind, Geometric::RodLength(_));
+                work += own_column_work(model, data, blocks, (f, step), change, by_length);
             }
         }
         work
     }
 }
 
-/// The parameter that holds the radius of the rod on whose surface a point is.
-fn rod_radius<const P: usize>(point: &Point<P>) -> Option<usize> {
+/// The parameters that may hold the radius of the rod on whose surface a point is.
+fn rod_radii<G, const D: usize, const P: usize>(model: &Model<G, D, P>, point: &Point<P>) -> Range<usize> {
     match point.surface {
-        Some((SphereRadius::Parameter(radius), _)) => Some(radius),
-        _ => None,
+        Some((SphereRadius::Parameter(radius), _)) => radius..radius + 1,
+        Some((SphereRadius::Between(between, _), _)) => model.rods[between.rod].radius.clone(),
+        _ => 0..0,
+    }
+}
+
+/// Whether this parameter holds the radius of the rod on whose surface a point is.
+fn holds_radius<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    p: &[f64],
+    point: &Point<P>,
+    radius: usize,
+) -> bool {
+    match point.surface {
+        Some((SphereRadius::Parameter(own), _)) => own == radius,
+        Some((SphereRadius::Between(between, side), _)) => {
+            radius_between(&model.tree, p, between, side) == radius
+        }
+        _ => false,
     }
 }
 
@@ -174,6 +214,9 @@ fn radius_rate<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> f64 {
     let wanted = match (radius, kind) {
         (SphereRadius::Parameter(k), Geometric::RodRadius(wanted)) if k == wanted => return 1.0,
+        (SphereRadius::Between(between, side), Geometric::RodRadius(wanted)) => {
+            return f64::from(radius_between(&model.tree, p, between, side) == wanted);
+        }
         (SphereRadius::Link(b, _), Geometric::LinkRadius(body, tip)) if b == body => tip,
         (SphereRadius::Link(b, Place::Along(_, slot)), Geometric::Along(moved)) if slot == moved => {
             let Shape::Link(link) = &model.bodies[b].shape else { return 0.0 };
@@ -198,10 +241,12 @@ fn own_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(
 ) -> Vector<D> {
     let frame = &model.frames[f];
     match (&frame.motion, kind) {
-        (Motion::Strain(step), Geometric::RodLength(rod)) if model.steps[*step].rod == rod => {
+        (Motion::Strain(step), _) => {
+            let Some([first, second]) = strain_change(model, data, *step, kind) else { return Vector::ZERO };
             let omega = &data.kinematics.omega[f];
             let tangent = G::tangent(omega, &data.kinematics.stumpff[f]);
-            data.kinematics.pose[f].adjoint() * (tangent * length_derivative(model, data, *step).0)
+            let (a1, a2, _) = data.kinematics.magnus_derivative(&model.tree, *step);
+            data.kinematics.pose[f].adjoint() * (tangent * (a1 * first + a2 * second))
         }
         (Motion::Rigid(r), Geometric::LinkLength(b)) => match &model.bodies[b].shape {
             Shape::Link(link) if link.tip == *r => {
@@ -240,44 +285,53 @@ fn translation_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(directio
     G::point_jacobian(&Vector::ZERO).transpose_times(direction)
 }
 
-/// dΩ/dL of a Magnus step and the normalised strains' own derivatives at its two points.
-fn length_derivative<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// The derivatives of the normalised strains at the two points of a Magnus step; none if they do not depend on
+/// the parameter.
+fn strain_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
     step: usize,
-) -> (Vector<D>, [Vector<D>; 2]) {
-    let magnus = &model.steps[step];
-    let rod = &model.rods[magnus.rod];
-    let length = data.design.geometry.parameters[rod.length];
-    let (a1, a2, _) = data.kinematics.magnus_derivative(&model.tree, step);
-    let change = data.kinematics.strain[step].map(|strain| {
-        let mut d = Vector::ZERO;
-        for (axis, mode) in G::AXES.into_iter().enumerate() {
-            let m = mode.index();
-            d[axis] = if mode.is_angular() { rod.reference_strain[m] } else { strain[axis] / length };
+    kind: Geometric,
+) -> Option<[Vector<D>; 2]> {
+    let of_step = model.steps[step].rod;
+    let p = &data.design.geometry.parameters;
+    let rod = &model.rods[of_step];
+    match kind {
+        Geometric::RodLength(changed) if changed == of_step => {
+            Some(data.kinematics.strain[step].map(|strain| {
+                let mut d = Vector::ZERO;
+                for (axis, mode) in G::AXES.into_iter().enumerate() {
+                    let reference = p[rod.reference_strain.start + mode.index()];
+                    d[axis] = if mode.is_angular() { reference } else { strain[axis] / p[rod.length] };
+                }
+                d
+            }))
         }
-        d
-    });
-    (a1 * change[0] + a2 * change[1], change)
+        Geometric::RodReference(changed, axis) if changed == of_step => {
+            Some([Vector::unit(axis) * p[rod.length]; 2])
+        }
+        _ => None,
+    }
 }
 
-/// The second derivatives of a step's exponential and of its Ω along (L, λ).
-fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// The second derivatives of a step's exponential and of its Ω along (parameter, λ), given those of its strains.
+fn own_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
     blocks: &[Vector<LANES>],
-    f: usize,
-    step: usize,
+    (f, step): (usize, usize),
+    change: [Vector<D>; 2],
+    by_length: bool,
 ) -> f64 {
     let length = data.design.geometry.parameters[model.rods[model.steps[step].rod].length];
     let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
     let (a1, a2, commutator) = data.kinematics.magnus_derivative(&model.tree, step);
-    let (by_length, change) = length_derivative(model, data, step);
-    // Strains of the virtual motion, and their derivative with respect to L.
+    let by_parameter = a1 * change[0] + a2 * change[1];
+    // Strains of the virtual motion, of which L scales the linear ones.
     let strain = strains(&model.tree, &data.design.geometry, f, blocks, Vector::ZERO);
-    let strain_by_length = strain.map(|strain| {
+    let scaled = strain.map(|strain| {
         let mut change = Vector::ZERO;
-        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| !mode.is_angular()) {
+        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| by_length && !mode.is_angular()) {
             change[axis] = strain[axis] / length;
         }
         change
@@ -285,7 +339,7 @@ fn length_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let virtual_omega = a1 * strain[0] + a2 * strain[1];
     let [body_wrench, on_omega] = data.assembly.duals[f];
     let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
-    let explicit = a1 * strain_by_length[0] + a2 * strain_by_length[1];
+    let explicit = a1 * scaled[0] + a2 * scaled[1];
     let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
-    by_length.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
+    by_parameter.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
 }

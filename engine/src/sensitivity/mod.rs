@@ -8,12 +8,15 @@
 mod adjoint;
 mod design_velocity;
 mod held;
+mod history;
 mod known;
 mod output;
 mod regularity;
 mod ties;
 
 pub use adjoint::Adjoint;
+use adjoint::Carried;
+pub use history::{HistoryDerivatives, HistoryPart};
 pub use known::{Derivatives, KnownEquilibria};
 pub use output::output_groups;
 pub use regularity::Regularity;

@@ -86,7 +86,7 @@ fn can_move<G: LieGroup<D, P>, const D: usize, const P: usize>(
     direction: &Vector<P>,
 ) -> bool {
     let wrench = G::point_jacobian(&data.kinematics.points[point]).transpose_times(direction);
-    let mut f = model.points[point].frame;
+    let mut f = data.design.geometry.frames[point];
     while f != 0 {
         let mut columns = data.assembly.columns(model, f);
         if columns.any(|(_, column)| wrench.dot(&column).abs() > 1e-12 * column.norm()) {

@@ -62,7 +62,8 @@ pub(crate) struct Joint {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rod {
     pub section: Section,
-    pub reference_strain: [f64; 6],
+    /// Parameters holding its strain in the reference state, by mode.
+    pub reference_strain: Range<usize>,
     pub dofs: Range<usize>,
     /// Sample points X.
     pub x: Vec<f64>,

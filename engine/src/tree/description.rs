@@ -173,6 +173,8 @@ pub enum Station {
     Point(usize),
     /// A fraction of a link's length.
     Fraction(f64),
+    /// A fraction of a rod's length, at a sample point or between two; for the first end of a spring.
+    Along(f64),
     /// The centroid of a link.
     Centroid,
 }

@@ -6,6 +6,7 @@
 //! [`Layout`].
 
 mod admissible;
+mod between;
 mod blocks;
 mod bodies;
 mod build;
@@ -18,6 +19,7 @@ mod points;
 pub use error::ModelError;
 pub use layout::Layout;
 
+pub(crate) use between::Between;
 pub(crate) use blocks::CoordinateBlocks;
 pub(crate) use bodies::{Body, GaussPoint, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
 pub(crate) use chain::Chain;
@@ -100,6 +102,8 @@ pub struct Tree<G, const D: usize, const P: usize> {
     pub(crate) stiffness_pattern: Vec<(usize, usize)>,
     pub(crate) points: Vec<Point<P>>,
     pub(crate) spheres: Vec<Sphere>,
+    /// Points after places between sample points, whose frames depend on the design and whose Jacobians are kept.
+    pub(crate) moving: Vec<usize>,
     /// Groups of spheres by name.
     pub(crate) sphere_groups: Vec<(String, Range<usize>)>,
     /// Frames whose Jacobian is kept, with their slot in the store.

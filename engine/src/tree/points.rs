@@ -1,10 +1,12 @@
 //! Material points: sphere centres, masses, points of attachment.
 
+use super::Between;
 use crate::linalg::Vector;
 
 /// A point fixed in a frame; its local position may depend on the design.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point<const P: usize> {
+    /// Between sample points it depends on the design, and this is the rod's base.
     pub frame: usize,
     pub place: Place,
     /// Constant part of the local position.
@@ -24,6 +26,8 @@ pub(crate) enum Place {
     Centroid(usize),
     /// A fraction of the link's length along x (body index), which is this parameter.
     Along(usize, usize),
+    /// A place between sample points, as carried by the one before it (0) or after it (1).
+    Between(Between, usize),
 }
 
 /// A contact sphere.
@@ -40,4 +44,6 @@ pub(crate) enum SphereRadius {
     Parameter(usize),
     /// The link's radius at the sphere's place.
     Link(usize, Place),
+    /// The rod's radius at the sample point before (0) or after (1) a place.
+    Between(Between, usize),
 }

@@ -134,6 +134,11 @@ pub fn spatial_tree(
         on("arm", Station::Point(3), [0.0, 0.0, 0.01]),
         false,
     ));
+    for (name, fraction, target) in [("s4", 0.437, "ball"), ("s5", 0.81, "base")] {
+        let first = on("arm", Station::Along(fraction), [0.0, 0.01, 0.002]);
+        let second = on(target, Station::Fraction(0.2), [0.0, 0.0, 0.01]);
+        d.springs.push(spring(name, first, second, name == "s4"));
+    }
     let [exponential, table, ..] = torque_curves();
     d.joint_torques.push(torque("base_torque", ("base", "theta"), exponential));
     d.joint_torques.push(torque("thumb_force", ("thumb", "d"), table));
@@ -292,6 +297,25 @@ pub fn planar_tree(
         surface: [0.0, 0.0, 0.4],
     };
     let frame = if follower { WrenchFrame::Body } else { WrenchFrame::World };
+    let on_rod = |fraction| AttachmentDescription::Body {
+        body: "exosuit".into(),
+        station: Station::Along(fraction),
+        offset: [0.0, 0.0, 0.001],
+        surface: [0.0, 0.0, -1.0],
+    };
+    for (name, fraction, second) in [
+        ("between", 0.377, AttachmentDescription::World { world: [0.03, 0.0, -0.02] }),
+        ("to pad", 0.92, end.clone()),
+    ] {
+        d.springs.push(SpringDescription {
+            name: name.into(),
+            first: on_rod(fraction),
+            second,
+            stiffness: 15.0,
+            rest_length: 0.01,
+            slack: name == "between",
+        });
+    }
     d.wrenches.push(WrenchDescription {
         name: "w".into(),
         at: end,

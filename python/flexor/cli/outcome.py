@@ -24,7 +24,6 @@ _CAVEATS = {
     "snapped": "The optimum is reached through a snap: sensitivities hold on the final branch.",
     "contact-threshold": "A contact is about to open or close: sensitivities are one-sided.",
     "nearly-singular": "The optimum is nearly unstable: sensitivities hold for tiny changes only.",
-    "differences": "With friction, sensitivities are central differences over the steps.",
     "no-equilibrium": "The optimum has no equilibrium, and hence no sensitivities.",
 }
 

@@ -2,10 +2,10 @@
 
 Lowering a model file makes each of the engine's parameters a function of its fields: the numbers of
 a fibre are polynomials of the thicknesses of a section, a stiffness in series is one over a
-polynomial, the square of the distance of a strap's ends is a polynomial of whatever moves them.
-These polynomials are found by lowering the file at points of the box and are checked at others, to
-rounding, vertices of the box among them. With them a thousand designs, and their exact derivatives,
-cost less than one file.
+polynomial, the torsion of a hollow section is a quotient of two, the square of the distance of a
+strap's ends is a polynomial of whatever moves them. These polynomials are found by lowering the
+file at points of the box and are checked at others, to rounding, vertices of the box among them.
+With them a thousand designs, and their exact derivatives, cost less than one file.
 """
 
 from __future__ import annotations
@@ -37,6 +37,9 @@ MAX_DEGREE = 12
 # such as the moment about an axis of symmetry.
 ROUNDING = 1e-16
 _CHECKS = 8  # points inside the box at which the polynomials are checked, besides vertices
+# The least that the denominator of a quotient may be, as a share of its largest value, and at how
+# many points all over the box, vertices besides, that is checked.
+_LEAST, _DENSE = 1e-3, 512
 _FIRST, _MOST = 24, 1200  # points of the first attempts at most, and of the last
 
 
@@ -80,6 +83,8 @@ class SlotMap:
     # Rest lengths: their column, and that of the offset which is to be added to the distance.
     _offsets: tuple[tuple[int, int], ...]
     _every: NDArray[np.intp]  # (w,), which parameters and offsets its columns are
+    # Quotients: their column, and that of the denominator, which is beyond those.
+    _quotients: tuple[tuple[int, int], ...] = ()
 
     def values(self, x: Array) -> Array:
         """Return the parameters (n, m) of designs (n, k), SI."""
@@ -97,6 +102,9 @@ class SlotMap:
             factors = values.copy()
             factors[:, variable] = slopes[:, variable]
             found[..., variable] = outer * terms.sums(factors) / self._half[variable]
+        for column, below in self._quotients:
+            rise = found[:, column] - here[:, column, None] * found[:, below]
+            found[:, column] = rise / here[:, below, None]
         return self._whole(found)
 
     def _whole(self, found: Array) -> Array:
@@ -110,6 +118,8 @@ class SlotMap:
         found = self._terms[0].sums(values)
         for form, columns in self._forms.items():
             found[:, columns] = _FORMS[form][1](found[:, columns])
+        for column, below in self._quotients:
+            found[:, column] /= found[:, below]
         return found
 
     def _legendre(self, x: Array) -> tuple[Array, Array]:
@@ -130,7 +140,7 @@ class SlotMap:
     @cached_property
     def _terms(self) -> list[_Terms]:
         """Terms of the polynomials, and those that depend on each of the variables."""
-        width, k = len(self.indices) + len(self._offsets), len(self._half)
+        width, k = len(self._every) + len(self._quotients), len(self._half)
         varied = [[fit.depending(variable) for fit in self._fits] for variable in range(k)]
         return [
             _Terms.of(self._fits, range(k), width),
@@ -241,6 +251,7 @@ def slot_map(
     every = sorted({*varied.tolist(), *constant})
     position = {column: i for i, column in enumerate(every)}
     fits: list[_Fit] = []
+    quotients: list[tuple[int, int]] = []
     if constant:
         fits.append(_constant(constant, position, centre, k))
     most = max(len(pattern) for pattern in patterns)
@@ -249,7 +260,7 @@ def slot_map(
     # A few points suffice for most files; others take more besides them.
     few = _enough(most)
     for count in _rounds(most):
-        u, samples = sampled.first(count)
+        u, samples = sampled.first(count, np.concatenate([*left.values()]))
         for pattern in left:
             for form, degree in _attempts(len(pattern), count):
                 columns = left[pattern]
@@ -261,6 +272,19 @@ def slot_map(
                     placed = np.array([position[int(column)] for column in columns[good]])
                     fits.append(_Fit(placed, *_trimmed(powers, coefficients[:, good]), form))
                     left[pattern] = columns[~good]
+            # Distances are none.
+            others = np.setdiff1d(left[pattern], lowered.rests)
+            for degree in _quotient_degrees(len(pattern), count, few, len(others)):
+                powers = _powers(pattern, degree, k)
+                for column in np.intersect1d(left[pattern], others).tolist():
+                    both = _quotient(u, samples[:, column], powers, count)
+                    if both is not None:
+                        below = len(every) + len(quotients)
+                        quotients.append((position[column], below))
+                        for place, coefficients in zip(quotients[-1], both, strict=True):
+                            fit = _trimmed(powers, coefficients[:, None])
+                            fits.append(_Fit(np.array([place]), *fit, "polynomial"))
+                        left[pattern] = left[pattern][left[pattern] != column]
         for pattern, columns in left.items():
             # No polynomial, but rounding of a zero that differs from file to file.
             zero = np.abs(samples[:, columns]).max(axis=0, initial=0.0) <= 1e4 * noise[columns]
@@ -272,15 +296,17 @@ def slot_map(
             break
     for pattern, columns in left.items():
         which = ", ".join(f'"{names[i]}"' for i in pattern)
+        several = len(pattern) > 1
         raise InputError(
-            f"{which} cannot be varied together over these ranges: "
-            f"{lowered.name(int(columns[0]))} is no polynomial of degree {MAX_DEGREE} of them; "
-            "make the ranges smaller."
+            f"{which} cannot be varied{' together' if several else ''} over "
+            f"{'these ranges' if several else 'this range'}: {lowered.name(int(columns[0]))} is no "
+            f"polynomial of degree {MAX_DEGREE} of {'them' if several else 'it'}, nor a quotient "
+            f"of two; make the {'ranges' if several else 'range'} smaller."
         )
     # Offsets follow the parameters.
     indices = np.array([column for column in every if column < size], dtype=np.intp)
     offsets = tuple((position[rest], position[offset]) for rest, offset in straps)
-    return SlotMap(indices, middle, half, tuple(fits), offsets, np.array(every))
+    return SlotMap(indices, middle, half, tuple(fits), offsets, np.array(every), tuple(quotients))
 
 
 def refitted(
@@ -317,7 +343,14 @@ def refitted(
     else:
         samples = np.array([mine.at(x) for x in points])
     fits = []
+    of_quotients = {column for pair in like._quotients for column in pair}
     for fit in like._fits:
+        if of_quotients.intersection(fit.columns.tolist()):
+            own = like._every[fit.columns[fit.columns < len(like._every)]]
+            if apart[own].any() or shift[0, own].any():
+                return None
+            fits.append(fit)
+            continue
         columns = like._every[fit.columns]
         new = apart[columns]
         if new.any():
@@ -380,12 +413,19 @@ class _Sampled:
         self._checked = np.array([each for each in found if each is not None])
         self._fitted = np.zeros((0, self._checked.shape[1]))
 
-    def first(self, count: int) -> tuple[Array, Array]:
-        """Return ``count`` points to fit, and those to check, with the parameters there."""
+    def first(self, count: int, wanted: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return ``count`` points to fit, and those to check, with the wanted parameters there."""
         u = _points(count, len(self._middle), seed=1)
-        more = [self._at(row) for row in u[len(self._fitted) :]]
+        # Distances take much less than all that a file lowers to.
+        at = self._distances if np.isin(wanted, self._lowered.rests).all() else self._at
+        more = [at(row) for row in u[len(self._fitted) :]]
         self._fitted = np.concatenate([self._fitted, np.array(more)])
         return np.concatenate([u, self._checks]), np.concatenate([self._fitted, self._checked])
+
+    def _distances(self, u: Array) -> Array:
+        found = np.zeros(self._checked.shape[1])
+        found[self._lowered.rests] = self._lowered.distances(self._middle + self._half * u)
+        return found
 
     def _at(self, u: Array, must: bool = True) -> Array | None:
         try:
@@ -542,7 +582,9 @@ def _attempts(variables: int, points: int) -> list[tuple[str, int]]:
     """Return forms and degrees in the order in which they are tried."""
     degrees = [d for d in range(1, MAX_DEGREE + 1) if 1.5 * comb(variables + d, d) <= points]
     low = [(form, degree) for degree in degrees[:4] for form in _FORMS]
-    return low + [("polynomial", degree) for degree in degrees[4:]]
+    # The square of a distance on a rod that is curved in the reference state is no polynomial, but
+    # close to one.
+    return low + [(form, degree) for degree in degrees[4:] for form in ("polynomial", "root")]
 
 
 def _fitted(
@@ -550,8 +592,7 @@ def _fitted(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Fit columns at the first points; return their coefficients, and which hold at all points."""
     inverse, forward, _ = _FORMS[form]
-    values, _ = _legendre(u, int(powers.max()))
-    basis = np.prod([values[:, i, powers[:, i]] for i in range(u.shape[1])], axis=0)
+    basis = _basis(u, powers)
     with np.errstate(divide="ignore", invalid="ignore"):
         wanted = inverse(samples)
         usable = np.isfinite(wanted).all(axis=0)
@@ -568,6 +609,37 @@ def _fitted(
     return coefficients * scale, np.asarray(good)
 
 
+def _quotient_degrees(variables: int, points: int, few: int, columns: int) -> list[int]:
+    """Return the degrees of quotients that are tried for what no few points make a polynomial."""
+    degrees = range(1, MAX_DEGREE + 1) if points >= few and columns else ()
+    return [d for d in degrees if 1.5 * (2 * comb(variables + d, d) - 1) <= points]
+
+
+def _quotient(
+    u: Array, samples: Array, powers: NDArray[np.intp], count: int
+) -> tuple[Array, Array] | None:
+    """Fit a quotient to samples (s,) at the first points; return both polynomials' coefficients.
+
+    That is the least denominator besides its constant; None if it does not hold at all points.
+    """
+    scale = np.abs(samples).max()
+    if scale == 0.0:
+        return None
+    basis = _basis(u, powers)
+    constant = ~powers.any(axis=1)
+    wanted = samples / scale
+    matrix = np.concatenate([basis, -wanted[:, None] * basis[:, ~constant]], axis=1)
+    found = np.linalg.lstsq(matrix[:count], wanted[:count], rcond=None)[0]
+    above, below = found[: len(powers)], np.ones(len(powers))
+    below[~constant] = found[len(powers) :]
+    bottom, dense = basis @ below, _basis(_points(_DENSE, u.shape[1], seed=3), powers) @ below
+    if min(bottom.min(), dense.min()) < _LEAST * max(bottom.max(), dense.max()):
+        return None
+    if not (np.abs(basis @ above / bottom - wanted) <= TOLERANCE).all():
+        return None
+    return above * scale, below
+
+
 def _trimmed(powers: NDArray[np.intp], coefficients: Array) -> tuple[NDArray[np.intp], Array]:
     used = coefficients.any(axis=1)
     return powers[used], coefficients[used]
@@ -579,6 +651,13 @@ def _powers(pattern: tuple[int, ...], degree: int, k: int) -> NDArray[np.intp]:
     powers = np.zeros((len(terms), k), dtype=np.intp)
     powers[:, list(pattern)] = terms
     return powers
+
+
+def _basis(u: Array, powers: NDArray[np.intp]) -> Array:
+    """Return products of Legendre polynomials of these degrees (c, k) at points (n, k), (n, c)."""
+    values, _ = _legendre(u, int(powers.max()))
+    found = [values[:, i, powers[:, i]] for i in range(u.shape[1])]
+    return np.asarray(np.prod(found, axis=0))
 
 
 def _legendre(u: Array, top: int) -> tuple[Array, Array]:

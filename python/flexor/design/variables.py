@@ -19,6 +19,7 @@ from flexor.design.profiles import SPLINE, control_values, with_splines
 from flexor.design.slot_map import SlotMap, refitted, slot_map
 from flexor.design.span_map import SpanMap, is_span
 from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
+from flexor.design.strap_places import check_place, is_place, with_moving_straps
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, SlotValues
 from flexor.model.quantity import Unit, infer_quantity
@@ -57,8 +58,13 @@ class Variables(ParameterSet):
     spans: Mapping[str, tuple[str, int, tuple[float, ...]]] = field(default_factory=dict)
 
     def prepared(self, model: Model) -> Model:
-        """Return the model that the designs are of, in which sizes that vary are splines."""
-        return with_splines(model, self.splines)
+        """Return the model that the designs are of.
+
+        Sizes that vary are splines in it, and straps whose places vary can be moved.
+        """
+        rows = zip(self.labels, self._loads, strict=True)
+        fields = [label for label, load in rows if load is None]
+        return with_moving_straps(with_splines(model, self.splines), fields)
 
     def _check_units(self) -> None:
         """All units of model files are allowed."""
@@ -230,7 +236,7 @@ def _again(
     return refitted(like, known, model, keys)
 
 
-def _check_span(label: str, ends: tuple[float, float], source: str) -> None:
+def _check_fractions(label: str, ends: tuple[float, float], source: str) -> None:
     if not 0.0 <= ends[0] < ends[1] <= 1.0:
         raise InputError(
             f"{source}: {label} = {ends[0]:g}:{ends[1]:g}: the bounds of a place along a rod are "
@@ -262,9 +268,12 @@ def field_variables(
         _, own = infer_quantity(getattr(value, "text", value), label)
         ends, shown = _ends(pair, label, own, isinstance(value, Quantity), source)
         if load is None and is_span(keys):
-            _check_span(label, ends, source)
+            _check_fractions(label, ends, source)
             own_span = file.actuators[keys[1]].span  # type: ignore[union-attr]
             spans[label] = (".".join(keys[:3]), int(keys[3]), tuple(map(float, own_span)))
+        if load is None and is_place(keys):
+            _check_fractions(label, ends, source)
+            check_place(label, keys[1], file, source)
         lower.append(ends[0])
         upper.append(ends[1])
         kinds.append(shown)

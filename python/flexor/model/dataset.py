@@ -38,7 +38,17 @@ UNITS = {
 }
 _NAMES = {"n": "design", "s": "step"}
 # Not those of the engine's own, nor tables of events.
-_LEFT_OUT = ("model", "loads", "radius", "slope", "slots", "gradient", "event_table", "free")
+_LEFT_OUT = (
+    "model",
+    "followed",
+    "loads",
+    "radius",
+    "slope",
+    "slots",
+    "gradient",
+    "event_table",
+    "free",
+)
 
 
 def require_xarray() -> Any:

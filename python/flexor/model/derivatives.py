@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,14 +133,10 @@ def differentiate(
     -------
     Derivatives
         For every number, at the cost of one factorisation for each equilibrium that has a part in
-        any, and of one solution for each part.
+        any, and of one solution for each part. With friction the paths are followed once more and
+        differentiated back to their first step.
     """
     model, (n, steps) = paths.model, paths.converged.shape
-    if model.frictions:
-        raise InputError(
-            f'"{model.frictions[0]}" has friction: derivatives, which depend on all steps of such '
-            "a path, are not computed."
-        )
     found = paths.converged & paths.stable
     by_slots = np.zeros((n, len(rows), len(slots)))
     by_loads = np.zeros((n, len(rows), steps, len(model.inputs)))
@@ -163,6 +159,18 @@ def differentiate(
         place, owner, weighed = (np.concatenate(each) for each in (places, owners, given))
         order = np.argsort(place, kind="stable")
         place, owner, weighed = place[order], owner[order], weighed[order]
+        of, at = place // steps, place % steps
+        jumped = _first_events(paths, steps)[of] <= at
+        np.minimum.at(rank, (of[jumped], owner[jumped]), _SNAPPED)
+    if model.frictions and sum(map(len, places)):
+        parts = np.column_stack([of, owner, at])
+        history = _differentiate_histories(paths, parts, weighed, len(rows), slots, threads)
+        has = np.zeros(rank.shape, dtype=bool)
+        has[of, owner] = True
+        by_slots[has] += history.by_slots[has]
+        by_loads[has] += history.by_loads[has]
+        rank[has] = np.minimum(rank, _RANK[history.regularity])[has]
+    elif sum(map(len, places)):
         visited, sums = np.unique(place, return_inverse=True)
         design, step = visited // steps, visited % steps
         parameters = paths.parameters
@@ -178,14 +186,58 @@ def differentiate(
             slots,
             threads,
         )
-        of, at = place // steps, place % steps
         np.add.at(by_slots, (of, owner), slopes["by_parameters"])
         np.add.at(by_loads, (of, owner, at), slopes["by_loads"])
         np.minimum.at(rank, (of, owner), _RANK[slopes["regularity"]])
-        jumped = _first_events(paths, steps)[of] <= at
-        np.minimum.at(rank, (of[jumped], owner[jumped]), _SNAPPED)
     by_slots[rank == 0], by_loads[rank == 0] = np.nan, np.nan
     return Derivatives(by_slots, by_loads, np.array(_ORDER, dtype=object)[rank])
+
+
+class _Histories(NamedTuple):
+    """Derivatives of r numbers of n designs through all steps of their paths."""
+
+    by_slots: Array  # (n, r, m)
+    by_loads: Array  # (n, r, steps, inputs)
+    regularity: NDArray[np.uint8]  # (n, r), the engine's codes
+
+
+def _differentiate_histories(
+    paths: Paths,
+    parts: NDArray[np.intp],
+    weighed: Array,
+    numbers: int,
+    slots: NDArray[np.intp],
+    threads: int,
+) -> _Histories:
+    """Differentiate along paths with friction, which are followed once more.
+
+    Parts (m, 3) are the design, the number and the step of weights (m, outputs).
+    """
+    model, followed = paths.model, paths.followed
+    if followed is None or followed.steps != paths.converged.shape[1]:
+        raise InputError(
+            f'"{model.frictions[0]}" has friction, whose derivatives need a path from its first '
+            "step on: a part of one is given."
+        )
+    listed = paths.loads if paths.own_loads is None else paths.own_loads
+    loads = followed.loads(listed)
+    lead = loads.shape[-2] - listed.shape[-2]
+    parameters = paths.parameters
+    varied = np.flatnonzero((parameters != model.parameters).any(axis=0))
+    slopes = model.engine.differentiate_paths(
+        varied,
+        parameters[:, varied],
+        loads.reshape(-1, loads.shape[-1]),
+        parts + np.array([0, 0, lead]),
+        weighed,
+        numbers,
+        slots,
+        threads,
+        steps=loads.shape[-2],
+        **followed.settings,
+    )
+    by_loads = slopes["by_loads"][:, :, lead:]
+    return _Histories(slopes["by_parameters"], by_loads, slopes["regularity"])
 
 
 def _first_events(paths: Paths, steps: int) -> NDArray[np.intp]:

@@ -18,6 +18,7 @@ from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
 from flexor.model.derivatives import differentiate, last_step
 from flexor.model.events import event_table
+from flexor.model.followed import Followed
 from flexor.model.friction import friction_table, slips
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.results import Paths
@@ -66,7 +67,8 @@ def follow(
     A path begins under the start's load, zero unless it has one, even if its first load is another.
     With ``gradient`` the last step is differentiated with respect to the geometry.
     """
-    settings, steps = _from_start(loads, start, options)
+    followed = _from_start(loads, start, options)
+    settings, steps = followed.settings, followed.loads(loads)
     threads, lead = useful_threads(threads), steps.shape[-2] - loads.shape[-2]
     indices, values = np.zeros(0, dtype=np.intp), np.zeros((1, 0))
     count = 1 if geometry is None else len(geometry)
@@ -91,7 +93,12 @@ def follow(
     own_loads: Any = loads if loads.ndim == 3 else None
     loads = loads if own_loads is None else own_loads[0]
     paths = Paths(
-        model=model, loads=loads, own_loads=own_loads, **whole, **_geometry(model, geometry)
+        model=model,
+        followed=followed,
+        loads=loads,
+        own_loads=own_loads,
+        **whole,
+        **_geometry(model, geometry),
     )
     if not gradient:
         return paths
@@ -111,7 +118,7 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     arrays["joint_angles"] = arrays["q"][:, :, model.joint_columns]
     if model.frictions:
         arrays["friction"] = friction_table(found["friction"], codes.shape, lead)
-        arrays["dissipated"] = found["dissipated"][:, lead:]
+    arrays["dissipated"] = found["dissipated"][:, lead:]
     arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
     arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
     arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))
@@ -169,11 +176,13 @@ def follow_branch(
             f'follow is "arc-length", but "{model.frictions[0]}" has friction, which depends on '
             "the order of the loads: leave it out."
         )
-    settings, steps = _from_start(loads, start, options)
+    followed = _from_start(loads, start, options)
     with _input_errors():
-        branch = model.engine.branch(_parameters(model, geometry), steps, **settings)
+        branch = model.engine.branch(
+            _parameters(model, geometry), followed.loads(loads), **followed.settings
+        )
     reached = np.isin(branch["status"], [_CONVERGED, _UNSTABLE])
-    arrays = {**_arrays(model, branch, 0), "converged": reached}
+    arrays: dict[str, Any] = {**_arrays(model, branch, 0), "converged": reached}
     return Paths(model=model, loads=branch["loads"], **arrays, **_geometry(model, geometry))
 
 
@@ -193,20 +202,16 @@ def _parameters(model: Structure, geometry: Geometry | SlotValues | None) -> Arr
     return parameters
 
 
-def _from_start(
-    loads: Array, start: Start | None, options: Mapping[str, float]
-) -> tuple[dict[str, Any], Array]:
-    """Return the engine's settings, and the loads from that of the start on."""
+def _from_start(loads: Array, start: Start | None, options: Mapping[str, float]) -> Followed:
+    """Return the engine's settings, and the load of the start if paths do not begin at theirs."""
     settings: dict[str, Any] = {**solver_options(options)}
     if start is not None:
         settings["start"] = start.q
         if start.friction is not None and len(start.friction):
             settings["slips"] = slips(start.friction)
     first = np.zeros(loads.shape[-1]) if start is None or start.load is None else start.load
-    if not (loads[..., 0, :] == first).all():
-        lead = np.broadcast_to(first, (*loads.shape[:-2], 1, loads.shape[-1]))
-        loads = np.concatenate([lead, loads], axis=-2)
-    return settings, loads
+    begins = bool((loads[..., 0, :] == first).all())
+    return Followed(settings, loads.shape[-2], None if begins else first)
 
 
 def _geometry(model: Structure, geometry: Geometry | SlotValues | None) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from flexor.errors import InputError, unknown
 from flexor.model.contact_forces import ContactForces
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.extremes import Extreme, contact_pressure, extremes
+from flexor.model.followed import Followed
 from flexor.model.friction import POINT, FrictionForces, described, friction_forces
 from flexor.model.geometry import Geometry, GeometryJacobian
 from flexor.model.hoop import hoop_strains
@@ -58,6 +59,8 @@ class Results:
     ----------
     model : Model
         The model.
+    followed : Followed
+        How the engine followed the paths beside their loads.
     rod_length, radius, slope : (n,), (n, m) and (n, m) arrays
         Geometry of the designed rod, see `flexor.model.Geometry` [m]; None for the model as it is.
     slots : (n, P) array
@@ -119,7 +122,7 @@ class Results:
     friction : (n, s) array of structured arrays
         Points with friction of each state; see `flexor.model.friction`. None without friction.
     dissipated : (n, s) array
-        Energy that friction dissipated along the path up to each step [J], likewise.
+        Energy that friction dissipated along the path up to each step [J]; zero without friction.
     event_table : (n,) array of structured arrays
         Events along the path as arrays with the fields of `Event`; see `events`.
     event_count, total_iterations : (n,) arrays
@@ -161,6 +164,7 @@ class Results:
     axes: ClassVar[str] = ""
 
     model: Structure = field(default=_NONE, metadata=_MODEL)
+    followed: Followed = field(default=_NONE, metadata=_MODEL)
     rod_length: Array = field(default=_NONE, metadata=_DESIGN)
     radius: Array = field(default=_NONE, metadata=_DESIGN)
     slope: Array = field(default=_NONE, metadata=_DESIGN)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -13,7 +15,14 @@ from flexor.optimizers.method import Method, Run
 from flexor.optimizers.options import FRACTION, at_least, at_most, option
 from flexor.optimizers.pattern import PatternSearch
 from flexor.optimizers.population import DifferentialEvolution
-from flexor.optimizers.sqp import linearization, minimize_slsqp
+from flexor.optimizers.side_by_side import side_by_side
+from flexor.optimizers.sqp import (
+    Linearization,
+    Linearize,
+    linearization,
+    linearizations,
+    minimize_slsqp,
+)
 from flexor.optimizers.stages import FAR, NEAR, run_stage, some_on_bounds, vary_best
 
 # Shares of the evaluations: of the sample, of SQP from it, and where that leaves doubt of
@@ -27,6 +36,8 @@ SAME = 1e-3
 # Steps of the refinement from a start that is nearly optimal, as a share of the ranges, below which
 # SQP takes its place.
 COARSE = 2e-3
+# Searches by SQP side by side, whose designs are evaluated together.
+AT_ONCE = 4
 # Least number of searches after which the optima are all known.
 LEAST = 6
 
@@ -122,26 +133,40 @@ class Auto(Method):
         begun, ends = run.function.evaluations, list[float]()
         values = run.values(known.best(len(known), 0.0))
         spread = float(np.ptp(values[np.isfinite(values)]))
-        for start in known.best(len(known), FAR):
-            if run.function.evaluations - begun >= budget:
-                return False
-            end = self._descend(run, known, start)
-            value, excess = run.constrained(end[None, :])
-            # What ends where constraints do not hold is no optimum.
-            if np.isfinite(value[0]) and not (excess > 0.0).any():
-                ends.append(float(value[0]))
-            n, w = len(ends), _different(ends, SAME * spread)
-            if n >= LEAST and n > w + 2 and w * (n - 1) / (n - w - 2) <= w + 0.5:
-                return True
+
+        def starts() -> Iterator[FloatArray]:
+            for start in known.best(len(known), FAR):
+                if run.function.evaluations - begun >= budget:
+                    return
+                yield start
+
+        def answers(points: list[FloatArray]) -> list[Linearization]:
+            found = linearizations(run, points, self.difference)
+            run.step("SQP")
+            return found
+
+        def descend(start: FloatArray, linearize: Linearize) -> FloatArray:
+            return minimize_slsqp(start, linearize, self.iterations)
+
+        with closing(side_by_side(descend, starts(), answers, AT_ONCE)) as searches:
+            for end in searches:
+                known(end[None, :])
+                value, excess = run.constrained(end[None, :])
+                # What ends where constraints do not hold is no optimum.
+                if np.isfinite(value[0]) and not (excess > 0.0).any():
+                    ends.append(float(value[0]))
+                n, w = len(ends), _different(ends, SAME * spread)
+                if n >= LEAST and n > w + 2 and w * (n - 1) / (n - w - 2) <= w + 0.5:
+                    return True
         return False
 
     def _descend(self, run: Run, known: Known, start: FloatArray) -> FloatArray:
         """Run SLSQP from a point (k,); return where it ends (k,)."""
         end = minimize_slsqp(
-            run,
             start,
             lambda point: linearization(run, point, self.difference),
             self.iterations,
+            step=run.step,
         )
         known(end[None, :])
         return end

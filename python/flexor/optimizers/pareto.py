@@ -122,7 +122,7 @@ class Pareto(Method):
         m = values.shape[1]
         for i in range(min(m, self.descents)):
             start = points[int(np.argmin(values[:, i]))]
-            minimize_slsqp(run, start, partial(only, i), self.iterations)
+            minimize_slsqp(start, partial(only, i), self.iterations, step=run.step)
         left = self.descents - m
         tried: set[bytes] = set()
         # With two objectives most of the searches are for the gaps.

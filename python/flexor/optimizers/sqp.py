@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,22 +52,39 @@ def differences(evaluate: Evaluate, point: FloatArray, difference: float) -> Lin
 
 def linearization(run: Run, point: FloatArray, difference: float) -> Linearization:
     """Linearize at a point (k,) exactly or, where something has no derivative, by differences."""
-    exact = run.linearized(point[None, :])
+    return linearizations(run, [point], difference)[0]
+
+
+def linearizations(
+    run: Run, points: Sequence[FloatArray], difference: float
+) -> list[Linearization]:
+    """Linearize at several points (k,), exactly in one batch or each by differences."""
+    exact = run.linearized(np.stack(points))
     if exact is None:
-        return differences(run.constrained, point, difference)
+        return [differences(run.constrained, point, difference) for point in points]
     values, excesses, gradients, slopes = exact
-    return Linearization(
-        np.where(np.isfinite(values), values, FAILED),
-        _finite(gradients),
-        np.nan_to_num(excesses[0], nan=1.0),
-        _finite(slopes[0]),
-    )
+    return [
+        Linearization(
+            np.where(np.isfinite(values[i : i + 1]), values[i : i + 1], FAILED),
+            _finite(gradients[i : i + 1]),
+            np.nan_to_num(excesses[i], nan=1.0),
+            _finite(slopes[i]),
+        )
+        for i in range(len(points))
+    ]
 
 
 def minimize_slsqp(
-    run: Run, start: FloatArray, linearize: Linearize, iterations: int, tolerance: float = 1e-9
+    start: FloatArray,
+    linearize: Linearize,
+    iterations: int,
+    tolerance: float = 1e-9,
+    step: Callable[[str], None] = lambda _: None,
 ) -> FloatArray:
-    """Minimise the first of the values from a point (k,) with SLSQP; return where it ends (k,)."""
+    """Minimise the first of the values from a point (k,) with SLSQP; return where it ends (k,).
+
+    ``step`` is called after each iteration.
+    """
     at = _remembered(linearize)
     first = at(start)
     # SLSQP compares the value with its tolerance and with the constraints, whatever its unit.
@@ -79,12 +96,13 @@ def minimize_slsqp(
         return found if found == FAILED else found / size, at(point).gradients[0] / size
 
     return _slsqp(
-        run,
         start,
+        len(start),
         value,
         lambda point: (at(point).excesses, at(point).slopes),
         iterations,
         tolerance,
+        step,
     )
 
 
@@ -118,17 +136,19 @@ def achieve(
         return np.concatenate((short, found.excesses)), np.concatenate((slopes, kept))
 
     first = float(np.max((at(start).values - aim) / scale))
-    end = _slsqp(run, np.append(start, first), value, bounds, iterations, 1e-6)
+    whole = np.append(start, first)
+    end = _slsqp(whole, len(start), value, bounds, iterations, 1e-6, run.step)
     return end[:-1]
 
 
 def _slsqp(
-    run: Run,
     start: FloatArray,
+    k: int,
     value: Callable[[FloatArray], tuple[float, FloatArray]],
     bounds: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
     iterations: int,
     tolerance: float,
+    step: Callable[[str], None],
 ) -> FloatArray:
     """Run SLSQP (Kraft 1988); variables after the first k of the unit box are free."""
     from scipy.optimize import minimize
@@ -138,19 +158,19 @@ def _slsqp(
         "fun": lambda point: -bounds(point)[0] - MARGIN,
         "jac": lambda point: -bounds(point)[1],
     }
-    free = len(start) - run.size
+    free = len(start) - k
     result = minimize(
         value,
         start,
         jac=True,
         method="SLSQP",
-        bounds=[(0.0, 1.0)] * run.size + [(None, None)] * free,
+        bounds=[(0.0, 1.0)] * k + [(None, None)] * free,
         constraints=[inequality] if bounds(start)[0].size else [],
         options={"maxiter": iterations, "ftol": tolerance},
-        callback=lambda _: run.step("SQP"),
+        callback=lambda _: step("SQP"),
     )
     end = np.asarray(result.x, dtype=np.float64)
-    end[: run.size] = np.clip(end[: run.size], 0.0, 1.0)
+    end[:k] = np.clip(end[:k], 0.0, 1.0)
     return end
 
 

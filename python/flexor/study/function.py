@@ -123,6 +123,4 @@ def objective_function(
     problem = Problem.of(model, parameters, objective, force, options=engine_options)
     if not problem.objective.differentiable:
         raise InputError(f'objective "{problem.objective.name}" has no gradient.')
-    if not problem.differentiable:
-        raise InputError(f'"{problem.model.frictions[0]}" has friction: there is no gradient.')
     return ObjectiveFunction(problem, float(failed))

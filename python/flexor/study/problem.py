@@ -131,8 +131,8 @@ class Problem:
 
     @property
     def differentiable(self) -> bool:
-        """Whether its value has a gradient: paths with friction have none."""
-        return self.objective.differentiable and not self.model.frictions
+        """Whether its value has a gradient."""
+        return self.objective.differentiable
 
     @property
     def sizes(self) -> tuple[int, int, int]:
@@ -198,8 +198,6 @@ class Problem:
         """
         if not self.objective.differentiable:
             raise InputError(f'objective "{self.objective.name}" has no gradient.')
-        if self.model.frictions:
-            raise InputError(f'"{self.model.frictions[0]}" has friction: there is no gradient.')
         return np.where(np.isfinite(paths.value)[:, None], paths.value_gradient, np.nan)
 
     @property

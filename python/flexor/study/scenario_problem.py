@@ -14,6 +14,7 @@ import numpy as np
 from flexor.constraints import excesses
 from flexor.design import ParameterSet, Variables
 from flexor.design.fields import keys_of, value_of
+from flexor.design.strap_places import with_moving_straps
 from flexor.errors import InputError
 from flexor.model.interruption import cancel_solves
 from flexor.model.loading import changed_model
@@ -409,8 +410,9 @@ class ScenarioProblem(Problem):
 
     @cached_property
     def models(self) -> tuple[Model, ...]:
-        """The model of each scenario."""
-        return tuple(each.model(self.model) for each in self.scenarios)
+        """The model of each scenario, in which straps with a tolerance of their place can move."""
+        fields = self._extra
+        return tuple(with_moving_straps(each.model(self.model), fields) for each in self.scenarios)
 
     @cached_property
     def _values(self) -> FloatArray:

@@ -26,10 +26,7 @@ def _step(unit: str, size: float) -> tuple[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Exact derivatives at a design, and its performance if a parameter is off.
-
-    With friction they are central differences over the steps, and regularity is "differences".
-    """
+    """Exact derivatives at a design, and its performance if a parameter is off."""
 
     labels: tuple[str, ...]  # of the k parameters
     steps: tuple[str, ...]  # changes in workshop units, for example ``"1 mm"``
@@ -52,28 +49,20 @@ class Sensitivity:
         chosen = problem.parameters
         texts, sizes = zip(*map(_step, chosen.units, chosen.scale), strict=True)
         step = np.array(sizes)
-        rubs = bool(problem.model.frictions)
-        here = problem.evaluate(design[None, :], gradient=not rubs)
+        here = problem.evaluate(design[None, :], gradient=True)
         # Manufacturing errors are not limited by the bounds of the search.
         around = design + np.concatenate((-np.diag(step), np.diag(step)))
         off = problem.evaluate(around)
         angles = off.joint_angles[:, -1].sum(axis=1)
         angles = np.where(np.isfinite(off.value), angles, np.nan)
-        if rubs:
-            below, above = np.split(np.arange(2 * len(step)), 2)
-            last = off.joint_angles[:, -1], off.tip_force[:, -1]
-            slopes = [(each[above] - each[below]).T / (2.0 * step) for each in last]
-            angle_slopes, force_slopes = slopes
-        else:
-            angle_slopes, force_slopes = here.derivatives[0, :-1], here.derivatives[0, -1]
         return cls(
             labels=chosen.labels,
             steps=texts,
             step=step,
-            joint_angles=angle_slopes,
-            tip_force=force_slopes,
+            joint_angles=here.derivatives[0, :-1],
+            tip_force=here.derivatives[0, -1],
             value=problem.gradients(here)[0] if problem.differentiable else None,
-            regularity="differences" if rubs else str(here.regularity[0]),
+            regularity=str(here.regularity[0]),
             off=angles.reshape(2, -1).T,
             bending=float(here.joint_angles[0, -1].sum()),
         )

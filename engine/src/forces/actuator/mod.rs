@@ -130,6 +130,11 @@ impl Actuators {
                 gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
             }
             gradient[rod.length] += weight * dot(&point.unit, &point.by_length);
+            for mode in G::AXES {
+                let tau = by_strain::<G, D, P>(mode, point.offset);
+                gradient[rod.reference_strain.start + mode.index()] +=
+                    weight * p[rod.length] * dot(&point.unit, &tau);
+            }
         }
     }
 
@@ -194,29 +199,38 @@ impl PointSensitivity {
         // Normalised strains of the state, mode by mode.
         let mut strain = [0.0; 6];
         for mode in G::AXES {
-            strain[mode.index()] = length * rod.reference_strain[mode.index()];
+            strain[mode.index()] = length * p[rod.reference_strain.start + mode.index()];
         }
         add_strain(&mut strain, &gauss.columns, length, q);
         let mut tau = tangent_of::<G, D, P>(&strain, offset);
         for i in 0..2 {
             tau[i + 1] += path_slope[i];
         }
-        let (unit, norm) = unit_tangent(tau, reference_tangent(rod, length, [offset, path_slope]));
+        let (unit, norm) = unit_tangent(tau, reference_tangent(rod, p, [offset, path_slope]));
         let by_offset = tangent_by_offset::<G, D, P>(&strain);
         // L scales linear strains and the whole reference strain.
         for mode in G::AXES {
             let m = mode.index();
-            strain[m] = if mode.is_angular() { rod.reference_strain[m] } else { strain[m] / length };
+            let reference = p[rod.reference_strain.start + m];
+            strain[m] = if mode.is_angular() { reference } else { strain[m] / length };
         }
         let by_length = tangent_of::<G, D, P>(&strain, offset);
         Self { offset, unit, norm, tension: 0.0, by_offset, by_length }
     }
 }
 
+/// The derivative of τ with respect to the strain of a mode.
+fn by_strain<G: LieGroup<D, P>, const D: usize, const P: usize>(mode: Mode, offset: [f64; 2]) -> [f64; 3] {
+    let mut strain = [0.0; 6];
+    strain[mode.index()] = 1.0;
+    tangent_of::<G, D, P>(&strain, offset)
+}
+
 /// τ of a path, given by its offset and slope, in the reference state.
-fn reference_tangent(rod: &Rod, length: f64, [offset, slope]: [[f64; 2]; 2]) -> [f64; 3] {
+fn reference_tangent(rod: &Rod, p: &[f64], [offset, slope]: [[f64; 2]; 2]) -> [f64; 3] {
     let mut tau = [0.0, slope[0], slope[1]];
-    add_tangent_of(&rod.reference_strain.map(|strain| length * strain), &Mode::ALL, offset, &mut tau);
+    let strain = std::array::from_fn(|mode| p[rod.length] * p[rod.reference_strain.start + mode]);
+    add_tangent_of(&strain, &Mode::ALL, offset, &mut tau);
     tau
 }
 
@@ -243,7 +257,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let length = p[rod.length];
             for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
                 let [d, slope] = actuator.path(rod, gauss, routing, p);
-                let base = reference_tangent(rod, length, [d, slope]);
+                let base = reference_tangent(rod, p, [d, slope]);
                 let ends = paths.push_columns(gauss, length, d, tree.dof);
                 paths.points.push(PathPoint { base, weight: gauss.weight, ends });
             }
@@ -372,6 +386,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     strain[m] = if mode.is_angular() { 0.0 } else { strain[m] / length };
                 }
                 gradient[rod.length] += work(*by_length, tangent_of::<G, D, P>(&strain, *offset));
+                for mode in G::AXES {
+                    let tau = by_strain::<G, D, P>(mode, *offset);
+                    gradient[rod.reference_strain.start + mode.index()] += length * work(tau, [0.0; 3]);
+                }
             }
         }
     }

@@ -17,11 +17,11 @@ pub(crate) use sphere::direction;
 
 use super::differential::{Depth, Differential};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
-use super::friction::Pressed;
+use super::friction::{Direction, Pressed, PressedChange};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
 use super::terms::Terms;
-use crate::geometry::add_radius_slope;
+use crate::geometry::{add_radius_slope, radius_slope};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::SAME_FORCE;
@@ -380,26 +380,70 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
 /// What is reported of contacts.
 impl Contacts {
-    /// Visits what presses on each other in one of them.
+    /// Visits what presses on each other in one of them; with a margin also what rests on each other, at a gap
+    /// below that, as if it were so deep.
     pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         index: usize,
         at: &State<G, D, P>,
         state: &ContactState<P>,
+        margin: f64,
         visit: &mut impl FnMut(Pressed<P>),
     ) {
-        for (_, pair) in state.pairs.iter().filter(|(contact, _)| *contact == index) {
+        let mut press = |pair: &ContactPair<P>| {
             let stiffness = at.parameters()[self.0[index].stiffness] * pair.weight;
             let [p, a, b] = pair.points(at.tree);
             let second = at.frame(if pair.t < 0.5 { a } else { b });
+            let depth = pair.overlap.max(margin);
             let inward = at.geometry.radii[pair.first] - 0.5 * pair.overlap;
             visit(Pressed {
                 sphere: pair.first,
                 other: at.tree.frames[second].body,
                 frames: [at.frame(p), second],
                 place: *at.point(p) - pair.normal * inward,
-                force: pair.normal * (stiffness * pair.overlap),
+                force: pair.normal * (stiffness * depth),
                 stiffness,
+                depth,
+            });
+        };
+        if margin > 0.0 {
+            Self::for_each_near(at, &state.balls, &self.0[index], margin, |pair| press(&pair));
+        } else {
+            state.pairs.iter().filter(|(contact, _)| *contact == index).for_each(|(_, pair)| press(pair));
+        }
+    }
+
+    /// Visits the changes of these, in the same order.
+    pub fn for_each_pressed_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &ContactState<P>,
+        direction: &Direction<D, P>,
+        visit: &mut impl FnMut(PressedChange<P>),
+    ) {
+        let (contact, p) = (&self.0[index], at.parameters());
+        for (_, pair) in state.pairs.iter().filter(|(contact, _)| *contact == index) {
+            let [a, b] = pair.second;
+            let radii = [pair.first, a, b].map(|sphere| match direction.parameter {
+                Some(slot) => radius_slope(at.tree, p, at.tree.spheres[sphere].radius, slot),
+                None => 0.0,
+            });
+            let weigh = |weights: [f64; 3]| weights.iter().zip(&radii).map(|(w, r)| w * r).sum::<f64>();
+            let motion = pair.motion(at.tree, direction.velocities.points);
+            let depth = pair.closing(&motion) + weigh(pair.by_radii());
+            let along = pair.across * (weigh(pair.slide_by_radii()) * pair.slip / pair.distance);
+            let normal = pair.turning(&motion) + along;
+            let length = contact.lengths.get(pair.first - contact.first.start);
+            let scaled = length.map_or(0.0, |length| direction.of(*length) / p[*length]);
+            let k = p[contact.stiffness] * pair.weight;
+            let stiffness = direction.of(contact.stiffness) * pair.weight + k * scaled;
+            let inward = at.geometry.radii[pair.first] - 0.5 * pair.overlap;
+            visit(PressedChange {
+                place: motion[0] - normal * inward - pair.normal * (radii[0] - 0.5 * depth),
+                force: pair.normal * (stiffness * pair.overlap + k * depth) + normal * (k * pair.overlap),
+                stiffness,
+                depth,
             });
         }
     }

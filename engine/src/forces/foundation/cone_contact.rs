@@ -252,6 +252,32 @@ impl<const P: usize> ConeContact<P> {
         self.k[1] * t + start + self.section.share * (stop - start)
     }
 
+    /// The change of the depth.
+    pub fn change_of_depth(&self, change: &Change<P>) -> f64 {
+        self.rates(change)[0]
+    }
+
+    /// The change of the normal.
+    pub fn change_of_normal(&self, change: &Change<P>) -> Vector<P> {
+        let [_, t] = self.rates(change);
+        let sideways = change.relative - self.normal * self.normal.dot(&change.relative);
+        (sideways - (self.axis - self.normal * self.along) * t) * (1.0 / self.distance)
+    }
+
+    /// The change of [`ConeContact::stiffness`], its weight held.
+    pub fn change_of_stiffness_of_point(&self, change: &Change<P>) -> f64 {
+        let (section, explicit) = (&self.section, &change.explicit);
+        let [depth, t] = self.rates(change);
+        let width = section.width_by_surface * explicit[SURFACE] + explicit[WIDTH];
+        let radii = RADII.map(|i| explicit[i]);
+        let [kappa, _] = section.change_of_curvature(explicit[SURFACE], radii, width);
+        let [by_depth, by_curvature, by_width] =
+            Strip::slopes_of_stiffness(self.depth, section.curvature(), section.width);
+        let strip = by_depth * depth + by_curvature * (kappa + section.along[0] * t) + by_width * width;
+        let stiffness = self.change_of_stiffness(t, explicit);
+        self.weight * (self.k[0] * strip + stiffness * self.strip.depth_depth)
+    }
+
     /// The change of [`ConeContact::pressure`].
     pub fn change_of_pressure(&self, change: &Change<P>) -> f64 {
         let [depth, t] = self.rates(change);

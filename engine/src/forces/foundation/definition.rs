@@ -105,7 +105,7 @@ impl Foundation {
         let length = tree.rods[*rod].length;
         let radii = first.clone().filter_map(|s| match tree.spheres[s].radius {
             SphereRadius::Parameter(k) => Some(k),
-            SphereRadius::Link(..) => None,
+            SphereRadius::Link(..) | SphereRadius::Between(..) => None,
         });
         let radii = radii.collect();
         for sphere in second.clone() {

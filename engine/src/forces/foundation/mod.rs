@@ -15,11 +15,11 @@ pub(super) use strip::Strip;
 use super::contact::{Closest, ContactSummary, closest, direction, is_far};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
-use super::friction::Pressed;
+use super::friction::{Direction, Pressed, PressedChange};
 use super::magnitudes::Magnitudes;
 use super::state::State;
 use super::terms::Terms;
-use crate::geometry::add_radius_slope;
+use crate::geometry::{add_radius_slope, radius_slope};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::{SAME_FORCE, SWITCHING_DISTANCE};
@@ -141,8 +141,58 @@ impl Foundations {
                 place: *at.point(p) - contact.normal * inward,
                 force: -contact.gradient(),
                 stiffness: contact.stiffness(),
+                depth: contact.depth,
             });
         }
+    }
+
+    /// Visits the changes of these, in the same order.
+    pub fn for_each_pressed_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &[ConeContact<P>],
+        direction: &Direction<D, P>,
+        visit: &mut impl FnMut(PressedChange<P>),
+    ) {
+        let length = self.0[index].length;
+        let scaled = direction.of(length) / at.parameters()[length];
+        for contact in state.iter().filter(|contact| contact.foundation == index) {
+            let motion = points(contact, at.tree).map(|point| direction.velocities.points[point]);
+            let explicit = direction.parameter.map_or([0.0; 6], |slot| self.explicit(at, contact, slot));
+            let change = Change { explicit, ..attached::moved(contact, &motion) };
+            let (depth, normal) = (contact.change_of_depth(&change), contact.change_of_normal(&change));
+            let inward = at.geometry.radii[contact.first] - 0.5 * contact.depth;
+            visit(PressedChange {
+                place: motion[0] - normal * inward - contact.normal * (explicit[SURFACE] - 0.5 * depth),
+                force: -(contact.change_of_gradient(&change) + contact.gradient() * scaled),
+                stiffness: contact.change_of_stiffness_of_point(&change) + contact.stiffness() * scaled,
+                depth,
+            });
+        }
+    }
+
+    /// What changes with one parameter, frames, points and the rod's length held.
+    fn explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        contact: &ConeContact<P>,
+        slot: usize,
+    ) -> [f64; 6] {
+        let (p, tree) = (at.parameters(), at.tree);
+        let foundation = &self.0[contact.foundation];
+        let mut explicit = [0.0; 6];
+        for (sphere, i) in spheres(contact).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
+            explicit[i] = radius_slope(tree, p, tree.spheres[sphere].radius, slot);
+        }
+        let is = |other: usize| if other == slot { 1.0 } else { 0.0 };
+        for (own, i) in foundation.stiffness_at(&foundation.cones[contact.cone]).into_iter().zip(STIFFNESS) {
+            explicit[i] = is(own);
+        }
+        let point = contact.first - foundation.first.start;
+        explicit[WIDTH] = is(foundation.half_width + point)
+            + is(foundation.half_width_multiple + point) * at.geometry.radii[contact.first];
+        explicit
     }
 
     /// Adds to the summary, and to the force on the tip, without allocating.

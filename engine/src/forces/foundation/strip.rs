@@ -35,6 +35,12 @@ impl Strip {
         }
     }
 
+    /// Slopes of `depth_depth` by depth, curvature and half-width.
+    pub fn slopes_of_stiffness(d: f64, kappa: f64, b: f64) -> [f64; 3] {
+        let a = (2.0 * d / kappa).sqrt();
+        if a < b { [a / d, -a / kappa, 0.0] } else { [0.0, 0.0, 2.0] }
+    }
+
     /// At depth d ≥ 0, curvature κ > 0 and half-width b > 0.
     #[inline]
     pub fn new(d: f64, kappa: f64, b: f64) -> Self {
@@ -105,7 +111,11 @@ mod tests {
                 (4.0 * twice(0.5 * h) - twice(h)) / 3.0
             };
             let s = at(0, 0.0);
+            let [by_depth, by_curvature, by_width] = Strip::slopes_of_stiffness(x[0], x[1], x[2]);
             let pairs = [
+                (by_depth, slope(0, |s| s.depth_depth)),
+                (by_curvature, slope(1, |s| s.depth_depth)),
+                (by_width, slope(2, |s| s.depth_depth)),
                 (s.by_depth, slope(0, |s| s.energy)),
                 (s.by_curvature, slope(1, |s| s.energy)),
                 (s.by_width, slope(2, |s| s.energy)),

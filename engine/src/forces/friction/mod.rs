@@ -1,22 +1,32 @@
 //! Friction where bodies press on each other: elastic slip with memory.
 //!
-//! For one step of the load the normal forces, the planes of contact and the elastic slips with which it
-//! begins are held, and friction has a potential, see [`law`]. They are renewed in the equilibrium found, and
-//! the step is solved again, until that changes nothing; then slip beyond the limit is given up.
+//! With the normal forces and the planes of contact held, friction has a potential, see [`law`]. What is held
+//! is renewed from the state, which depends on that state and on what the step began with only, not on what was
+//! held before: a step is a system of equations, whose derivatives are in [`change`]. When it is solved, slip
+//! beyond the limit is given up.
 //!
 //! This memory belongs to a path and is kept with the state of the forces; a model without a history has no
 //! friction.
 
+mod change;
 mod definition;
+mod history;
 mod law;
 mod point;
+mod pressed;
+mod start;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use change::PointChange;
 use definition::Friction;
 pub use definition::FrictionDescription;
+pub(crate) use history::{FrictionSlopes, PointAdjoint, PointSlope};
 use law::Law;
-pub(crate) use point::{FrictionPoint, Pressed};
+use point::{FrictionPoint, Key};
+use pressed::Merged;
+pub(crate) use pressed::{Direction, Pressed, PressedChange};
+use start::{Begun, Start};
 
 use super::element::{ForceElement, ForceMemory, Switch, VirtualMotion};
 use super::magnitudes::Magnitudes;
@@ -42,11 +52,29 @@ pub(crate) struct Frictions(Vec<Friction>);
 /// The memory of a path.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FrictionMemory<const P: usize> {
-    pub points: Vec<FrictionPoint<P>>,
-    /// Energy dissipated so far [J].
-    pub dissipated: f64,
-    /// What presses on each other in the state in which the points are renewed.
-    pressed: Vec<(usize, Pressed<P>)>,
+    /// What is held.
+    points: Vec<FrictionPoint<P>>,
+    /// What the step began with.
+    start: Start<P>,
+    /// Energy dissipated before it [J].
+    dissipated: f64,
+    /// What presses on each other in the state in which the points were renewed.
+    pressed: Vec<Merged<P>>,
+    /// The contacts of which these are made, in the order in which they are visited, with the index of theirs.
+    contacts: Vec<(usize, Pressed<P>)>,
+}
+
+impl<const P: usize> FrictionMemory<P> {
+    /// Indices of the slips with which the step began, of points that do not press any more.
+    fn opened(&self) -> impl Iterator<Item = usize> {
+        let kept = |index: usize| self.points.iter().any(|point| point.begun == Some(index));
+        (0..self.start.points.len()).filter(move |index| !kept(*index))
+    }
+
+    /// Whether there are such points.
+    pub fn has_opened(&self) -> bool {
+        self.opened().next().is_some()
+    }
 }
 
 /// Slip beyond the limit in a step, as a fraction of the elastic slip, from which on a point slides.
@@ -93,89 +121,119 @@ impl Frictions {
     }
 
     /// Renews normal forces and planes of contact in a state in which these bodies press on each other, listed
-    /// with the index of the friction; a point that has not touched before has not slipped.
+    /// with the index of the friction.
     pub fn renew<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         memory: &mut FrictionMemory<P>,
         list: impl FnOnce(&mut dyn FnMut(usize, Pressed<P>)),
     ) {
-        let FrictionMemory { points, pressed, .. } = memory;
+        let FrictionMemory { points, start, pressed, contacts, .. } = memory;
         pressed.clear();
+        contacts.clear();
         list(&mut |friction, new: Pressed<P>| {
-            // A sphere may touch a body at several places, such as joined round cones.
-            let same = |(of, each): &&mut (usize, Pressed<P>)| {
-                *of == friction && each.sphere == new.sphere && each.other == new.other
+            let same = |each: &Merged<P>| {
+                each.friction == friction && (each.whole.sphere, each.whole.other) == (new.sphere, new.other)
             };
-            match pressed.iter_mut().rev().find(same) {
-                None => pressed.push((friction, new)),
-                Some((_, each)) => {
-                    if new.stiffness > each.stiffness {
-                        (each.frames, each.place) = (new.frames, new.place);
-                    }
-                    each.force += new.force;
-                    each.stiffness += new.stiffness;
-                }
+            let index = pressed.iter().rposition(same);
+            match index {
+                Some(index) => pressed[index].add(&new),
+                None => pressed.push(Merged::new(friction, &new)),
             }
+            contacts.push((index.unwrap_or(pressed.len() - 1), new));
         });
-        points.iter_mut().for_each(|point| point.touches = false);
-        pressed.retain(|(_, each)| each.force.norm() > 0.0 && each.stiffness > 0.0);
-        let known = |(index, each): &(usize, Pressed<P>)| [*index, each.sphere, each.other];
-        for each in pressed.iter() {
-            if let Some(point) = points.iter_mut().find(|point| point.key == known(each)) {
-                point.renew(at, &each.1, self.law(at, each));
-            }
+        if start.frames.is_empty() {
+            start.place(at);
         }
-        for each in pressed.iter() {
-            let key = known(each);
-            if points.iter().any(|point| point.key == key) {
-                continue;
-            }
-            // A sphere that has passed on from one body to the next takes its slip with it.
-            let left = |point: &&mut FrictionPoint<P>| !point.touches && point.key[..2] == key[..2];
+        points.clear();
+        let key = |each: &Merged<P>| [each.friction, each.whole.sphere, each.whole.other];
+        let now = |wanted: Key| pressed.iter().any(|each| key(each) == wanted && each.presses());
+        for (index, each) in pressed.iter().enumerate().filter(|(_, each)| each.presses()) {
+            let own = key(each);
+            let taken = |of: usize| points.iter().any(|point| point.begun == Some(of));
+            let begun = start.points.iter().position(|begun| begun.key == own).or_else(|| {
+                // A sphere that has passed on from one body to the next takes its slip with it.
+                let left = |(of, begun): &(usize, &Begun<P>)| {
+                    begun.key[..2] == own[..2] && !now(begun.key) && !taken(*of)
+                };
+                start.points.iter().enumerate().find(left).map(|(of, _)| of)
+            });
             let law = self.law(at, each);
-            match points.iter_mut().find(left) {
-                Some(point) => {
-                    point.renew(at, &each.1, law);
-                    point.key = key;
-                }
-                None => points.push(FrictionPoint::new(at, key, &each.1, law)),
-            }
+            points.push(FrictionPoint::new(at, (own, index), &each.whole, law, (start, begun)));
         }
-        points.iter_mut().filter(|point| !point.touches).for_each(|point| point.law.limit = 0.0);
     }
 
     /// The law of a point at which bodies press on each other.
     fn law<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-        (index, pressed): &(usize, Pressed<P>),
+        Merged { friction, whole, .. }: &Merged<P>,
     ) -> Law {
-        let friction = &self.0[*index];
+        let friction = &self.0[*friction];
         Law {
-            stiffness: friction.ratio * pressed.stiffness,
-            limit: at.parameters()[friction.coefficient] * pressed.force.norm(),
+            stiffness: friction.ratio * whole.stiffness,
+            limit: at.parameters()[friction.coefficient] * whole.force.norm(),
         }
     }
 
-    /// Ends a step: gives up the slip beyond the limit, and forgets the points that do not touch.
-    pub fn give_up_slip<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    /// Ends a step: gives up the slip beyond the limit. The next one begins here.
+    pub fn end_step<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         memory: &mut FrictionMemory<P>,
         excess: f64,
     ) {
-        for point in &mut memory.points {
-            let lost = point.law.dissipation(point.size(at));
-            point.set_back(at, excess);
-            memory.dissipated += lost - point.law.dissipation(point.slip.norm());
+        memory.dissipated = self.dissipated(at, memory);
+        memory.points.iter_mut().for_each(|point| point.set_back(at, excess));
+        self.begin_step(at, memory);
+        // The slip just beyond the limit counts for what is yet to be dissipated.
+        memory.dissipated -= self.dissipation(at, memory);
+    }
+
+    /// Lets a step begin in a state with the slips that points have in it.
+    pub fn begin_step<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        memory: &mut FrictionMemory<P>,
+    ) {
+        let FrictionMemory { points, start, .. } = memory;
+        start.place(at);
+        start.points.clear();
+        for (index, point) in points.iter_mut().enumerate() {
+            start.points.push(point.begin());
+            point.begun = Some(index);
         }
-        memory.points.retain(|point| point.touches);
+    }
+
+    /// Sets the slip of a point that touches, given in the world.
+    pub fn set_slip<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        memory: &mut FrictionMemory<P>,
+        key: Key,
+        slip: Vector<P>,
+    ) {
+        if let Some(point) = memory.points.iter_mut().find(|point| point.key == key) {
+            point.set_slip(at, slip);
+        }
     }
 
     /// Lets every point stick.
     pub fn stick<const P: usize>(&self, memory: &mut FrictionMemory<P>) {
         memory.points.iter_mut().for_each(|point| point.law.limit = f64::INFINITY);
+    }
+
+    /// Energy dissipated up to a state [J]: by slip beyond the limit, and by elastic slip that is lost as
+    /// contacts become softer, stiffer, or open.
+    pub fn dissipated<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        memory: &FrictionMemory<P>,
+    ) -> f64 {
+        let FrictionMemory { points, start, .. } = memory;
+        let opened: f64 = memory.opened().map(|index| start.points[index].energy()).sum();
+        let relaxed: f64 = points.iter().map(|point| point.relaxed(start)).sum();
+        memory.dissipated + self.dissipation(at, memory) + relaxed + opened
     }
 
     /// The part of the potential that is not stored but dissipated as the step ends [J].
@@ -193,7 +251,6 @@ impl Frictions {
         at: &State<G, D, P>,
         memory: &FrictionMemory<P>,
     ) -> Vec<FrictionForce<P>> {
-        let touching = memory.points.iter().filter(|point| point.touches);
         let force = |point: &FrictionPoint<P>| {
             let [friction, sphere, other] = point.key;
             let now = point.at(at);
@@ -209,7 +266,7 @@ impl Frictions {
                 slides: point.law.stiffness * now.slip.norm() > limit * (1.0 + SLIDING),
             }
         };
-        touching.map(force).collect()
+        memory.points.iter().map(force).collect()
     }
 }
 

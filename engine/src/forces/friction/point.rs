@@ -1,49 +1,36 @@
-//! One point at which bodies rub: what it remembers, and its kinematics in a step.
+//! One point at which bodies rub: what is held in a step, and its kinematics.
 
 use super::super::state::State;
 use super::law::Law;
+use super::pressed::Pressed;
+use super::start::{Begun, Start};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 
 /// Identifies a point from step to step: friction, sphere of the first body, and second body.
 pub(crate) type Key = [usize; 3];
 
-/// Two bodies that press on each other in a state.
-#[derive(Clone, Debug)]
-pub(crate) struct Pressed<const P: usize> {
-    /// The sphere of the first body.
-    pub sphere: usize,
-    /// What it touches: a body, or a surface of an obstacle.
-    pub other: usize,
-    /// Frames that carry both.
-    pub frames: [usize; 2],
-    /// Where [m].
-    pub place: Vector<P>,
-    /// Normal force on the first [N].
-    pub force: Vector<P>,
-    /// Normal stiffness [N/m].
-    pub stiffness: f64,
-}
-
 /// A point of the first body that rubs on the second.
 ///
-/// In a step it is a material point of the first body, and the plane in which it slips is fixed in the second;
-/// its slip is the elastic slip with which the step began plus its motion in that plane since.
+/// In a step it is a material point of the first body, and the plane in which it slips is fixed in the second.
+/// Its slip is that with which the step began plus its motion in that plane since.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FrictionPoint<const P: usize> {
     pub key: Key,
+    /// Index of what presses there.
+    pub pressed: usize,
     /// Frames of the first and the second body.
     pub frames: [usize; 2],
     /// In the axes of the first frame.
-    place: Vector<P>,
+    pub place: Vector<P>,
     /// Where it was in the axes of the second when the slip was `slip`.
-    base: Vector<P>,
+    pub base: Vector<P>,
     pub slip: Vector<P>,
     /// Unit vector towards the first body, in the axes of the second frame.
     pub normal: Vector<P>,
     pub law: Law,
-    /// Whether the bodies touch in the state in which it was renewed.
-    pub touches: bool,
+    /// Index of that with which it began the step, unless it touches for the first time.
+    pub begun: Option<usize>,
 }
 
 /// A point in a state, in the world.
@@ -56,16 +43,31 @@ pub(crate) struct Slipped<const P: usize> {
 }
 
 impl<const P: usize> FrictionPoint<P> {
-    /// A point that has not slipped.
+    /// A point at which bodies press on each other now, with what the step began with. A point that touches
+    /// for the first time slips from where it touched, as far as the step is straight.
     pub fn new<G: LieGroup<D, P>, const D: usize>(
         at: &State<G, D, P>,
-        key: Key,
+        (key, index): (Key, usize),
         pressed: &Pressed<P>,
         law: Law,
+        (start, begun): (&Start<P>, Option<usize>),
     ) -> Self {
-        let [place, base, normal] = fixed(at, pressed);
         let frames = pressed.frames;
-        Self { key, frames, place, base, slip: Vector::ZERO, normal, law, touches: true }
+        let [first, second] = frames.map(|frame| at.kinematics.pose[frame].inverse());
+        let normal = second.rotate(&(pressed.force * (1.0 / pressed.force.norm())));
+        let (place, now) = (first.act(&pressed.place), second.act(&pressed.place));
+        let then = start.frames[frames[1]].undo(&start.frames[frames[0]].act(&place));
+        let (base, slip) = match begun.map(|index| &start.points[index]) {
+            Some(begun) => {
+                let slip = carried(&start.slip_in(begun, frames[1]), &normal);
+                (then, slip * softening(begun, law.stiffness))
+            }
+            None => {
+                let moved = now - then;
+                (now - moved * touched_share(&normal, &moved, pressed.depth), Vector::ZERO)
+            }
+        };
+        Self { key, pressed: index, frames, place, base, slip, normal, law, begun }
     }
 
     /// The slip in the axes of the second frame, with the place in the world.
@@ -91,23 +93,11 @@ impl<const P: usize> FrictionPoint<P> {
         self.slipped(at).1.norm()
     }
 
-    /// Takes the slip so far for that of a point at which the bodies press on each other now. The slip turns
-    /// with the plane: it is carried along the shortest rotation of the normal.
-    pub fn renew<G: LieGroup<D, P>, const D: usize>(
-        &mut self,
-        at: &State<G, D, P>,
-        pressed: &Pressed<P>,
-        law: Law,
-    ) {
-        let Slipped { slip, normal, .. } = self.at(at);
-        let to = pressed.force * (1.0 / pressed.force.norm());
-        let turned = slip - (normal + to) * (to.dot(&slip) / (1.0 + normal.dot(&to)).max(f64::EPSILON));
-        // A stiffer contact has the same force, a softer one the same slip: neither adds energy.
-        let softer = (self.law.stiffness / law.stiffness).min(1.0);
-        [self.place, self.base, self.normal] = fixed(at, pressed);
-        self.frames = pressed.frames;
-        self.slip = at.kinematics.pose[self.frames[1]].inverse().rotate(&(turned * softer));
-        (self.law, self.touches) = (law, true);
+    /// Energy lost as the stiffness changed since the step began; none where the slip only turned.
+    pub fn relaxed(&self, start: &Start<P>) -> f64 {
+        let Some(begun) = self.begun.map(|index| &start.points[index]) else { return 0.0 };
+        let kept = softening(begun, self.law.stiffness);
+        begun.energy() - 0.5 * self.law.stiffness * kept * kept * begun.slip.dot(&begun.slip)
     }
 
     /// Sets the slip, given in the world.
@@ -122,14 +112,28 @@ impl<const P: usize> FrictionPoint<P> {
         self.base = at.kinematics.pose[self.frames[1]].inverse().act(&place);
         self.slip = self.law.returned(slip, excess);
     }
+
+    /// What it begins the next step with.
+    pub fn begin(&self) -> Begun<P> {
+        Begun { key: self.key, slip: self.slip, frame: self.frames[1], stiffness: self.law.stiffness }
+    }
 }
 
-/// Place in the axes of the first frame, place and normal in those of the second.
-fn fixed<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    at: &State<G, D, P>,
-    pressed: &Pressed<P>,
-) -> [Vector<P>; 3] {
-    let [first, second] = pressed.frames.map(|frame| at.kinematics.pose[frame].inverse());
-    let normal = pressed.force * (1.0 / pressed.force.norm());
-    [first.act(&pressed.place), second.act(&pressed.place), second.rotate(&normal)]
+/// A slip turned into the plane across a normal, its length kept.
+pub(super) fn carried<const P: usize>(slip: &Vector<P>, normal: &Vector<P>) -> Vector<P> {
+    let flat = *slip - *normal * normal.dot(slip);
+    let size = flat.norm();
+    if size > 0.0 { flat * (slip.norm() / size) } else { Vector::ZERO }
+}
+
+/// What becomes of a slip as the stiffness changes: a stiffer contact has the same force, a softer one the
+/// same slip. Neither adds energy.
+pub(super) fn softening<const P: usize>(begun: &Begun<P>, stiffness: f64) -> f64 {
+    (begun.stiffness / stiffness).min(1.0)
+}
+
+/// The share of a step's motion after a point touched that did not before, its overlap being `depth` now.
+pub(super) fn touched_share<const P: usize>(normal: &Vector<P>, moved: &Vector<P>, depth: f64) -> f64 {
+    let closing = -normal.dot(moved);
+    if closing > depth { depth / closing } else { 1.0 }
 }

@@ -59,6 +59,7 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description, siz
     let mut data = Data::new(&model);
     data.evaluate(&model, &state(0.0), &load);
     data.renew_friction(&model);
+    data.begin_friction_step(&model, &[]);
     let before = data.energy();
     data.evaluate(&model, &state(0.0), &load);
     assert!((data.energy() - before).abs() < 1e-13 * before.abs(), "nothing has slipped yet");
@@ -86,7 +87,57 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description, siz
             assert!(error < 1e-7 * largest(&tangent), "{i}, {j}: {} {}", column[i], tangent[i * n + j]);
         }
     }
+    check_renewed(&model, &mut data, &q);
+    // Many points touch for the first time.
+    data.recall_friction(crate::forces::friction::FrictionMemory::default());
+    data.evaluate(&model, &state(-1.0), &load);
+    data.renew_friction(&model);
+    data.begin_friction_step(&model, &[]);
+    check_renewed(&model, &mut data, &q);
+    // Once more from here, with elastic slips.
+    data.evaluate(&model, &q, &load);
+    data.end_friction_step(&model, 1e-12);
+    check_renewed(&model, &mut data, &state(0.3));
     [forces.iter().filter(|force| force.slides).count(), forces.len()]
+}
+
+/// Checks the tangent with friction renewed in each state.
+fn check_renewed<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &mut Data<G, D, P>,
+    q: &[f64],
+) {
+    let (n, load) = (model.dof(), vec![0.0; model.inputs().len()]);
+    let mut renewed = |q: &[f64]| {
+        data.evaluate_residual(model, q, &load);
+        data.renew_friction(model);
+        data.evaluate_residual(model, q, &load);
+        data.residual().to_vec()
+    };
+    let h = 1e-6;
+    let mut columns = vec![vec![0.0; n]; n];
+    for (j, column) in columns.iter_mut().enumerate() {
+        for (step, weight) in STENCIL {
+            let mut moved = q.to_vec();
+            moved[j] += step * h;
+            column.iter_mut().zip(renewed(&moved)).for_each(|(c, r)| *c += weight * r / (60.0 * h));
+        }
+    }
+    renewed(q);
+    data.evaluate_tangent(model, q, &load);
+    let held = data.tangent().to_vec();
+    data.complete_columns(model);
+    data.add_renewal(model, &mut crate::friction::RenewalWork::new(model));
+    let tangent = data.tangent();
+    let most = tangent.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let added = held.iter().zip(tangent).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(added > 1e-6 * most, "{added} {most}");
+    for (j, column) in columns.iter().enumerate() {
+        for (i, change) in column.iter().enumerate() {
+            let error = (change - tangent[i * n + j]).abs();
+            assert!(error < 1e-6 * most, "{i}, {j}: {change} {} of {most}", tangent[i * n + j]);
+        }
+    }
 }
 
 #[test]

@@ -17,11 +17,11 @@ pub use surface::SurfaceDescription;
 
 use super::differential::Differential;
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
-use super::friction::Pressed;
+use super::friction::{Direction, Pressed, PressedChange};
 use super::magnitudes::Magnitudes;
 use super::state::{Law, State};
 use super::terms::Terms;
-use crate::geometry::add_radius_slope;
+use crate::geometry::{add_radius_slope, radius_slope};
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 use crate::tolerances::SWITCHING_DISTANCE;
@@ -81,27 +81,77 @@ impl<const P: usize> Obstacles<P> {
         self.0.len()
     }
 
-    /// Visits what presses on one of them.
+    /// Visits what presses on one of them; with a margin also what rests on it, at a gap below that, as if it
+    /// were so deep.
     pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize>(
         &self,
         index: usize,
         at: &State<G, D, P>,
         state: &ObstacleState<P>,
+        margin: f64,
         visit: &mut impl FnMut(Pressed<P>),
     ) {
-        for (obstacle, touch) in self.touching(state) {
-            if touch.obstacle == index {
-                let point = touch.point(at);
-                let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
-                visit(Pressed {
-                    sphere: touch.sphere,
-                    other: touch.surface,
-                    frames: [at.frame(point), obstacle.frame],
-                    place: *at.point(point) - touch.normal * inward,
-                    force: touch.normal * touch.pressing.force,
-                    stiffness: touch.pressing.stiffness,
-                });
+        let mut press = |touch: &Touch<P>| {
+            if touch.obstacle != index {
+                return;
             }
+            let (obstacle, point) = (&self.0[index], touch.point(at));
+            let depth = touch.depth.max(margin);
+            let pressing = if depth > touch.depth {
+                obstacle.pressing(at.parameters(), Contact { depth, ..touch.contact(at) })
+            } else {
+                touch.pressing
+            };
+            let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
+            visit(Pressed {
+                sphere: touch.sphere,
+                other: touch.surface,
+                frames: [at.frame(point), obstacle.frame],
+                place: *at.point(point) - touch.normal * inward,
+                force: touch.normal * pressing.force,
+                stiffness: pressing.stiffness,
+                depth,
+            });
+        };
+        if margin > 0.0 {
+            self.for_each_near(at, margin, |_, touch| press(&touch));
+        } else {
+            state.touching.iter().for_each(press);
+        }
+    }
+
+    /// Visits the changes of these, in the same order; only spheres on springs press with friction.
+    pub fn for_each_pressed_change<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        index: usize,
+        at: &State<G, D, P>,
+        state: &ObstacleState<P>,
+        direction: &Direction<D, P>,
+        visit: &mut impl FnMut(PressedChange<P>),
+    ) {
+        for (obstacle, touch) in self.touching(state).filter(|(_, touch)| touch.obstacle == index) {
+            let (point, n, velocities) = (touch.point(at), touch.normal, &direction.velocities);
+            let radius = at.tree.spheres[touch.sphere].radius;
+            let radius =
+                direction.parameter.map_or(0.0, |slot| radius_slope(at.tree, at.parameters(), radius, slot));
+            let surface = obstacle.surfaces[touch.surface].radius();
+            let grown = surface.map_or(0.0, |(slot, by_radius)| direction.of(slot) * by_radius);
+            let mut moved = obstacle.relative_velocity(at, velocities, point);
+            obstacle.for_each_shift(at, touch, |slot, shift| moved += shift * direction.of(slot));
+            let k = touch.pressing.stiffness;
+            let depth = radius - grown - n.dot(&moved);
+            let mut normal = touch.curvature.map_or(Vector::ZERO, |curvature| curvature * moved);
+            if obstacle.frame != 0 {
+                normal += velocities.shifted::<G>(obstacle.frame, &n);
+            }
+            let stiffness = direction.of(obstacle.stiffness);
+            let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
+            visit(PressedChange {
+                place: velocities.points[point] - normal * inward - n * (radius - 0.5 * depth),
+                force: n * (stiffness * touch.depth + k * depth) + normal * (k * touch.depth),
+                stiffness,
+                depth,
+            });
         }
     }
 

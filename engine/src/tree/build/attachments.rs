@@ -1,7 +1,9 @@
 //! Spheres on bodies and points of attachment.
 
 use super::super::description::{AttachmentDescription, SphereGroupDescription, Station};
-use super::super::{Body, ModelError, Place, Point, Shape, Sphere, SphereRadius, Tree, finite, positive};
+use super::super::{
+    Between, Body, ModelError, Place, Point, Shape, Sphere, SphereRadius, Tree, finite, positive,
+};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use std::ops::Range;
@@ -58,6 +60,39 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         };
         self.points.push(point);
         Ok(self.points.len() - 1)
+    }
+
+    /// Appends the points of an attachment to a rod at a fraction of its length: one that the sample point
+    /// before it carries, and one that the sample point after it carries.
+    pub(crate) fn attach_between(
+        &mut self,
+        field: &str,
+        at: &AttachmentDescription,
+    ) -> Result<Option<([usize; 2], Between)>, ModelError> {
+        let AttachmentDescription::Body { body, station: Station::Along(fraction), offset, surface } = at
+        else {
+            return Ok(None);
+        };
+        finite(field, &[*fraction])?;
+        let rod = self.rod(field, body)?;
+        let (_, owner) = field.split_once('.').unwrap_or(("", field));
+        let between = Between { rod, slot: self.slot(format!("{owner}.along"), "1", &[*fraction]).start };
+        let (_, Body { base_frame, tip_frame, .. }) = self.body(field, body)?;
+        let (frame, last) = (*base_frame, *tip_frame);
+        let local = |vector: &[f64; 3]| {
+            finite(field, vector)?;
+            G::point_from_spatial(vector)
+                .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))
+        };
+        let (offset, direction) = (local(offset)?, local(surface)?);
+        let first = self.points.len();
+        for side in [0, 1] {
+            let surface =
+                (direction != Vector::ZERO).then_some((SphereRadius::Between(between, side), direction));
+            self.points.push(Point { frame, place: Place::Between(between, side), offset, surface });
+        }
+        self.keep_moving_jacobian(first + 1, last);
+        Ok(Some(([first, first + 1], between)))
     }
 
     /// The radius of a body at a station, which is at this place.

@@ -36,6 +36,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             stiffness_pattern: vec![],
             points: vec![],
             spheres: vec![],
+            moving: vec![],
             sphere_groups: vec![],
             jacobian_slot: vec![],
             leads_to_kept: vec![],
@@ -86,16 +87,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         if frame != 0 && self.jacobian_slot[frame].is_none() {
             let next = self.jacobian_slot.iter().flatten().count();
             self.jacobian_slot[frame] = Some(next);
-            let mut f = frame;
-            while f != 0 {
-                self.leads_to_kept[f] = true;
-                f = self.frames[f].parent;
-            }
-            let path = self.frames[frame].path.clone();
-            if !path.is_empty() {
-                let union = |a: &Range<usize>| a.start.min(path.start)..a.end.max(path.end);
-                self.coupled = if self.coupled.is_empty() { path.clone() } else { union(&self.coupled) };
-            }
+            self.lead_to(frame);
+        }
+    }
+
+    /// Keeps the Jacobian of the frame of a point, which depends on the design and is on the way to `last`.
+    pub(crate) fn keep_moving_jacobian(&mut self, point: usize, last: usize) {
+        self.moving.push(point);
+        self.lead_to(last);
+    }
+
+    fn lead_to(&mut self, frame: usize) {
+        let mut f = frame;
+        while f != 0 {
+            self.leads_to_kept[f] = true;
+            f = self.frames[f].parent;
+        }
+        let path = self.frames[frame].path.clone();
+        if !path.is_empty() {
+            let union = |a: &Range<usize>| a.start.min(path.start)..a.end.max(path.end);
+            self.coupled = if self.coupled.is_empty() { path.clone() } else { union(&self.coupled) };
         }
     }
 }

@@ -58,6 +58,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         let density = one("density", "kg/m^3", rod.density);
         let radius = self.slot(field("radius"), "m", &rod.radius);
         let slope = self.slot(field("slope"), "m", &rod.slope);
+        let reference_strain = self.slot(field("reference_strain"), None, &rod.reference_strain);
 
         let rule = gauss_legendre(rod.gauss_points);
         let mut gauss = vec![];
@@ -92,7 +93,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         }
         self.rods.push(Rod {
             section: rod.section,
-            reference_strain: rod.reference_strain,
+            reference_strain,
             dofs: first_dof..self.dof,
             x,
             gauss,

@@ -14,7 +14,7 @@ from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
 from flexor.model.schema.points import Station
 from flexor.model.schema.profile import surface
-from flexor.model.schema.table import Name, Number, Table
+from flexor.model.schema.table import Name, Number, Switch, Table
 from flexor.model.units import (
     NonNegativeForce,
     NonNegativeLength,
@@ -46,13 +46,16 @@ class Strap(Force):
     It is sewn to both surfaces: its ends follow the rod's S(X) and the body's radius. Or it is a
     `Loop`, which holds the rod at the place of the link that is nearest. In the reference state it
     has the tension ``pretension``, or is longer than the distance of its ends by ``slack``. Its
-    stiffness is given, or is that of its ``width`` times ``stiffness_per_width``.
+    stiffness is given, or is that of its ``width`` times ``stiffness_per_width``. ``at`` is any
+    fraction of the rod's length; with ``moving`` the engine can move it, as in searches that vary
+    it, also from an element boundary.
     """
 
     description: ClassVar[str] = "springs"
 
     rod: Name
     at: Fraction
+    moving: Switch = False
     to: Annotated[
         Annotated[Station, Tag("sewn")] | Annotated[Loop, Tag("loop")], Discriminator(_form)
     ]
@@ -86,11 +89,13 @@ class Strap(Force):
     def check(self, path: str, system: BodySystem) -> None:
         """Check that both ends exist and that the strap is long enough for its pretension."""
         check_rod(self.rod, system.bodies, f"{path}.rod")
-        if system.rod(self.rod).point_at(self.at) is None:
-            elements = system.rod(self.rod).elements
-            tail = f"is {self.at}: it must be an element boundary, a multiple of 1/{elements}"
-            raise field_error(tail, path=f"{path}.at")
         if isinstance(self.to, Loop):
+            if system.rod(self.rod).point_at(self.at) is None:
+                elements = system.rod(self.rod).elements
+                tail = f"is {self.at}: that of a loop must be an element boundary, a multiple of "
+                raise field_error(f"{tail}1/{elements}", path=f"{path}.at")
+            if self.moving:
+                raise field_error("is given, but a loop stays where it is", path=f"{path}.moving")
             check_known(self.to.body, "body", system.bodies, f"{path}.to.body")
             if isinstance(system.bodies[self.to.body], Rod):
                 tail = f'is "{self.to.body}", which is a rod: a loop slides along a link'
@@ -121,7 +126,10 @@ class Strap(Force):
                 "stiffness": self.constant,
                 "rest_length": self._rest(system),
             }
-        first = Station(body=self.rod, at=self.at).lower_point(system.bodies)
+        if self.moving or system.rod(self.rod).point_at(self.at) is None:
+            first: dict[str, Any] = {"body": self.rod, "station": {"along": float(self.at)}}
+        else:
+            first = Station(body=self.rod, at=self.at).lower_point(system.bodies)
         second = self.to.lower_point(system.bodies)
         first["surface"], second["surface"] = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
         return {
