@@ -64,6 +64,7 @@ _PACKAGES = (
     "constraints",
     "design",
     "errors",
+    "exchange",
     "export",
     "inverse",
     "materials",

@@ -72,4 +72,4 @@ def test_names_of_presets_are_completed() -> None:
     script = [sys.executable, "-c", "from flexor.cli.app import main; main()"]
     asked = {**os.environ, **words, "_FLEXOR_COMPLETE": "complete_bash"}
     ran = subprocess.run(script, env=asked, capture_output=True, text=True, check=False)
-    assert ran.stdout.split() == ["finger", "finger-2-links"]
+    assert ran.stdout.split() == ["finger", "finger-2-links", "finger-two-chambers"]

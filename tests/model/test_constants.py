@@ -127,7 +127,8 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             '"name", '
             '"title", "planar", "gravity", "bodies", "materials", "spheres", "contacts", '
             '"obstacles", "actuators", '
-            '"torques", "couplings", "springs", "straps", "wrenches", "ties", "inputs", "design", '
+            '"torques", "couplings", "springs", "straps", "tendons", "wraps", "wrenches", '
+            '"ties", "inputs", "design", '
             '"population", '
             '"evaluation", "start", "solver", "constants", "variants", "use".',
         ),

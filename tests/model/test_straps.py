@@ -88,7 +88,11 @@ def test_its_end_follows_the_surface_of_a_design() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ("at = 0.5\nto", "at = 0.3\nto", "straps.band.at is 0.3: it must be an element boundary"),
+        (
+            'at = 0.5\nto = { body = "block", at = 0.5 }',
+            'at = 0.3\nto = { body = "block", loop = true }',
+            "straps.band.at is 0.3: that of a loop must be an element boundary",
+        ),
         ('width = "2 cm"\n', "", "straps.band.stiffness is missing: give it, or width and"),
         (
             'slack = "4 mm"',

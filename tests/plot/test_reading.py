@@ -55,12 +55,13 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
         springs={},
         ties={},
         obstacles={},
+        wraps={},
         rod=lambda name: {"exosuit": exosuit}[name],
         bodies={"exosuit": exosuit, "ph_1": Link.model_validate(link)},
         actuators={"chamber": Actuator.model_validate({"kind": "chamber", "rod": "exosuit"})},
     )
     return SimpleNamespace(
-        model=SimpleNamespace(file=file, slot=lambda name, parameters: slots[name]),
+        model=SimpleNamespace(file=file, tendons=(), slot=lambda name, parameters: slots[name]),
         parameters=None,
         frames=lambda step: {"exosuit": FRAMES, "ph_1": LINK_FRAMES},
         contact_forces=lambda step: contact,

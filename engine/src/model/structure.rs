@@ -117,6 +117,7 @@ mod tests {
     use crate::lie::{SE2, SE3};
     use crate::strain::BasisKind;
     use crate::systems::finger;
+    use crate::tree::description::ShapeDescription;
     use crate::trees::{SECTIONS, spatial_tree};
 
     #[test]
@@ -171,9 +172,15 @@ mod tests {
         }
         let unknown = structure.slot_units.iter().filter(|(_, unit)| unit.is_none());
         for (slot, _) in unknown {
-            let owner = slot.strip_suffix(".joint_stiffness").unwrap_or_else(|| panic!("{slot}"));
-            let body = description.bodies.iter().find(|b| b.name == owner);
-            assert_eq!(body.map(|b| b.joint.kind), Some(JointKind::Free));
+            let (owner, what) = slot.rsplit_once('.').unwrap();
+            // Their units are those of the joints.
+            if description.joint_couplings.iter().any(|coupling| coupling.name == owner) {
+                continue;
+            }
+            let body = description.bodies.iter().find(|b| b.name == owner).unwrap();
+            let rod = matches!(body.shape, ShapeDescription::Rod(_));
+            let free = body.joint.kind == JointKind::Free;
+            assert!(what == "reference_strain" && rod || what == "joint_stiffness" && free, "{slot}");
         }
     }
 }

@@ -187,7 +187,8 @@ class Separate:
         worst = share.argmax(axis=0)[None]
         made["residual"] = np.take_along_axis(residuals, worst, axis=0)[0]
         made["tolerance"] = np.take_along_axis(tolerances, worst, axis=0)[0]
-        own = np.broadcast_to(loads.reshape(-1, steps, loads.shape[-1]), (*shape, loads.shape[-1]))
+        given = loads.reshape(len(loads) // steps, steps, loads.shape[-1])
+        own = np.broadcast_to(given, (*shape, loads.shape[-1]))
         made["applied"] = own.copy()
         made["q"] = np.empty((*shape, self.whole.dof))
         made["rod_bending"] = np.empty((*shape, _total(self.components, "rods")))

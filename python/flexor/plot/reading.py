@@ -66,7 +66,7 @@ def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Sce
     ]
     lines += [_strap(path, name, frames) for name in model.file.straps]
     lines += springs(path, frames)
-    lines += tendons(path, frames, path.q[step])
+    lines += tendons(path, frames, step)
     lines += ties(path, frames)
     contacts = path.contact_forces(step)
     arrows = _contact_arrows(path, contacts)

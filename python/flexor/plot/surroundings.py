@@ -32,12 +32,13 @@ def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
     return lines
 
 
-def tendons(path: Path, frames: dict[str, Array], q: Array) -> list[Line]:
-    """Return a line for each branch of each tendon in a state, and a circle for each wrap."""
+def tendons(path: Path, frames: dict[str, Array], step: int) -> list[Line]:
+    """Return a line for each branch of each tendon at a step, and a circle for each wrap."""
     lines = []
-    found = path.model.engine.tendon_paths(path.parameters, q) if path.model.tendons else []
-    for name, branches in zip(path.model.tendons, found, strict=True):
-        lines += [Line(name, np.array(branch), "tendon", TENDON) for branch in branches]
+    if names := path.model.tendons:
+        found = path.model.engine.tendon_paths(path.parameters, path.q[step])
+        for name, branches in zip(names, found, strict=True):
+            lines += [Line(name, np.array(branch), "tendon", TENDON) for branch in branches]
     angle = np.linspace(0.0, 2.0 * np.pi, 49)
     flat = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
     for name, wrap in path.model.file.wraps.items():
