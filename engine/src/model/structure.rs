@@ -174,10 +174,12 @@ mod tests {
         for (slot, _) in unknown {
             let (owner, what) = slot.rsplit_once('.').unwrap();
             // Their units are those of the joints.
-            if description.joint_couplings.iter().any(|coupling| coupling.name == owner) {
+            let couplings = description.joint_couplings.iter().map(|coupling| &coupling.name);
+            if description.joint_torques.iter().map(|t| &t.name).chain(couplings).any(|name| name == owner) {
                 continue;
             }
-            let body = description.bodies.iter().find(|b| b.name == owner).unwrap();
+            let body = description.bodies.iter().find(|b| b.name == owner);
+            let body = body.unwrap_or_else(|| panic!("{slot}"));
             let rod = matches!(body.shape, ShapeDescription::Rod(_));
             let free = body.joint.kind == JointKind::Free;
             assert!(what == "reference_strain" && rod || what == "joint_stiffness" && free, "{slot}");

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -63,7 +63,8 @@ class Auto(Method):
     evaluations : int
         Maximum number of evaluations, over which the stages are spread.
     explore : bool
-        Whether to search the whole box; without, only SLSQP from the starts, and the refinement.
+        Whether to search the whole box; without, only SLSQP from the starts, which are nearly
+        optimal, and a refinement of fewer designs.
     iterations : int
         Maximum number of iterations of each SLSQP.
     difference : float
@@ -86,9 +87,8 @@ class Auto(Method):
 
     @property
     def from_optimum(self) -> Auto:
-        """The same from starts that are nearly optimal, with a refinement of fewer designs."""
-        own = {each.name: getattr(self, each.name) for each in fields(self)}
-        return _FromOptimum(**{**own, "explore": False})
+        """The same from starts that are nearly optimal."""
+        return replace(self, explore=False)
 
     def run(self, run: Run) -> str:
         """Run all stages that are needed."""
@@ -172,24 +172,24 @@ class Auto(Method):
         return end
 
     def _refine(self, run: Run, known: Known, most: int) -> str:
-        """Run a pattern search from the best design."""
+        """Go on from the best design."""
+        if not self.explore and run.linearized(known.best(1, 0.0)) is not None:
+            return self._refine_coarsely(run, known, most)
+        return self._refine_finely(run, known, most)
+
+    def _refine_finely(self, run: Run, known: Known, most: int) -> str:
+        """Run a pattern search."""
         share = max(most - run.function.evaluations, most // 10, 1)
         search = PatternSearch(initial_mesh=self.mesh, tolerance=self.tolerance)
         run_stage(run, known, search, known.best(1, 0.0), share, "refinement")
         run.function.check()
         return f"converged: no better design within {self.tolerance:g} of the ranges"
 
+    def _refine_coarsely(self, run: Run, known: Known, most: int) -> str:
+        """Poll all neighbours, which finds ways around kinks, and run SLSQP from better ones.
 
-class _FromOptimum(Auto):
-    """From starts that are nearly optimal, with a refinement of few designs.
-
-    Polls of all neighbours find ways around kinks, and SQP goes on from each better design, where
-    the pattern search would take many small steps.
-    """
-
-    def _refine(self, run: Run, known: Known, most: int) -> str:
-        if run.linearized(known.best(1, 0.0)) is None:
-            return super()._refine(run, known, most)
+        A pattern search would take many small steps.
+        """
         begun, mesh = run.function.evaluations, self.mesh
         axes = np.concatenate([np.eye(run.size), -np.eye(run.size)])
         while mesh >= COARSE and run.function.evaluations - begun < max(most // 10, 1):
