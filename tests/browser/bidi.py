@@ -29,7 +29,9 @@ CHROMIUM = (
     *("--enable-unsafe-swiftshader", "--window-size=1500,1100"),
 )
 SCREEN = "-screen 0 1600x1200x24"
-START = 60.0  # s
+START = 120.0  # s, on a busy machine
+# What the tests need, as Debian and Ubuntu call it.
+PACKAGES = "chromium chromium-driver firefox-esr xvfb"
 KEYS = {"Tab": "\ue004", "Left": "\ue012", "Up": "\ue013", "Right": "\ue014", "Down": "\ue015"}
 KEYS |= {"Enter": "\ue007", "Space": " ", "Control": "\ue009", "Shift": "\ue008", "Home": "\ue011"}
 KEYS |= {"End": "\ue010"}
@@ -225,7 +227,7 @@ def _program(*names: str, package: str) -> str:
     for name in names:
         if found := shutil.which(name):
             return found
-    raise Failed(f"{names[0]} is not installed: apt-get install {package}")
+    raise Failed(f"{names[0]} is not installed: apt-get install {package} (of {PACKAGES})")
 
 
 def _free_port() -> int:

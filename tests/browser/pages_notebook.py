@@ -26,7 +26,7 @@ def pages(tmp_path_factory) -> dict[str, str]:
         flexor.landscape(model, bounds, "maximise range-of-motion", grid=4),
         find("dragon-skin-30"),
     ]
-    texts = [each._repr_html_() for each in shown] + [flexor.plot.animation(path).to_jshtml()]
+    texts = [each._repr_html_() for each in shown] + [flexor.plot.animation(path)._repr_html_()]
     body = "".join(f'<section id="{n}">{t}</section>' for n, t in zip(SHOWN, texts, strict=True))
     folder, made = tmp_path_factory.mktemp("notebook"), {}
     for theme, (paper, ink) in THEMES.items():
@@ -73,6 +73,8 @@ def test_a_path_moves(tab: Browser, pages) -> None:
     tab.open(pages["light"])
     tab.wait("[...document.images].every(each => each.complete)")
     source = "document.querySelector('#animation img').src"
+    symbols = "[...document.querySelectorAll('#animation button')].map(e => e.textContent.trim())"
+    assert all(tab.run(symbols))
     first = tab.run(source)
     tab.run("[...document.querySelectorAll('#animation button')].at(-3).click()")
     tab.wait(f"{source} !== {first!r}", 10)

@@ -236,6 +236,32 @@ def test_two_tabs_do_not_disturb_each_other(page, url) -> None:
     assert bending(page) == pytest.approx(before)
 
 
+@pytest.mark.parametrize("width", [900, 480])
+def test_the_view_is_in_sight_in_a_narrow_frame(tab, url, picture, width) -> None:
+    tab.size(width, 900)
+    tab.open(url)
+    tab.wait("document.body.dataset.ready")
+
+    def bounds(selector: str) -> list[float]:
+        box = f"document.querySelector({selector!r}).getBoundingClientRect()"
+        return [float(tab.run(f"{box}.{each}")) for each in ("top", "bottom", "left", "right")]
+
+    top, bottom, left, right = bounds(".host")
+    assert top >= 0.0
+    assert bottom <= 900.0
+    assert right - left >= 400.0
+    assert tab.run("document.documentElement.scrollWidth") <= width
+    # It still is when the last of the sliders has been reached.
+    tab.run("document.querySelector('#values-7').scrollIntoView({block: 'end'})")
+    top, bottom, *_ = bounds(".host")
+    assert top >= 0.0
+    assert bottom <= 900.0
+    tab.slide("#values-7", 0.5)
+    settled(tab)
+    assert tab.text("#message") == ""
+    picture(f"studio-{width}")
+
+
 def test_a_model_with_nothing_to_vary_has_loads(tab) -> None:
     text = flexor.load("tendon-arm").file.to_toml()
     studio = serve(workbench(flexor.load(parse(text)))).start()

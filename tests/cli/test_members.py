@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,9 @@ import pytest
 
 import flexor
 from flexor.cli.app import main
+from flexor.errors import InputError
 from flexor.study import Study
+from flexor.study.served import served
 
 VARY = ["--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "range-of-motion"]
 COARSE = [
@@ -63,6 +66,32 @@ def test_every_command_means_the_best(
     assert not run("rerun", folder, "--json")
     repeated = json.loads(capsys.readouterr().out)
     assert repeated["same"] and repeated["evaluations"] == expected.evaluations
+
+
+def test_a_shared_size_says_whom_it_serves(folders: dict[str, Path], tmp_path: Path) -> None:
+    """As `sizes.json` has it, which the page repeats in a sentence and a list."""
+    found = json.loads((folders["sizes"] / "sizes.json").read_text())
+    total = sum(row["weight"] for row in found["sizes"])
+    for row in found["sizes"]:
+        file = tmp_path / f"{row['study']}.html"
+        number = row["study"].removeprefix("size-")
+        assert not run("share", folders["sizes"], "--design", number, "--out", file)
+        data = file.read_text().split('id="data">')[1].split("</script>")[0]
+        sentence, wearers = json.loads(data)["serves"]
+        assert wearers == row["wearers"]
+        share = row["weight"] / total * found["served"] if total else 0.0
+        many = f"{len(wearers)} wearer{'' if len(wearers) == 1 else 's'}"
+        assert sentence.startswith(f"Size {number} serves {many}, {100 * share:.0f} % of all")
+    assert served(Study.open(folders["choices"] / "1")) is None
+
+
+def test_a_damaged_list_of_wearers_is_refused(folders: dict[str, Path], tmp_path: Path) -> None:
+    copied = tmp_path / "sizes"
+    shutil.copytree(folders["sizes"], copied)
+    for text in ("{", "[]", '{"sizes": [{"study": "size-1"}], "served": 1}'):
+        (copied / "sizes.json").write_text(text)
+        with pytest.raises(InputError, match=r"sizes.json.* it is damaged"):
+            served(Study.open(copied / "size-1"))
 
 
 @pytest.mark.parametrize(

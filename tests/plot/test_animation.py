@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,15 @@ def test_an_animation_has_a_picture_for_each_load(name: str, tmp_path: Path) -> 
     plot.animation(path).save(file, dpi=50)
     with Image.open(file) as image:
         assert image.n_frames == 3
+
+
+def test_a_notebook_shows_it_without_a_network() -> None:
+    text = plot.animation(load("finger").equilibrium([0.0, 1.0]))._repr_html_()
+    assert not re.search(r"""(?:src|href)=["']?https?:""", text)
+    buttons = re.findall(r"<button[^>]*>(.*?)</button>", text, re.DOTALL)
+    assert len(buttons) == 9
+    assert all(each.strip() and "<" not in each for each in buttons)
+    assert text.count("data:image/png") == 2
 
 
 def test_a_path_without_equilibria_is_refused() -> None:

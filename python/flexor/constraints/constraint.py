@@ -105,10 +105,14 @@ class Constraint:
         kept[:, -1] = values[:, -1]
         return kept
 
-    def place(self, path: Path) -> str:
-        """Return where along a path and on which body the worst value is, for display."""
+    def place(self, path: Path, values: Array | None = None) -> str:
+        """Return where along a path and on which body the worst value is, for display.
+
+        Its observable's values along the path (s,) may be given if they are known.
+        """
         found = self.observable(path.model)
-        values = self._at_loads(found.values(path.as_batch))[0]
+        along = found.values(path.as_batch) if values is None else np.asarray(values)[None]
+        values = self._at_loads(along)[0]
         if np.isnan(values).all():
             return ""
         step = int(np.nanargmax(values) if self.sense == "<=" else np.nanargmin(values))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexor.design.fields import keys_of, replaced
+from flexor.design.fields import replaced
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.variables import Variables
 from flexor.model.schema import ModelFile
@@ -31,8 +30,7 @@ def drawn_file(chosen: ParameterSet, p: Array, model: Structure) -> ModelFile:
     """
     if not isinstance(chosen, Variables):
         return model.file
-    values = chosen.field_values(np.asarray(p))[0].tolist()
-    fields = zip_longest(chosen.fields, values, chosen.load_fields)
+    values = dict(zip(chosen.fields, chosen.field_values(np.asarray(p))[0].tolist(), strict=True))
     # Loads change nothing of what is drawn; their fields may be lists.
-    sizes = {keys_of(label, model.file): x for label, x, load in fields if load is None}
+    sizes = {keys: values[label] for label, keys in chosen.keys(model).items()}
     return replaced(model.file, sizes)

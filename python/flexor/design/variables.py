@@ -175,12 +175,20 @@ class Variables(ParameterSet):
                 made[label] = kind.exact(value)
         return made
 
+    def keys(self, model: Structure) -> dict[str, tuple[str, ...]]:
+        """Return the keys in the model file of each field that is no load, by its label."""
+        found = self._keys.get(model)
+        if found is None:
+            own = zip(self.labels, self._loads, strict=True)
+            found = {label: keys_of(label, model.file) for label, load in own if load is None}
+            self._keys[model] = found
+        return found
+
     def _map(self, model: Structure) -> SlotMap | SplineMap | SpanMap:
         found = self._maps.get(model)
         if found is None:
-            chosen = ~self._of_loads
-            labels = [label for label, own in zip(self.labels, chosen, strict=True) if own]
-            keys = [keys_of(label, model.file) for label in labels]
+            chosen, of_labels = ~self._of_loads, self.keys(model)
+            labels, keys = list(of_labels), list(of_labels.values())
             found = self._refitted(model, keys)
             if found is None:
                 found = _made(model, keys, labels, self.lower[chosen], self.upper[chosen])
@@ -198,8 +206,13 @@ class Variables(ParameterSet):
     def _maps(self) -> WeakKeyDictionary[Structure, SlotMap | SplineMap | SpanMap]:
         return WeakKeyDictionary()
 
+    @cached_property
+    def _keys(self) -> WeakKeyDictionary[Structure, dict[str, tuple[str, ...]]]:
+        return WeakKeyDictionary()
+
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key != "_maps"}
+        cached = ("_maps", "_keys")
+        return {key: value for key, value in self.__dict__.items() if key not in cached}
 
 
 def _made(

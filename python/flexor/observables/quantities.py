@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,18 @@ def stress_uses(model: Structure, stretch: Array, parameters: Array) -> Array:
 
 def strap_forces(paths: Paths) -> Array:
     """Return the tension of each strap [N], (n, s, straps)."""
+    # Asked for by each strap, by constraints and by tables.
+    found = _STRAP_FORCES.get(paths)
+    if found is None:
+        found = _STRAP_FORCES[paths] = _strap_forces(paths)
+        found.setflags(write=False)
+    return found
+
+
+_STRAP_FORCES: WeakKeyDictionary[Paths, Array] = WeakKeyDictionary()
+
+
+def _strap_forces(paths: Paths) -> Array:
     file, engine = paths.model.file, paths.model.engine
     loops, springs = _tensed(paths.model)
     columns = {

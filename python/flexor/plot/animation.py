@@ -31,15 +31,16 @@ def animation(path: Path) -> FuncAnimation:
     Returns
     -------
     matplotlib.animation.FuncAnimation
-        Its methods ``save("finger.gif")`` and ``to_jshtml()`` write it.
+        Notebooks show it; its methods ``save("finger.gif")`` and ``to_jshtml()`` write it.
 
     Raises
     ------
     InputError
         If the path has no equilibrium.
     """
-    from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
+
+    from flexor.plot.path_animation import PathAnimation
 
     steps = np.flatnonzero(path.converged).tolist()
     if not steps:
@@ -64,4 +65,4 @@ def animation(path: Path) -> FuncAnimation:
                 spatial.draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton)
             axes.set_title(path.model.show_loads(path.loads[steps[frame]]))
 
-    return FuncAnimation(figure, draw, frames=len(scenes), interval=_INTERVAL, blit=False)
+    return PathAnimation(figure, draw, frames=len(scenes), interval=_INTERVAL, blit=False)

@@ -86,6 +86,12 @@ class Swept:
             strain=finer.reshape(*strain.shape[::2], -1).transpose(0, 2, 1),
         )
 
+    @cached_property
+    def length(self) -> float:
+        """Its length in the first step [m]."""
+        axis = self.frames[0, :, :3, 3]
+        return float(np.linalg.norm(np.diff(axis, axis=0), axis=1).sum())
+
     def sweep(
         self, kind: Kind, part: str, rows: NDArray[np.intp], shape: Outline, name: str = ""
     ) -> Attached:

@@ -43,16 +43,19 @@ def strap_objects(
     """
     for name, strap in file.straps.items():
         half = 0.5 * (WIDTH if strap.width is None else float(strap.width))
+        offsets = np.linspace(-half, half, ROWS)
         rod = rods[strap.rod]
         held = _rod_section(rod, strap.at, 0.0)
         middle = held.mean(axis=1)
-        rows: list[Array] = []
-        for offset in np.linspace(-half, half, ROWS).tolist():
-            if strap.to.body in rods:
-                other = _rod_section(rods[strap.to.body], strap.fraction(file), offset)
-            else:
-                other = _link_section(path, strap, frames, file, middle, offset)
-            rows.append(np.concatenate([_rod_section(rod, strap.at, offset), other], axis=1))
+        if strap.to.body in rods:
+            second, at = rods[strap.to.body], strap.fraction(file)
+            others = [_rod_section(second, at, offset) for offset in offsets.tolist()]
+        else:
+            others = list(_link_sections(path, strap, frames, file, middle, offsets))
+        rows = [
+            np.concatenate([_rod_section(rod, strap.at, offset), other], axis=1)
+            for offset, other in zip(offsets.tolist(), others, strict=True)
+        ]
         centre = np.mean([row[:, held.shape[1] :].mean(axis=1) for row in rows], axis=0)
         station = int(np.argmin(np.abs(rod.x - strap.at)))
         direction = _directions(rod.frames[:, station, :3, 1], middle - centre)
@@ -81,22 +84,21 @@ def _hull(points: Array, direction: Array) -> Array:
 
 def _rod_section(rod: Swept, at: float, offset: float) -> Array:
     """Return points around a rod's section (s, n, 3), so far along its axis from a station."""
-    length = float(np.linalg.norm(np.diff(rod.frames[0, :, :3, 3], axis=0), axis=1).sum())
-    station = int(np.argmin(np.abs(rod.x - (at + offset / length))))
+    station = int(np.argmin(np.abs(rod.x - (at + offset / rod.length))))
     frame = rod.frames[:, station]
     across = rod.around(station)
     return np.asarray(frame[:, None, :3, 3] + across @ frame[:, :3, 1:3].transpose(0, 2, 1))
 
 
-def _link_section(
+def _link_sections(
     path: Path,
     strap: Strap,
     frames: Mapping[str, Array],
     file: ModelFile,
     held: Array,
-    offset: float,
+    offsets: Array,
 ) -> Array:
-    """Return points around a link (s, n, 3), so far along its axis from where the strap is."""
+    """Return points around a link (r, s, n, 3), so far along its axis from where the strap is."""
     body = strap.to.body
     base, tip = frames[body][:, 0, :3, 3], frames[body][:, -1, :3, 3]
     axis = tip - base
@@ -111,10 +113,10 @@ def _link_section(
     ]
     length = float(np.linalg.norm(axis[0]))
     along, radii = profile(length, *ends)
-    x = np.clip(share * length + offset, along[0], along[-1])
+    x = np.clip(share * length + offsets[:, None], along[0], along[-1])
     radius = np.interp(x, along, radii)
     angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     around = circle @ frames[body][:, 0, :3, 1:3].transpose(0, 2, 1)
-    centre = base + (x / length)[:, None] * axis
-    return np.asarray(centre[:, None] + radius[:, None, None] * around)
+    centre = base + (x / length)[..., None] * axis
+    return np.asarray(centre[:, :, None] + radius[..., None, None] * around)

@@ -82,7 +82,8 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
     path, model = design.path, design.paths.model
     assert isinstance(model, Model)
     found = observables(model)
-    values = {name: _tidy(each.values(design.paths)[0], each) for name, each in found.items()}
+    exact = {name: each.values(design.paths)[0] for name, each in found.items()}
+    values = {name: _tidy(exact[name], each) for name, each in found.items()}
     one = len(model.inputs) == 1
     return {
         "title": design.title,
@@ -105,7 +106,7 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
         "scene": scene_payload(scene(path, design.file), blobs),
         "plots": _plots(found, values, design.constraints),
         "table": [_row(each, values[name]) for name, each in found.items()],
-        "verdict": _verdict(design, model),
+        "verdict": _verdict(design, model, exact),
         "warnings": list(path.warnings),
     }
 
@@ -220,7 +221,7 @@ def _row(each: Observable, values: Array) -> dict[str, Any]:
     }
 
 
-def _verdict(design: Shown, model: Model) -> dict[str, Any]:
+def _verdict(design: Shown, model: Model, values: Mapping[str, Array]) -> dict[str, Any]:
     """Return the constraints, each with its worst value along the path and the place of it."""
     path, kept = design.path, design.constraints
     worst = worst_values(kept, design.paths)
@@ -229,7 +230,7 @@ def _verdict(design: Shown, model: Model) -> dict[str, Any]:
         {
             "text": each.text(model),
             "value": each.observable(model).shown(float(value)) if math.isfinite(value) else "",
-            "place": each.place(path),
+            "place": each.place(path, values.get(each.name)),
             "state": "broken" if over > 0.0 else "active" if over > -_ACTIVE else "kept",
         }
         for each, value, over in zip(kept, worst[0] if kept else [], excess, strict=True)

@@ -134,11 +134,13 @@ def share_page(source: Model | Study, origin: str = "") -> str:
     Raises
     ------
     InputError
-        As `shared_designs`.
+        As `shared_designs`, or if the file that says whom a size serves is damaged.
     """
     from flexor.study import Study
+    from flexor.study.served import served
 
     study = source if isinstance(source, Study) else None
+    size = None if study is None else served(study)
     model = source.problem.model if isinstance(source, Study) else source
     designs = shared_designs(source)
     steps = len(designs[0].paths.loads)
@@ -153,6 +155,7 @@ def share_page(source: Model | Study, origin: str = "") -> str:
             "designs": [design_payload(each, blobs) for each in thinned],
             "blobs": blobs.table,
             "provenance": provenance(model, study, origin),
+            "serves": None if size is None else [size.sentence, list(size.wearers)],
             "note": f"Every {every}th load step is shown." if every > 1 else "",
         }
         text = page(str(data["title"]), ["share.js"], data)

@@ -48,6 +48,20 @@ Flexor.verdict = (design) => {
   );
 };
 
+// Whom one of several sizes serves: a sentence and the wearers; null of other designs.
+Flexor.serves = (given) => {
+  const { h } = Flexor;
+  if (!given) return null;
+  const [sentence, wearers] = given;
+  return h(
+    "section",
+    { "aria-label": "wearers" },
+    h("h2", {}, "Wearers"),
+    h("p", { id: "serves" }, sentence),
+    wearers.length ? h("details", {}, h("summary", {}, "whom it serves"), h("ul", {}, ...wearers.map((name) => h("li", {}, name)))) : null,
+  );
+};
+
 // A name whose line may break after a dot, and not within a word.
 Flexor.breakable = (name) => name.split(/(?<=\.)/).flatMap((part) => [part, Flexor.h("wbr")]);
 

@@ -52,7 +52,7 @@
       "div",
       { class: "columns" },
       h("div", { class: "stage" }, controls, h("div", { class: "frame" }, host, names, legend), stepper, data.note ? h("p", { class: "warning" }, data.note) : null, charts),
-      h("div", { class: "side" }, verdicts, parameters, table, h("section", { "aria-label": "provenance" }, h("h2", {}, "Provenance"), Flexor.provenance(data.provenance))),
+      h("div", { class: "side" }, verdicts, Flexor.serves(data.serves), parameters, table, h("section", { "aria-label": "provenance" }, h("h2", {}, "Provenance"), Flexor.provenance(data.provenance))),
     ),
   );
   pick("0");
