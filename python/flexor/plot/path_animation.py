@@ -27,7 +27,7 @@ class PathAnimation(FuncAnimation):
 
     def to_jshtml(
         self,
-        fps: float | None = None,
+        fps: int | None = None,
         embed_frames: bool = True,
         default_mode: str | None = None,
     ) -> str:
