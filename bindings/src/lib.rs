@@ -14,13 +14,20 @@ mod structure;
 use flexor_engine::equilibrium::{EventKind, Stability, Status};
 use flexor_engine::model::Law;
 use flexor_engine::sensitivity::Regularity;
+use flexor_engine::strain::Intervals;
 use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
-/// X in [0, 1] of a rod's sample points: element ends and Gauss points, increasing.
+/// X in [0, 1] of a rod's sample points: ends and Gauss points of elements, the last of which may be divided.
 #[pyfunction]
-fn sample_points(py: Python<'_>, elements: usize, gauss_points: usize) -> Bound<'_, PyArray1<f64>> {
-    flexor_engine::strain::sample_points(elements, gauss_points).to_pyarray(py)
+#[pyo3(signature = (elements, gauss_points, tip_intervals=1))]
+fn sample_points(
+    py: Python<'_>,
+    elements: usize,
+    gauss_points: usize,
+    tip_intervals: usize,
+) -> Bound<'_, PyArray1<f64>> {
+    Intervals { elements, tip: tip_intervals }.sample_points(gauss_points).to_pyarray(py)
 }
 
 /// Energy of a fibre of a material and its derivatives with respect to the stretch.

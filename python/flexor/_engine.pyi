@@ -116,7 +116,9 @@ def fibre_energy(
 def fibre_stress_slopes(
     law: str, constants: Sequence[float], wound: bool, stretch: ArrayLike
 ) -> NDArray[np.float64]: ...  # (stretches, constants)
-def sample_points(elements: int, gauss_points: int) -> NDArray[np.float64]: ...
+def sample_points(
+    elements: int, gauss_points: int, tip_intervals: int = 1
+) -> NDArray[np.float64]: ...
 
 class Model:
     def __init__(self, description_json: str) -> None: ...

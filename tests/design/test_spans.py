@@ -33,13 +33,19 @@ def model() -> Model:
 
 
 def test_shares_integrate_polynomials_exactly(model: Model) -> None:
-    """Of degrees that the points of an element resolve; slopes are the integrand at the ends."""
+    """Of degrees that the points of an interval resolve; slopes are the integrand at the ends."""
     rod = model.file.rod("exosuit")
     nodes, weights = np.polynomial.legendre.leggauss(rod.gauss_points)
-    place = (np.arange(rod.elements)[:, None] + 0.5 * (nodes + 1.0)) / rod.elements
-    weight = np.tile(0.5 * weights / rod.elements, rod.elements)
+    # Elements, the last in three parts.
+    last = 1.0 - 1.0 / rod.elements
+    ends = np.concatenate([np.linspace(0.0, last, rod.elements), np.linspace(last, 1.0, 4)[1:]])
+    lengths = np.diff(ends)
+    place = ends[:-1, None] + 0.5 * lengths[:, None] * (nodes + 1.0)
+    weight = (0.5 * lengths[:, None] * weights).ravel()
     spans = np.random.default_rng(0).uniform(0.0, 1.0, (50, 2))
-    spans = np.concatenate([np.sort(spans, axis=1), [[0.0, 1.0], [0.25, 0.75], [0.1, 0.11]]])
+    spans = np.concatenate(
+        [np.sort(spans, axis=1), [[0.0, 1.0], [0.25, 0.75], [0.1, 0.11], [0.9, last + 0.01]]]
+    )
     share, slopes = shares(rod, spans)
     for power in range(rod.gauss_points):
         integrand = place.ravel() ** power

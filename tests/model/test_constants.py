@@ -146,7 +146,8 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             'bodies.suit has an unknown key "lenght" (did you mean "length"?): expected one of '
             '"kind", "parent", "placement", "joint", "length", "radius", "section", "material", '
             '"skin", "friction", "tip", "self_contact", "young_modulus", "poisson_ratio", '
-            '"density", "strain", "reference_strain", "elements", "gauss_points", "magnus_order".',
+            '"density", "strain", "reference_strain", "elements", "tip_intervals", '
+            '"gauss_points", "magnus_order".',
         ),
         (
             "suit.length",

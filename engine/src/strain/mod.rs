@@ -6,4 +6,4 @@ mod quadrature;
 
 pub use basis::{Basis, BasisKind};
 pub use mode::Mode;
-pub use quadrature::{gauss_legendre, sample_points};
+pub use quadrature::{Intervals, gauss_legendre};

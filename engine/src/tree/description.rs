@@ -121,6 +121,10 @@ pub struct StrainDescription {
     pub order: usize,
 }
 
+fn one() -> usize {
+    1
+}
+
 /// A Cosserat rod along its local x axis.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -133,7 +137,10 @@ pub struct RodDescription {
     pub strain: Vec<StrainDescription>,
     /// Elements for piecewise bases and quadrature.
     pub elements: usize,
-    /// Gauss points per element.
+    /// Intervals into which the last element is divided for quadrature.
+    #[serde(default = "one")]
+    pub tip_intervals: usize,
+    /// Gauss points per element, or interval.
     pub gauss_points: usize,
     /// Order of the Magnus step: 2 or 4.
     pub magnus_order: usize,

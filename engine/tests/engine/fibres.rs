@@ -6,7 +6,7 @@ use flexor_engine::Data;
 use flexor_engine::lie::{LieGroup, SE2, SE3};
 use flexor_engine::model::*;
 use flexor_engine::sensitivity::Adjoint;
-use flexor_engine::strain::{BasisKind, Mode, sample_points};
+use flexor_engine::strain::{BasisKind, Intervals, Mode};
 use proptest::prelude::*;
 
 const STENCIL: [(f64, f64); 6] =
@@ -90,7 +90,7 @@ fn actuator(planar: bool, random: &[f64]) -> Description {
         share: vec![1.0, 0.7, 1.0, 0.0],
         enclosed: vec![4e-7, 3e-7, 2e-7, 1e-7],
     });
-    assert_eq!(sample_points(2, 2).len(), 7);
+    assert_eq!(Intervals { elements: 2, tip: 1 }.sample_points(2).len(), 7);
     d
 }
 

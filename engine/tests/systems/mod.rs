@@ -5,7 +5,7 @@
 pub mod differences;
 
 use flexor_engine::model::*;
-use flexor_engine::strain::{BasisKind, Mode, sample_points};
+use flexor_engine::strain::{BasisKind, Intervals, Mode};
 
 pub fn strain(mode: Mode, basis: BasisKind) -> StrainDescription {
     StrainDescription { mode, basis, order: 2 }
@@ -36,12 +36,13 @@ pub fn rod(
     elements: usize,
     gauss: usize,
 ) -> RodDescription {
-    let x = sample_points(elements, gauss);
+    let x = Intervals { elements, tip: 1 }.sample_points(gauss);
     RodDescription {
         length,
         section: Section::Circular,
         strain,
         elements,
+        tip_intervals: 1,
         gauss_points: gauss,
         magnus_order: 4,
         young_modulus: 1e6,

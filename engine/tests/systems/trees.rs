@@ -2,7 +2,7 @@
 
 use super::systems::{at, body, empty, finger, joint, rod, strain};
 use flexor_engine::model::*;
-use flexor_engine::strain::{BasisKind, Mode, sample_points};
+use flexor_engine::strain::{BasisKind, Intervals, Mode};
 use proptest::prelude::*;
 
 /// Any basis.
@@ -261,7 +261,7 @@ pub fn planar_tree(
     arm.shear_modulus = 4e4;
     arm.density = 1000.0;
     arm.reference_strain = [0.0, 2.0, 0.0, 1.0, 0.0, 0.1];
-    let points = sample_points(2, 4).len();
+    let points = Intervals { elements: 2, tip: 1 }.sample_points(4).len();
     d.gravity = [1.0, 0.0, -9.81];
     let mut slider = joint(JointKind::Prismatic);
     slider.axis = [0.6, 0.0, 0.8];

@@ -131,6 +131,7 @@ def _rod(rod: Rod) -> Json:
             for mode, chosen in rod.strain.modes.items()
         ],
         "elements": rod.elements,
+        "tip_intervals": rod.last_intervals,
         "gauss_points": rod.gauss_points,
         "magnus_order": rod.magnus_order,
         "young_modulus": young,

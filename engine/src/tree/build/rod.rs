@@ -6,7 +6,7 @@ use super::super::{
     positive,
 };
 use crate::lie::LieGroup;
-use crate::strain::{Basis, Mode, gauss_legendre, sample_points};
+use crate::strain::{Basis, Intervals, Mode, gauss_legendre};
 
 /// Collocation points of the 4th-order (Zanna) step on [0, 1].
 const ZANNA: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -62,16 +62,18 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
 
         let rule = gauss_legendre(rod.gauss_points);
         let mut gauss = vec![];
-        for e in 0..rod.elements {
+        let intervals = Intervals { elements: rod.elements, tip: rod.tip_intervals };
+        for i in 0..intervals.len() {
             for (m, (t, w)) in rule.iter().enumerate() {
-                let at = (e as f64 + t) / rod.elements as f64;
+                let (element, at) = (intervals.element(i), intervals.at(i, *t));
                 let mut columns = vec![];
                 for (mode, _, basis, start) in &modes {
-                    columns
-                        .extend(basis.evaluate(e, at).into_iter().map(|(i, v)| (start + i, mode.index(), v)));
+                    columns.extend(
+                        basis.evaluate(element, at).into_iter().map(|(i, v)| (start + i, mode.index(), v)),
+                    );
                 }
-                let point = e * (rod.gauss_points + 1) + 1 + m;
-                gauss.push(GaussPoint { point, weight: w / rod.elements as f64, columns });
+                let point = i * (rod.gauss_points + 1) + 1 + m;
+                gauss.push(GaussPoint { point, weight: w / intervals.count(i), columns });
             }
         }
         let entries = self.section_entries(&gauss);
@@ -80,7 +82,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         let mut frame = base_frame;
         for k in 1..x.len() {
             let (a, h) = (x[k - 1], x[k] - x[k - 1]);
-            let element = (k - 1) / (rod.gauss_points + 1);
+            let element = intervals.element((k - 1) / (rod.gauss_points + 1));
             let start = self.strain_columns.len();
             for (_, axis, basis, first) in &modes {
                 let columns = step_values(basis, element, [a, h], rod.magnus_order);
@@ -174,12 +176,15 @@ fn check(name: &str, rod: &RodDescription) -> Result<Vec<f64>, ModelError> {
     if rod.strain.is_empty() {
         return Err(ModelError::new(field("strain"), "a rod needs at least one strain mode"));
     }
-    for (what, found) in [("elements", rod.elements), ("gauss_points", rod.gauss_points)] {
+    for (what, found) in
+        [("elements", rod.elements), ("tip_intervals", rod.tip_intervals), ("gauss_points", rod.gauss_points)]
+    {
         if !(1..=1000).contains(&found) {
             return Err(ModelError::new(field(what), format!("found {found}, must be from 1 to 1000")));
         }
     }
-    let x = sample_points(rod.elements, rod.gauss_points);
+    let intervals = Intervals { elements: rod.elements, tip: rod.tip_intervals };
+    let x = intervals.sample_points(rod.gauss_points);
     for (what, values) in [("radius", &rod.radius), ("slope", &rod.slope)] {
         if values.len() != x.len() {
             let problem = format!("found {} values, the rod has {} sample points", values.len(), x.len());

@@ -22,6 +22,8 @@ from flexor.model.schema.vector import Rotation
 from flexor.model.units import Density, Length, PositiveLength, PositiveModulus
 from flexor.model.validation import describe, field_error
 
+TIP_INTERVALS = 3  # of a rod with a skin
+
 
 class Placement(Table):
     """Pose of a body's base in the frame of its parent's tip (or in the world).
@@ -79,6 +81,7 @@ class Rod(Table):
     strain: Strain
     reference_strain: ReferenceStrain = ReferenceStrain()
     elements: Annotated[Count, Field(le=1000)] = 1
+    tip_intervals: Annotated[Count, Field(le=100)] | None = None
     gauss_points: Annotated[Count, Field(le=30)]
     magnus_order: Annotated[Literal[2, 4], BeforeValidator(_magnus)] = 4
 
@@ -170,9 +173,17 @@ class Rod(Table):
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property
+    def last_intervals(self) -> int:
+        """Number of intervals into which the last element is divided for quadrature."""
+        if self.tip_intervals is not None:
+            return self.tip_intervals
+        # The tip presses with a few millimetres of its skin.
+        return 1 if self.skin is None else TIP_INTERVALS
+
+    @property
     def sample_points(self) -> Array:
-        """Sample points X in [0, 1], element ends and Gauss points; shape (P,)."""
-        return _sample_points(self.elements, self.gauss_points)
+        """Sample points X in [0, 1], ends and Gauss points of intervals; shape (P,)."""
+        return _sample_points(self.elements, self.gauss_points, self.last_intervals)
 
     @cached_property
     def surface(self) -> SampledSurface:
@@ -181,20 +192,21 @@ class Rod(Table):
 
     @property
     def sample_count(self) -> int:
-        """Number of sample points: element ends and Gauss points."""
-        return self.elements * (self.gauss_points + 1) + 1
+        """Number of sample points: ends and Gauss points of intervals."""
+        return len(self.sample_points)
 
     @property
     def gauss_rule(self) -> tuple[NDArray[np.intp], Array]:
         """Which sample points are Gauss points, and their shares of the length, each (G,)."""
-        return _gauss_rule(self.elements, self.gauss_points)
+        return _gauss_rule(self.elements, self.gauss_points, self.last_intervals)
 
     def point_at(self, fraction: float) -> int | None:
         """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
         if abs(fraction * self.elements - end) > 1e-9:
             return None
-        return end * (self.gauss_points + 1)
+        intervals = end if end < self.elements else end - 1 + self.last_intervals
+        return intervals * (self.gauss_points + 1)
 
 
 class Link(Table):
@@ -217,17 +229,20 @@ class Link(Table):
 
 
 @lru_cache(maxsize=64)
-def _sample_points(elements: int, gauss_points: int) -> Array:
-    points = _engine.sample_points(elements, gauss_points)
+def _sample_points(elements: int, gauss_points: int, tip_intervals: int) -> Array:
+    points = _engine.sample_points(elements, gauss_points, tip_intervals)
     points.setflags(write=False)
     return points
 
 
 @lru_cache(maxsize=64)
-def _gauss_rule(elements: int, gauss_points: int) -> tuple[NDArray[np.intp], Array]:
-    weights = np.polynomial.legendre.leggauss(gauss_points)[1]
-    points = np.arange(elements * (gauss_points + 1) + 1)
-    rule = np.flatnonzero(points % (gauss_points + 1)), np.tile(0.5 * weights / elements, elements)
+def _gauss_rule(
+    elements: int, gauss_points: int, tip_intervals: int
+) -> tuple[NDArray[np.intp], Array]:
+    weights = 0.5 * np.polynomial.legendre.leggauss(gauss_points)[1]
+    counts = np.repeat([elements, elements * tip_intervals], [elements - 1, tip_intervals])
+    points = np.arange(len(counts) * (gauss_points + 1) + 1)
+    rule = np.flatnonzero(points % (gauss_points + 1)), (weights / counts[:, None]).ravel()
     for array in rule:
         array.setflags(write=False)
     return rule

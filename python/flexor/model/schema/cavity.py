@@ -57,16 +57,15 @@ def lower_cavity(
 
 def _shares(rod: Rod, span: tuple[float, float]) -> tuple[Array, Array]:
     """Return the share of each Gauss point's weight in a span, and the weights."""
-    _, weights = _rule(rod.gauss_points)
     share, _ = shares(rod, np.array([span]))
-    return share[0], np.tile(weights / rod.elements, rod.elements)
+    return share[0], rod.gauss_rule[1]
 
 
 def shares(rod: Rod, spans: Array) -> tuple[Array, Array]:
     """Return the share of each Gauss point's weight in spans, and its slopes by their ends.
 
-    Within an element that a span covers in part, the weights integrate over that part the
-    polynomials through the Gauss points. The slopes jump at element boundaries, where they are
+    Within an interval that a span covers in part, the weights integrate over that part the
+    polynomials through the Gauss points. The slopes jump at ends of intervals, where they are
     those towards the inside of the span.
 
     Parameters
@@ -81,8 +80,12 @@ def shares(rod: Rod, spans: Array) -> tuple[Array, Array]:
     share, slopes : (n, g), (n, g, 2) arrays
     """
     nodes, weights = _rule(rod.gauss_points)
-    inside = spans[:, None, :] * rod.elements - np.arange(rod.elements)[None, :, None]
-    ends = np.clip(inside, 0.0, 1.0)  # (n, elements, 2)
+    # In intervals from the base: those of the last element are shorter.
+    place, last = spans * rod.elements, rod.elements - 1
+    place += (rod.last_intervals - 1) * np.maximum(place - last, 0.0)
+    counts = np.repeat([1, rod.last_intervals], [last, rod.last_intervals]) * rod.elements
+    inside = place[:, None, :] - np.arange(len(counts))[:, None]
+    ends = np.clip(inside, 0.0, 1.0)  # (n, intervals, 2)
     integral = np.zeros((*ends.shape, rod.gauss_points))
     for node, weight in zip(nodes, weights, strict=True):
         integral += weight * _basis(nodes, ends * node)
@@ -92,7 +95,8 @@ def shares(rod: Rod, spans: Array) -> tuple[Array, Array]:
     share = np.where((covered == 0.0) | (covered == 1.0), covered, share)
     partly = np.stack([(inside[..., 0] >= 0.0), (inside[..., 1] > 0.0)], axis=-1)
     partly &= np.stack([(inside[..., 0] < 1.0), (inside[..., 1] <= 1.0)], axis=-1)
-    slopes = rod.elements * np.where(partly[..., None], _basis(nodes, ends) / weights, 0.0)
+    slopes = np.where(partly[..., None], _basis(nodes, ends) / weights, 0.0)
+    slopes *= counts[:, None, None]
     slopes[:, :, 0] *= -1.0
     n = len(spans)
     return share.reshape(n, -1), np.moveaxis(slopes, 2, 3).reshape(n, -1, 2)

@@ -154,13 +154,15 @@ def lower_self_contact(system: BodySystem) -> Iterator[tuple[dict[str, Any], dic
             continue
         spheres = SphereGroup(bodies=(name,))
         group = {"name": f"{name}.self", "spheres": spheres.lower(system.bodies)}
-        elements = int(np.ceil(np.pi * thick / length * rod.elements))
+        # As many as there are at the tip, where intervals may be shorter; anywhere else a little
+        # further than needed.
+        intervals = int(np.ceil(np.pi * thick / length * rod.elements)) + rod.last_intervals - 1
         contact = {
             "name": f"{name}.self",
             "first": group["name"],
             "second": group["name"],
             "stiffness": thick / compliance(rod.skin, materials),
-            "skip": elements * (rod.gauss_points + 1),
+            "skip": intervals * (rod.gauss_points + 1),
             "cones": round_cones(spheres, system.bodies),
             "weights": length_shares(spheres, system.bodies),
             "per_length": True,
