@@ -123,15 +123,17 @@ def _rod(rod: Rod) -> Json:
         if rod.section.ratio is not None:
             section["ratio"] = rod.section.ratio
         young, shear = float(rod.young_modulus), rod.shear_modulus
+    # Left out where the last element is undivided: those models keep their fingerprint.
+    divided = {"tip_intervals": rod.last_intervals} if rod.last_intervals > 1 else {}
     return {
         "length": float(rod.length),
         "section": section,
+        **divided,
         "strain": [
             {"mode": mode, "basis": chosen.basis, "order": chosen.order or 0}
             for mode, chosen in rod.strain.modes.items()
         ],
         "elements": rod.elements,
-        "tip_intervals": rod.last_intervals,
         "gauss_points": rod.gauss_points,
         "magnus_order": rod.magnus_order,
         "young_modulus": young,
