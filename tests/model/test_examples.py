@@ -86,3 +86,17 @@ def test_a_finger_grasps_a_cylinder() -> None:
     # It holds the finger back.
     free = load("grasp", changes={"cylinder.point.z": "-30 cm"}).equilibrium()
     assert path.joint_angles[-1].sum() < 0.9 * free.joint_angles[-1].sum()
+
+
+def test_a_tendon_driven_finger_holds_a_can() -> None:
+    """Cables flex and extend all joints; what friction holds does not slide as the pull grows."""
+    path = load("tendon-glove").equilibrium()
+    arms = path.moment_arms()
+    assert all((arm > 0.0).all() for arm in arms["flexor"].values())
+    assert all((arm < 0.0).all() for arm in arms["extensor"].values())
+    force = path.obstacle_forces()["can"]
+    assert (np.diff(force) > 0.0).all()
+    assert not path.friction_forces(-1).slides.any()
+    # Without friction the can pushes the knuckle back to its limit.
+    smooth = load("tendon-glove", changes={"can.friction": 0.0}).equilibrium()
+    assert np.degrees(smooth.joint_angles[-1, 0]) < -10.0 < np.degrees(path.joint_angles[-1, 0])

@@ -338,3 +338,9 @@ def test_a_grid_is_evaluated_in_order_with_other_parameters_at_the_start() -> No
     np.testing.assert_allclose(designs[:, 5, 2], np.linspace(lower[2], upper[2], 20))
     np.testing.assert_allclose(designs[7, :, 0], np.linspace(lower[0], upper[0], 20))
     assert designs[-1, -1, 0] == upper[0]
+
+
+def test_a_small_budget_of_auto_is_not_spent_on_its_sample() -> None:
+    function = Bowl(3)
+    found = minimum("auto", function, budget=Budget(evaluations=60))
+    assert found.value == pytest.approx(1.0, abs=1e-6)

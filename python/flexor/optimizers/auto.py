@@ -31,6 +31,9 @@ from flexor.optimizers.stages import FAR, NEAR, run_stage, some_on_bounds, vary_
 SAMPLE, DESCENTS, VARIATION, PATTERN, EVOLUTION, CMA = 0.08, 0.3, 0.25, 0.12, 0.1, 0.03
 BEST = 3
 BATCH = 128
+# SQP begins from so many of the best after so many designs of the sample per parameter and one
+# more, so that a small budget is not spent on the sample alone.
+EARLY, EARLY_BEST = 5, 2
 # Local optima count as one if their values differ by less than this share of the sample's range.
 SAME = 1e-3
 # Steps of the refinement from a start that is nearly optimal, as a share of the ranges, below which
@@ -98,7 +101,14 @@ class Auto(Method):
         if len(starts):
             known(starts)
         if self.explore:
-            _sample(run, known, max(int(SAMPLE * most), 1))
+            sample = _sample(run, max(int(SAMPLE * most), 1))
+            first = EARLY * (run.size + 1)
+            known(sample[:first])
+            run.step("sample")
+            for start in known.best(EARLY_BEST, FAR):
+                self._descend(run, known, start)
+            known(sample[first:])
+            run.step("sample")
         if not len(known.best(1, 0.0)):
             return "no design of the sample succeeded" if self.explore else "the start failed"
         if not self.explore:
@@ -207,15 +217,14 @@ class Auto(Method):
         return f"converged: no better design within {COARSE:g} of the ranges, nor by SQP"
 
 
-def _sample(run: Run, known: Known, count: int) -> None:
-    """Evaluate a Sobol sample, half of it with some parameters on their bounds."""
+def _sample(run: Run, count: int) -> FloatArray:
+    """Return a Sobol sample, half of it with some parameters on their bounds."""
     from scipy.stats import qmc
 
     size = 1 << (count - 1).bit_length()
     sample = qmc.Sobol(run.size, scramble=True, seed=run.seed).random(size)[:count]
     sample[1::2] = some_on_bounds(sample[1::2], run.random)
-    known(sample)
-    run.step("sample")
+    return np.asarray(sample)
 
 
 def _different(values: list[float], apart: float) -> int:
