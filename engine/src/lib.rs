@@ -36,12 +36,18 @@ pub use forces::element::ContactForce;
 pub use forces::friction::FrictionForce;
 pub use results::{PathEvent, PathFriction, PathResults};
 
-// The systems of the integration tests, for tests of private items.
+// All tests are in one binary, so that the generic code is compiled once.
 #[cfg(test)]
 extern crate self as flexor_engine;
 #[cfg(test)]
+#[path = "../tests/engine/mod.rs"]
+mod engine;
+#[cfg(test)]
 #[path = "../tests/systems/mod.rs"]
 mod systems;
+#[cfg(test)]
+#[path = "../tests/systems/toolbox.rs"]
+mod toolbox;
 #[cfg(test)]
 #[allow(dead_code)]
 #[path = "../tests/systems/trees.rs"]

@@ -123,7 +123,7 @@ pub fn refined(mut d: Description, elements: usize) -> Description {
     for body in &mut d.bodies {
         if let ShapeDescription::Rod(rod) = &mut body.shape {
             rod.elements = elements;
-            let count = sample_points(elements, rod.gauss_points).len();
+            let count = Intervals { elements, tip: rod.tip_intervals }.sample_points(rod.gauss_points).len();
             rod.radius = vec![rod.radius[0]; count];
             rod.slope = vec![0.0; count];
             for actuator in &mut d.actuators {
@@ -142,7 +142,7 @@ pub fn tendon_rod() -> Description {
     arm.young_modulus = 2e5;
     arm.shear_modulus = 2e5 / 3.0;
     arm.density = 1000.0;
-    let x = sample_points(3, 4);
+    let x = Intervals { elements: 3, tip: 1 }.sample_points(4);
     let mut description = empty(false);
     description.gravity = [0.0, 0.0, -9.81];
     description.bodies.push(body("arm", None, [0.0; 3], joint(JointKind::Fixed), ShapeDescription::Rod(arm)));

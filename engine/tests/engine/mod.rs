@@ -1,4 +1,4 @@
-//! Tests of the engine as its users see it, in one binary: the engine's generic code is compiled once.
+//! Tests of the engine as its users see it.
 
 mod change_points;
 mod derivatives;
@@ -15,10 +15,3 @@ mod sensitivity;
 mod tendons;
 mod toolbox_reference;
 mod toolbox_statics;
-
-#[path = "../systems/mod.rs"]
-mod systems;
-#[path = "../systems/toolbox.rs"]
-mod toolbox;
-#[path = "../systems/trees.rs"]
-mod trees;
