@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -16,6 +17,7 @@ import pytest
 
 import flexor as package
 from flexor.calibration import calibrate
+from flexor.cli.app import main
 from flexor.study import Threads
 
 FILE = """
@@ -58,9 +60,28 @@ def file(targets):
     return targets(FILE)
 
 
+@pytest.fixture(scope="module")
+def whole(coarse, tmp_path_factory):
+    path = tmp_path_factory.mktemp("whole") / "made-targets.toml"
+    path.write_text(FILE)
+    return calibrate(coarse, path, executor=Threads(1))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """The folder of a whole calibration, and what the command wrote into it."""
+    place = tmp_path_factory.mktemp("finished")
+    (place / "made-targets.toml").write_text(FILE)
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as ended:
+        patch.chdir(place)
+        main(["calibrate", "finger", "made-targets.toml", "--out", "out", *COARSE])
+    assert not ended.value.code
+    return place / "out"
+
+
 @pytest.fixture
-def whole(file, coarse):
-    return calibrate(coarse, file, executor=Threads(1))
+def folder(finished, tmp_path):
+    return shutil.copytree(finished, tmp_path / "out")
 
 
 def same(first, second) -> bool:
@@ -100,32 +121,30 @@ def test_all_is_replayed_and_nothing_evaluated_again(file, coarse, tmp_path, who
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGKILL")
-def test_killed_and_resumed_it_ends_in_the_same_report(file, tmp_path) -> None:
-    def started(option: str, folder: str) -> subprocess.Popen[bytes]:
-        words = ["finger", file.name, option, folder, *COARSE]
-        return subprocess.Popen(
-            [*COMMAND, *words], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+def test_killed_and_resumed_it_ends_in_the_same_report(flexor, finished, file, tmp_path) -> None:
+    words = ["finger", file.name]
+    record = tmp_path / "parts" / "record.sqlite"
+    rows = 0
+    for turn, option in enumerate(("--out", "--resume")):
+        process = subprocess.Popen(
+            [*COMMAND, *words, option, "parts", *COARSE],
+            cwd=tmp_path,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
         )
-
-    undisturbed = started("--out", "whole")
-    assert undisturbed.wait(timeout=300) == 0
-    rows, turn = 0, 0
-    while True:
-        process = started("--resume" if turn else "--out", "parts")
-        record = tmp_path / "parts" / "record.sqlite"
         until = time.monotonic() + 300.0
-        # Killed as soon as there is something new, each time a little later.
+        # Killed as soon as there is something new, the second time a little later.
         while process.poll() is None and time.monotonic() < until:
-            time.sleep(0.02)
-            if turn < 2 and record.exists() and counted(record) > rows + 100 * turn:
+            time.sleep(0.01)
+            if record.exists() and counted(record) > rows + 100 * turn:
                 process.send_signal(signal.SIGKILL)
-        if process.wait() == 0:
-            break
-        rows, turn = counted(record), turn + 1
-        assert turn <= 3
-    assert turn == 2
+                break
+        assert process.wait() == -signal.SIGKILL
+        rows = counted(record)
+    assert flexor("calibrate", *words, "--resume", "parts", *COARSE).code == 0
+    assert counted(record) > rows
     for name in ("constants.toml", "targets.csv", "calibration.json"):
-        ended, wanted = ((tmp_path / folder / name).read_text() for folder in ("parts", "whole"))
+        ended, wanted = ((place / name).read_text() for place in (tmp_path / "parts", finished))
         assert ended == wanted
 
 
@@ -162,12 +181,6 @@ def test_ctrl_c_says_how_to_go_on(file, tmp_path) -> None:
     assert err.splitlines()[-1].strip() == (
         "flexor calibrate finger made-targets.toml --samples 4096 --resume 'my folder'"
     )
-
-
-@pytest.fixture
-def folder(file, coarse, tmp_path):
-    calibrate(coarse, file, folder=tmp_path / "out")
-    return tmp_path / "out"
 
 
 def test_other_settings_are_refused(flexor, folder, file) -> None:

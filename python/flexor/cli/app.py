@@ -6,10 +6,12 @@ import itertools
 import os
 import sys
 import warnings
+from functools import cache
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
+from typer.main import get_command
 
 from flexor.cli import (
     bench,
@@ -138,6 +140,12 @@ def root(
         print(context.get_help())
 
 
+@cache
+def _command() -> Any:
+    """Return the application with all of its commands, which are built once per process."""
+    return get_command(app)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line, with the arguments of the process by default, and exit.
 
@@ -148,7 +156,7 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         with warnings.catch_warnings(), interruptions_not_ignored():
             print_warnings()
-            code = app(args=arguments, prog_name="flexor", standalone_mode=False)
+            code = _command()(args=arguments, prog_name="flexor", standalone_mode=False)
     except InputError as error:
         print_error(str(error))
         code = 2
