@@ -57,8 +57,14 @@ def content(found: MethodComparison) -> list[tuple[Any, ...]]:
     ]
 
 
-def test_every_method_has_the_same_starts_and_its_budget(analytic: ModuleType) -> None:
-    found = compare(analytic.AnalyticModel(), **GIVEN)
+@pytest.fixture(scope="module")
+def whole(analytic: ModuleType) -> MethodComparison:
+    """The comparison of GIVEN, one search after the other."""
+    return compare(analytic.AnalyticModel(), **GIVEN, workers=1)
+
+
+def test_every_method_has_the_same_starts_and_its_budget(whole: MethodComparison) -> None:
+    found = whole
     assert len(found.runs) == 2 * 4 * 3
     assert found.sets == {"L": 1, "R01": 2}
     assert found.methods == ("pattern-search", "levenberg-marquardt", "cma-es", "direct")
@@ -78,9 +84,10 @@ def test_every_method_has_the_same_starts_and_its_budget(analytic: ModuleType) -
     assert found.reference["L"] == found.reference["R01"]
 
 
-def test_it_does_not_depend_on_how_many_run_at_a_time(analytic: ModuleType) -> None:
-    one = compare(analytic.AnalyticModel(), **GIVEN, workers=1)
-    assert content(compare(analytic.AnalyticModel(), **GIVEN, workers=4)) == content(one)
+def test_it_does_not_depend_on_how_many_run_at_a_time(
+    analytic: ModuleType, whole: MethodComparison
+) -> None:
+    assert content(compare(analytic.AnalyticModel(), **GIVEN, workers=4)) == content(whole)
 
 
 class Killed(BaseException):
@@ -88,15 +95,14 @@ class Killed(BaseException):
 
 
 def test_killed_anywhere_it_ends_the_same_and_repeats_nothing(
-    analytic: ModuleType, tmp_path: Path
+    analytic: ModuleType, whole: MethodComparison, tmp_path: Path
 ) -> None:
-    whole = compare(analytic.AnalyticModel(), **GIVEN, folder=tmp_path / "whole")
     evaluated, rounds = 0, 0
     while True:
         model = analytic.AnalyticModel()
 
         def kill(model: Any) -> None:
-            if len(model.calls) >= 60:
+            if len(model.calls) >= 100:
                 raise Killed
 
         model.before_batch = kill
@@ -243,7 +249,7 @@ def test_profiles_are_what_one_counts_by_hand(made: MethodComparison) -> None:
 
 
 def test_the_figure_names_its_methods_and_problems(
-    made: MethodComparison, analytic: ModuleType, tmp_path: Path
+    made: MethodComparison, whole: MethodComparison, tmp_path: Path
 ) -> None:
     figure = plot.profiles(made)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one", "two"]
@@ -251,8 +257,7 @@ def test_the_figure_names_its_methods_and_problems(
     assert "(2 sets × 2 seeds)" in left.get_ylabel()
     assert (left.get_xlim()[0], right.get_xlim()[0]) == (1.0, 0.0)
     plot.save(figure, tmp_path / "profiles.svg")
-    found = compare(analytic.AnalyticModel(), **GIVEN)
-    titles = [text.get_text() for text in plot.profiles(found).legends[0].get_texts()]
+    titles = [text.get_text() for text in plot.profiles(whole).legends[0].get_texts()]
     assert titles == ["pattern search", "Levenberg-Marquardt", "CMA-ES", "DIRECT"]
 
 

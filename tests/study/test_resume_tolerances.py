@@ -36,22 +36,31 @@ def content(study: Study) -> list[Any]:
     ] + [study.finished, study.robust, study.best.vector.tobytes()]
 
 
+@pytest.fixture(scope="module")
+def whole(model: Model, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
+    """The folder of a study that was not interrupted, and its content."""
+    folder = tmp_path_factory.mktemp("whole")
+    study = optimize(model, VARIED, AIM, budget=60, folder=folder, **STATED)
+    assert len(study.records) > 1
+    assert study.evaluated == study.evaluations
+    found = content(study)
+    study.close()
+    return folder, found
+
+
 def test_a_finished_study_evaluates_nothing_when_it_is_resumed(
-    model: Model, tmp_path: Path
+    whole: tuple[Path, list[Any]],
 ) -> None:
-    whole = optimize(model, VARIED, AIM, budget=60, folder=tmp_path / "s", **STATED)
-    assert len(whole.records) > 1
-    assert whole.evaluated == whole.evaluations
-    again = resume(tmp_path / "s")
+    again = resume(whole[0])
     assert again.evaluated == 0
-    assert content(again) == content(whole)
+    assert content(again) == whole[1]
+    again.close()
 
 
 @pytest.mark.parametrize("moment", [3, 8, 12])
 def test_interrupted_in_any_round_it_ends_as_one_that_was_not(
-    moment: int, model: Model, tmp_path: Path
+    moment: int, model: Model, whole: tuple[Path, list[Any]], tmp_path: Path
 ) -> None:
-    whole = optimize(model, VARIED, AIM, budget=60, **STATED)
     calls = 0
 
     def kill(_: object) -> None:
@@ -62,7 +71,7 @@ def test_interrupted_in_any_round_it_ends_as_one_that_was_not(
 
     with pytest.raises(KeyboardInterrupt):
         optimize(model, VARIED, AIM, budget=60, folder=tmp_path, progress=kill, **STATED)
-    assert content(resume(tmp_path)) == content(whole)
+    assert content(resume(tmp_path)) == whole[1]
 
 
 def test_a_larger_budget_goes_on_and_can_be_run_again(model: Model, tmp_path: Path) -> None:

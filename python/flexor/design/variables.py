@@ -16,6 +16,7 @@ from flexor.design.fields import keys_of, spline_of, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
+from flexor.design.recall import recalled
 from flexor.design.slot_map import SlotMap, refitted, slot_map
 from flexor.design.span_map import SpanMap, is_span
 from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
@@ -191,9 +192,18 @@ class Variables(ParameterSet):
             labels, keys = list(of_labels), list(of_labels.values())
             found = self._refitted(model, keys)
             if found is None:
-                found = _made(model, keys, labels, self.lower[chosen], self.upper[chosen])
+                found = self._found(model, keys, labels)
             self._maps[model] = found
         return found
+
+    def _found(
+        self, model: Structure, keys: list[tuple[str, ...]], labels: list[str]
+    ) -> SlotMap | SplineMap | SpanMap:
+        """Return the map of a model on its own, which depends on its file and on the bounds."""
+        chosen = ~self._of_loads
+        lower, upper = self.lower[chosen], self.upper[chosen]
+        question = (model.file.to_toml(), tuple(keys), lower.tobytes(), upper.tobytes())
+        return recalled(question, lambda: _made(model, keys, labels, lower, upper))
 
     def _refitted(
         self, model: Structure, keys: list[tuple[str, ...]]
