@@ -188,7 +188,7 @@ class Variables(ParameterSet):
     def _map(self, model: Structure) -> SlotMap | SplineMap | SpanMap:
         found = self._maps.get(model)
         if found is None:
-            chosen, of_labels = ~self._of_loads, self.keys(model)
+            of_labels = self.keys(model)
             labels, keys = list(of_labels), list(of_labels.values())
             found = self._refitted(model, keys)
             if found is None:
