@@ -1,7 +1,7 @@
 """Maps from fields to the engine's parameters that were found before, in this process.
 
-Rounds of a search, its resumption and its repetition ask for the same again, of models that were
-loaded again.
+Rounds of a search, its resumption and its repetition ask what was asked before, of models that
+were loaded anew.
 """
 
 from __future__ import annotations
