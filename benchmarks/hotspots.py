@@ -111,7 +111,8 @@ def measure(runs: int, *, quick: bool) -> Section:
 def build_with_symbols(folder: Path) -> Path:
     """Build the engine with symbols, and return the extension module."""
     build = ("build", "--quiet", "--release", "--locked", "--package", "flexor-bindings")
-    options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false")
+    symbols = ("--config", "profile.release.debug='line-tables-only'")
+    options = ("--target-dir", str(TARGET), "--config", "profile.release.strip=false", *symbols)
     if subprocess.run(["cargo", *build, *options], cwd=ROOT, check=False).returncode:
         raise Missing("cargo could not build the engine with symbols.")
     module = folder / "_engine_native.abi3.so"
