@@ -281,3 +281,5 @@ def test_a_variant_that_breaks_the_model_is_named(tmp_path: Path) -> None:
     file.write_text(text.replace('wall = "2 mm"', 'wall = "40 mm"') + torn.replace("40", "1"))
     with pytest.raises(InputError, match=r"torn.toml: bodies.exosuit.section cannot be made"):
         load(file)
+    with pytest.raises(InputError, match=r"finger.toml: design.minimum_radius is .*3 cm"):
+        load("finger", changes={"design.minimum_radius": "3 cm"})

@@ -210,11 +210,17 @@ def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> 
 def _blamed(
     document: Mapping[str, Any], chosen: str | None, found: tuple[str, str], source: str
 ) -> str:
-    """Return the source of an error with the variant that causes it, if the file alone has none."""
-    alone = variants.without(document)
-    try:
-        ModelFile.model_validate(alone)
-    except ValidationError as error:
-        if first_error(error, alone) == found:
-            return source
+    """Return the source of an error with the variant that causes it.
+
+    An error that is also there without the variant, or with another one, is not its own.
+    """
+    every = [name for name in document["variants"] if name != chosen]
+    usual = document.get("use")
+    others = [usual] if usual in every else every[:1]
+    for other in (variants.without(document), *(variants.applied(document, o) for o in others)):
+        try:
+            ModelFile.model_validate(other)
+        except ValidationError as error:
+            if first_error(error, other) == found:
+                return source
     return f"{source}: variants.{chosen}"
