@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from flexor.errors import InputError
@@ -265,3 +267,19 @@ def test_the_preset_s_sets_are_variants() -> None:
 )
 def test_a_bad_variant_is_named(table: str, sentence: str) -> None:
     assert message(f"{BASE}\n[variants.{table}\n").startswith(f"rod.toml: {sentence}")
+
+
+def test_a_variant_that_breaks_the_model_is_named(tmp_path: Path) -> None:
+    """Also where what it breaks is not the field that it changes."""
+    text = load("pneumatic-finger").file.to_toml()
+    file = tmp_path / "torn.toml"
+    torn = '\n[variants.torn.bodies.exosuit.section]\nwall = "40 mm"\n'
+    file.write_text(text + torn)
+    with pytest.raises(InputError, match=r"torn.toml: variants.torn: bodies.exosuit.section cann"):
+        load(file)
+    # What is wrong without it is no fault of the variant.
+    file.write_text(text.replace('wall = "2 mm"', 'wall = "40 mm"') + torn.replace("40", "1"))
+    with pytest.raises(InputError, match=r"torn.toml: bodies.exosuit.section cannot be made"):
+        load(file)
+    with pytest.raises(InputError, match=r"finger.toml: design.minimum_radius is .*3 cm"):
+        load("finger", changes={"design.minimum_radius": "3 cm"})

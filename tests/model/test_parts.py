@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import flexor
+from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.model import Model, load, parse
 
@@ -321,6 +322,9 @@ def test_a_pattern_keeps_ratios(tmp_path: Path) -> None:
     changes = chosen.changes(np.array([1.5e-3]))
     made = load(model.file, changes=changes)
     walls = [made.file.bodies[f"{part}.exosuit"].section.wall for part in ("index", "middle")]  # type: ignore[union-attr]
+    assert walls == pytest.approx([1.5e-3, 1.65e-3], rel=1e-12)
+    drawn = drawn_file(chosen, np.array([1.5e-3]), model)
+    walls = [drawn.bodies[f"{part}.exosuit"].section.wall for part in ("index", "middle")]  # type: ignore[union-attr]
     assert walls == pytest.approx([1.5e-3, 1.65e-3], rel=1e-12)
 
 

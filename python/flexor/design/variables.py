@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -180,7 +181,7 @@ class Variables(ParameterSet):
         """Return the keys in the model file of each field that is no load, by its label."""
         found = self._keys.get(model)
         if found is None:
-            own = zip(self.labels, self._loads, strict=True)
+            own = zip_longest(self.fields, self.load_fields)
             found = {label: keys_of(label, model.file) for label, load in own if load is None}
             self._keys[model] = found
         return found

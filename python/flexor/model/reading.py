@@ -200,5 +200,27 @@ def _validated(document: Mapping[str, Any], chosen: str | None, source: str) -> 
         return ModelFile.model_validate(complete)
     except ValidationError as error:
         path, tail = first_error(error, complete)
-    path = shortened(variants.place(document, chosen, path), 200)
+    found = variants.place(document, chosen, path)
+    if found == path and chosen in document.get("variants", {}):
+        source = _blamed(document, chosen, (path, tail), source)
+    path = shortened(found, 200)
     raise InputError(f"{source}: {path} {tail}." if path else f"{source}: it {tail}.")
+
+
+def _blamed(
+    document: Mapping[str, Any], chosen: str | None, found: tuple[str, str], source: str
+) -> str:
+    """Return the source of an error with the variant that causes it.
+
+    An error that is also there without the variant, or with another one, is not its own.
+    """
+    every = [name for name in document["variants"] if name != chosen]
+    usual = document.get("use")
+    others = [usual] if usual in every else every[:1]
+    for other in (variants.without(document), *(variants.applied(document, o) for o in others)):
+        try:
+            ModelFile.model_validate(other)
+        except ValidationError as error:
+            if first_error(error, other) == found:
+                return source
+    return f"{source}: variants.{chosen}"

@@ -92,7 +92,7 @@ def applied(document: Document, chosen: str | None) -> dict[str, Any]:
     sets: Document = document.get("constants", {})
     if chosen in sets:
         return {**merged(document, sets[chosen]), "use": chosen}
-    base = with_changes(document, sets.get(document.get("use", ""), {}))
+    base = without(document)
     result = merged(base, changes(document["variants"][chosen]))
     variants = {}
     for name, values in document["variants"].items():
@@ -101,6 +101,11 @@ def applied(document: Document, chosen: str | None) -> dict[str, Any]:
         elif (restored := leading(result, merged(base, changes(values)))) is not None:
             variants[name] = merged(restored, values)
     return {**result, "variants": variants, "use": chosen}
+
+
+def without(document: Document) -> dict[str, Any]:
+    """Return the document without variants, with the set of constants that it uses."""
+    return with_changes(document, document.get("constants", {}).get(document.get("use", ""), {}))
 
 
 def with_changes(document: Document, values: Document) -> dict[str, Any]:
