@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -58,12 +59,9 @@ def test_the_committed_report_holds_every_case_and_its_figures() -> None:
     text = (DOCS / "validation.md").read_text(encoding="utf-8")
     headings = {line.removeprefix("### ") for line in text.splitlines() if line[:4] == "### "}
     here = Path(__file__).parent
-    tests = [line for path in here.glob("test_*.py") for line in path.read_text().splitlines()]
-    names = {
-        line[len("def test_") :].split("(")[0].replace("_", "-")
-        for line in tests
-        if line.startswith("def test_") and line.endswith("(case: Case) -> None:")
-    }
+    tests = "\n".join(path.read_text(encoding="utf-8") for path in here.glob("test_*.py"))
+    found = re.findall(r"^def test_(\w+)\(case: Case\b", tests, re.MULTILINE)
+    names = {name.replace("_", "-") for name in found}
     assert headings == names
     assert len(names) >= 22
     images = [part.split(")")[0] for part in text.split("](images/")[1:]]
