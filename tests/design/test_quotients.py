@@ -53,7 +53,7 @@ def test_wide_ranges(kind: str) -> None:
     model = spatial(section)
     chosen = variables(bounds, model)
     found = chosen._map(model)
-    assert isinstance(found, SlotMap) and found._quotients
+    assert isinstance(found, SlotMap) and found.quotients
     column = int(np.flatnonzero(found.indices == model.engine.slots["exosuit.torsion[0]"][0])[0])
     designs = np.random.default_rng(0).uniform(chosen.lower, chosen.upper, (200, 2))
     for design, values in zip(designs[:8], found.values(designs[:8]), strict=True):

@@ -18,8 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.design.box_points import points_of_box
 from flexor.design.fields import replaced, spline_of, value_of
-from flexor.design.slot_map import TOLERANCE, Lowered, SlotMap, points_of_box, refitted, slot_map
+from flexor.design.fitting import TOLERANCE
+from flexor.design.lowered import Lowered
+from flexor.design.refitting import refitted
+from flexor.design.slot_map import SlotMap
+from flexor.design.slot_search import slot_map
 from flexor.errors import InputError
 from flexor.model import units
 from flexor.model.changes import with_whole_name
@@ -61,6 +66,10 @@ class SplineMap:
                 equal = self._equal.values(self._at(x[rows]))
             found[rows] = self._gathered(equal.reshape(-1, len(self._weights), equal.shape[-1]))
         return found
+
+    def valid(self, x: Array) -> NDArray[np.bool_]:
+        """Return which designs (n, k) can be, (n,): all."""
+        return np.ones(len(x), dtype=bool)
 
     def jacobian(self, x: Array) -> Array:
         """Return the derivatives (n, m, k) of the parameters of designs (n, k)."""

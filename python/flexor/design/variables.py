@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.design.fields import keys_of, spline_of, value_of
+from flexor.design.field_map import FieldMap, field_map, field_map_again
+from flexor.design.fields import keys_of, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
 from flexor.design.recall import recalled
-from flexor.design.slot_map import SlotMap, refitted, slot_map
-from flexor.design.span_map import SpanMap, is_span
-from flexor.design.spline_map import SplineMap, refitted_spline_map, spline_map
+from flexor.design.span_map import is_span
 from flexor.design.strap_places import check_place, is_place, with_moving_straps
 from flexor.errors import InputError
 from flexor.model.geometry import DesignSpace, SlotValues
@@ -106,8 +105,7 @@ class Variables(ParameterSet):
         """Return the engine's parameters of designs; see `ParameterSet.designs`."""
         p = self._designs(p)
         found, x = self._map(model), np.ascontiguousarray(p[:, ~self._of_loads])
-        valid = found.valid(x) if isinstance(found, SpanMap) else np.ones(len(p), dtype=bool)
-        return SlotValues(found.indices, found.values(x)), valid
+        return SlotValues(found.indices, found.values(x)), found.valid(x)
 
     @property
     def varied_inputs(self) -> tuple[str, ...]:
@@ -186,7 +184,7 @@ class Variables(ParameterSet):
             self._keys[model] = found
         return found
 
-    def _map(self, model: Structure) -> SlotMap | SplineMap | SpanMap:
+    def _map(self, model: Structure) -> FieldMap:
         found = self._maps.get(model)
         if found is None:
             of_labels = self.keys(model)
@@ -199,22 +197,20 @@ class Variables(ParameterSet):
 
     def _found(
         self, model: Structure, keys: list[tuple[str, ...]], labels: list[str]
-    ) -> SlotMap | SplineMap | SpanMap:
+    ) -> FieldMap:
         """Return the map of a model on its own, which depends on its file and on the bounds."""
         chosen = ~self._of_loads
         lower, upper = self.lower[chosen], self.upper[chosen]
         question = (model.file.to_toml(), tuple(keys), lower.tobytes(), upper.tobytes())
-        return recalled(question, lambda: _made(model, keys, labels, lower, upper))
+        return recalled(question, lambda: field_map(model, keys, labels, lower, upper))
 
-    def _refitted(
-        self, model: Structure, keys: list[tuple[str, ...]]
-    ) -> SlotMap | SplineMap | SpanMap | None:
+    def _refitted(self, model: Structure, keys: list[tuple[str, ...]]) -> FieldMap | None:
         """Return the map of another model with other numbers: models differ in values only."""
         other = next(iter(list(self._maps.items())), None) if keys else None
-        return None if other is None else _again(other[1], other[0], model, keys)
+        return None if other is None else field_map_again(other[1], other[0], model, keys)
 
     @cached_property
-    def _maps(self) -> WeakKeyDictionary[Structure, SlotMap | SplineMap | SpanMap]:
+    def _maps(self) -> WeakKeyDictionary[Structure, FieldMap]:
         return WeakKeyDictionary()
 
     @cached_property
@@ -224,40 +220,6 @@ class Variables(ParameterSet):
     def __getstate__(self) -> dict[str, Any]:
         cached = ("_maps", "_keys")
         return {key: value for key, value in self.__dict__.items() if key not in cached}
-
-
-def _made(
-    model: Structure,
-    keys: Sequence[tuple[str, ...]],
-    labels: Sequence[str],
-    lower: Array,
-    upper: Array,
-) -> SlotMap | SplineMap | SpanMap:
-    """Find how the engine's parameters depend on fields."""
-    if any(map(is_span, keys)):
-        left = [i for i, each in enumerate(keys) if not is_span(each)]
-        others, names = [keys[i] for i in left], [labels[i] for i in left]
-        found = _made(model, others, names, lower[left], upper[left])
-        assert not isinstance(found, SpanMap)
-        return SpanMap.of(found, model, keys)
-    make = spline_map if any(spline_of(each, model.file) for each in keys) else slot_map
-    return make(model, keys, labels, lower, upper)
-
-
-def _again(
-    like: SlotMap | SplineMap | SpanMap,
-    known: Structure,
-    model: Structure,
-    keys: Sequence[tuple[str, ...]],
-) -> SlotMap | SplineMap | SpanMap | None:
-    """Find the same for another model with other numbers; None if it is made of others."""
-    if isinstance(like, SpanMap):
-        others = [each for each in keys if not is_span(each)]
-        found = _again(like.others, known, model, others) if others else like.others
-        return None if found is None else SpanMap.of(found, model, keys)  # type: ignore[arg-type]
-    if isinstance(like, SplineMap):
-        return refitted_spline_map(like, model, keys)
-    return refitted(like, known, model, keys)
 
 
 def _check_fractions(label: str, ends: tuple[float, float], source: str) -> None:

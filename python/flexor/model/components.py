@@ -66,16 +66,16 @@ def _forces(description: Json) -> Iterator[tuple[str, Json]]:
             yield from ((table, entry) for entry in entries)
 
 
-def _texts(value: Any) -> Iterator[str]:
-    """Yield every text in a description, of which names of bodies and groups are some."""
+def texts(value: Any) -> Iterator[str]:
+    """Yield every text in a description or table, of which names of bodies and others are some."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):
         for each in value.values():
-            yield from _texts(each)
+            yield from texts(each)
     elif isinstance(value, (list, tuple)) and not (value and isinstance(value[0], float)):
         for each in value:
-            yield from _texts(each)
+            yield from texts(each)
 
 
 def _on_world(table: str, entry: Json) -> bool:
@@ -86,7 +86,7 @@ def _on_world(table: str, entry: Json) -> bool:
 def _bodies_of(entry: Json, bodies: Mapping[str, str], groups: Mapping[str, set[str]]) -> set[str]:
     """Return the bodies between which a force acts."""
     found: set[str] = set()
-    for text in _texts(entry):
+    for text in texts(entry):
         if text in bodies:
             found.add(text)
         found |= groups.get(text, set())
@@ -157,7 +157,7 @@ def _part(
         if body["name"] in needed
     ]
     heavy |= needed & fixed
-    named = {text for entries in forces.values() for text in _texts(entries)}
+    named = {text for entries in forces.values() for text in texts(entries)}
     spheres = [
         {**group, "spheres": [each for each in group["spheres"] if each["body"] in needed]}
         for group in description.get("spheres", ())

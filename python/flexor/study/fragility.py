@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from flexor.design import Variables
-from flexor.design.slot_map import parameters_with
+from flexor.design.lowered import parameters_with
 from flexor.model.geometry import SlotValues
 from flexor.objectives import evaluate_objective
 from flexor.study.problem import FloatArray, Problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -57,16 +58,31 @@ def _placement(body: Body) -> Array:
 
 
 def _exponential(twist: Array) -> Array:
-    if not twist[:3].any():
-        return np.eye(4) + _twist(twist)
-    from scipy.linalg import expm  # deferred: slow to import
+    """Return the exponential (4, 4) of a twist (6,) in closed form.
 
-    return np.asarray(expm(_twist(twist)))
+    Murray, Li and Sastry (1994), A Mathematical Introduction to Robotic Manipulation, chapter 2.
+    """
+    x, y, z = twist[:3].tolist()
+    found = np.eye(4)
+    if not (x or y or z):
+        found[:3, 3] = twist[3:]
+        return found
+    turn = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    square = turn @ turn
+    angle = math.sqrt(x * x + y * y + z * z)
+    first, half = math.sin(angle) / angle, math.sin(0.5 * angle) / angle
+    second, third = 2.0 * half * half, _third(angle)
+    found[:3, :3] += first * turn + second * square
+    found[:3, 3] = twist[3:] + (second * turn + third * square) @ twist[3:]
+    return found
 
 
-def _twist(twist: Array) -> Array:
-    x, y, z = twist[:3]
-    matrix = np.zeros((4, 4))
-    matrix[:3, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
-    matrix[:3, 3] = twist[3:]
-    return matrix
+def _third(angle: float) -> float:
+    """Return (θ - sin θ) / θ³, by its series where the difference would cancel."""
+    if angle > 1.0:
+        return (angle - math.sin(angle)) / angle**3
+    square, term, total = angle * angle, 1.0 / 6.0, 0.0
+    for k in range(9):
+        total += term
+        term *= -square / ((2 * k + 4) * (2 * k + 5))
+    return total

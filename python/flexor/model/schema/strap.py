@@ -7,11 +7,13 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from flexor.arrays import Array
 from flexor.model import units
 from flexor.model.schema.body import Link, Rod
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.checks import check_known, check_rod
 from flexor.model.schema.force import Force
+from flexor.model.schema.loop_gap import gaps
 from flexor.model.schema.points import Station
 from flexor.model.schema.profile import surface
 from flexor.model.schema.table import Name, Number, Switch, Table
@@ -145,26 +147,31 @@ class Strap(Force):
         return self.distance(system) + self.slack - self.pretension / self.constant
 
     def distance(self, system: BodySystem) -> float:
-        """Distance of the ends in the reference state [m]."""
+        """Distance of the ends in the reference state [m]; negative where a loop's overlap."""
+        found = self.ends(system)
+        if not isinstance(self.to, Loop):
+            return float(np.linalg.norm(found))
+        return float(gaps(found[None])[0]) - self.thickness(system)
+
+    def ends(self, system: BodySystem) -> Array:
+        """Return what the distance of its ends follows from.
+
+        That is the vector between them (3,) [m], or of a loop the row (6,) of `gaps`.
+        """
         frames = system.reference_frames
         if isinstance(self.to, Loop):
-            return self._gap(system, frames)
+            link = system.bodies[self.to.body]
+            assert isinstance(link, Link)
+            base, point = frames[self.to.body](0.0), frames[self.rod](self.at)[:3, 3]
+            sizes = (link.radius.base, link.radius.tip, link.length)
+            return np.array([*(base[:3, :3].T @ (point - base[:3, 3])), *map(float, sizes)])
         first = _surface_point(system, frames, self.rod, self.at, -1.0)
         second = _surface_point(system, frames, self.to.body, self.fraction(system), 1.0)
-        return float(np.linalg.norm(first - second))
+        return np.asarray(first - second)
 
-    def _gap(self, system: BodySystem, frames: dict[str, Any]) -> float:
-        """Gap between rod and link, negative where they overlap [m]."""
-        rod, link = system.rod(self.rod), system.bodies[self.to.body]
-        assert isinstance(link, Link)
-        base, tip = float(link.radius.base), float(link.radius.tip)
-        r = np.linalg.solve(frames[self.to.body](0.0), frames[self.rod](self.at)[:, 3])[:3]
-        along, across = float(r[0]), float(np.hypot(r[1], r[2]))
-        length, taper = float(link.length), tip - base
-        shift = taper * across / np.sqrt(length**2 - taper**2) if length > abs(taper) else np.inf
-        x = float(np.clip(along + np.copysign(shift, taper), 0.0, length))
-        surface_here = float(surface(rod.radius, np.array([self.at]))[0][0])
-        return float(np.hypot(along - x, across)) - base - x / length * taper - surface_here
+    def thickness(self, system: BodySystem) -> float:
+        """Distance of the rod's axis from its surface at the place of a loop [m]."""
+        return float(surface(system.rod(self.rod).radius, np.array([self.at]))[0][0])
 
     def fraction(self, system: BodySystem) -> float:
         """Return the place on the body where it is sewn, as a fraction of the length."""

@@ -1,0 +1,146 @@
+"""The engine's parameters by lowering the model file with other values of some fields."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from flexor import _engine
+from flexor.arrays import Array
+from flexor.design.fields import replaced
+from flexor.errors import InputError
+from flexor.model.lowering import lower
+from flexor.model.schema import ModelFile
+from flexor.model.schema.strap import Loop
+from flexor.model.structure import Structure
+
+Keys = tuple[str, ...]
+
+
+class Lowered:
+    """The engine's parameters as columns, and beyond them what rest lengths of straps follow from.
+
+    A rest length itself may have kinks, as where a loop reaches the end of its link, and is no
+    polynomial even where its ends are.
+
+    Attributes
+    ----------
+    straps : list of (int, slice, int)
+        For each strap the column of its rest length, those of its ends and that of the offset which
+        is to be added to their distance.
+    ranges : list of (int, int)
+        Columns that belong together: those of each parameter, and of places and sizes of each end.
+    """
+
+    def __init__(
+        self, model: Structure, fields: tuple[Keys, ...], names: Sequence[str] = ()
+    ) -> None:
+        self._model, self._fields = model, fields
+        self._names = ", ".join(f'"{name}"' for name in names)
+        self._slots = model.engine.slots
+        self.ranges = [*self._slots.values()]
+        self.straps: list[tuple[int, slice, int]] = []
+        self.size = column = model.parameters.size
+        for name, strap in model.file.straps.items():
+            # The place of an end, then sizes and the offset.
+            sizes = 4 if isinstance(strap.to, Loop) else 1
+            self.ranges.append((column, column + 3))
+            self.ranges += [(column + 3 + i, column + 4 + i) for i in range(sizes)]
+            stop = column + 2 + sizes
+            self.straps.append((self._slots[f"{name}.rest_length"][0], slice(column, stop), stop))
+            column = stop + 1
+
+    @property
+    def own(self) -> Array:
+        """The engine's parameters of the model itself."""
+        return self._model.parameters
+
+    def parameters(self, x: Array, name: str = "") -> Array:
+        """Return the engine's parameters for values (k,) of the fields, those of `name` varied."""
+        return self._lowered(self._file(x), name)
+
+    def at(self, x: Array, name: str = "") -> Array:
+        """Return all columns, with zero in place of rest lengths."""
+        file = self._file(x)
+        found = self._lowered(file, name)
+        found[[rest for rest, _, _ in self.straps]] = 0.0
+        return np.concatenate([found, self._of_straps(file)])
+
+    def of_straps(self, x: Array) -> Array:
+        """Return the columns of straps, which takes much less than all that a file lowers to."""
+        return self._of_straps(self._file(x))
+
+    def name(self, column: int) -> str:
+        """Return which parameter a column is."""
+        for name, (start, stop) in self._slots.items():
+            if start <= column < stop:
+                return name
+        for rest, ends, offset in self.straps:
+            if ends.start <= column <= offset:
+                return self.name(rest)
+        raise IndexError(column)
+
+    def _of_straps(self, file: ModelFile) -> Array:
+        found: list[float] = []
+        for strap in file.straps.values():
+            offset = float(strap.slack) - float(strap.pretension) / strap.constant
+            if isinstance(strap.to, Loop):
+                offset -= strap.thickness(file)
+            found += [*strap.ends(file).tolist(), offset]
+        return np.array(found)
+
+    def _file(self, x: Array) -> ModelFile:
+        return replaced(self._model.file, dict(zip(self._fields, x.tolist(), strict=True)))
+
+    def _lowered(self, file: ModelFile, name: str) -> Array:
+        described = lower(file)
+        _keep(described, self._model.description)
+        try:
+            engine = _engine.Model(json.dumps(described))
+        except ValueError as error:
+            raise InputError(f"{self._said(name)} cannot be varied so far: {error}.") from None
+        if not engine.has_structure_of(self._model.engine):
+            raise InputError(
+                f"{self._said(name)} cannot be varied: that changes what the model is made of; "
+                "give values to choose from, such as by --choose."
+            )
+        return engine.parameters.copy()
+
+    def _said(self, name: str) -> str:
+        return f'"{name}"' if name else self._names
+
+
+def parameters_with(model: Structure, changes: Mapping[Keys, float]) -> Array | None:
+    """Return the engine's parameters (P,) of a model with other values of some fields, SI.
+
+    None if it is then no model, or one that is made of other things.
+
+    Parameters
+    ----------
+    model
+        The model.
+    changes
+        By the keys of a field; see `flexor.design.fields`.
+    """
+    try:
+        described = lower(replaced(model.file, changes))
+        _keep(described, model.description)
+        engine = _engine.Model(json.dumps(described))
+    except ValueError:  # of the file, too: an `InputError` is one
+        return None
+    return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
+
+
+def _keep(described: dict[str, object], own: dict[str, object]) -> None:
+    """Keep what is made once for the model: shares of the tip, and which rods touch themselves."""
+    for key in ("spheres", "contacts"):
+        mine = own.get(key, [])
+        if key in described or mine:
+            described[key] = mine
+    rubbing: dict[str, object] = {each["name"]: each for each in described.get("frictions", [])}  # type: ignore[attr-defined]
+    if frictions := own.get("frictions"):
+        described["frictions"] = [rubbing.get(each["name"], each) for each in frictions]  # type: ignore[attr-defined]
+    for new, old in zip(described.get("foundations", ()), own.get("foundations", ()), strict=False):  # type: ignore[call-overload]
+        new["tip"], new["alignment"] = old["tip"], old["alignment"]
