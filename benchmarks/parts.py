@@ -1,8 +1,8 @@
 """Cost of a model that is made of parts against that of one part, in interleaved runs.
 
 Gloves of one to eight equal fingers, each with its own pressure and its own random designs of its
-actuator, each followed to its last load. For comparison one finger in its plane, and a glove as one
-system whose parts are not followed by themselves.
+actuator, each followed to its last load, against one finger by itself, which is planar. For
+comparison gloves whose fingers are followed in space, and as one system.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from rich.table import Table
 
 import flexor
 from flexor.model import Model, SlotValues, parse
+from flexor.model.separate import Separate
 
 FINGERS = (1, 2, 3, 5, 8)
+IN_SPACE = 5  # fingers whose planes are not made use of
 AS_ONE = 3  # fingers followed as one system, which takes long
 FIELDS = {
     "exosuit.radius.base": ("5 mm", "8 mm"),
@@ -35,17 +37,19 @@ def main() -> None:
     parser.add_argument("--designs", type=int, default=60, help="number of random designs")
     parser.add_argument("--runs", type=int, default=5)
     arguments = parser.parse_args()
-    works = {f"{count} in space": work(count, arguments.designs) for count in FINGERS}
-    works["1 in its plane"] = work(0, arguments.designs)
-    works[f"{AS_ONE} as one system"] = work(AS_ONE, arguments.designs, separate=False)
+    designs = arguments.designs
+    works = {"1 by itself": work(0, designs)}
+    works |= {f"{count}": work(count, designs) for count in FINGERS}
+    works[f"{IN_SPACE} in space"] = work(IN_SPACE, designs, in_space)
+    works[f"{AS_ONE} as one system"] = work(AS_ONE, designs, as_one)
     times = by_turns(works, arguments.runs, "fingers")
-    base = times["1 in space"].cpu
-    table = Table("fingers", "ms per design", "times one finger in space (median, range)")
+    base = times["1 by itself"].cpu
+    table = Table("fingers", "ms per design", "times one by itself (median, range)")
     for name, each in times.items():
         ratios = [own / one for own, one in zip(each.cpu, base, strict=True)]
         table.add_row(
             name,
-            f"{1e3 * each.median / arguments.designs:.2f}",
+            f"{1e3 * each.median / designs:.2f}",
             f"{statistics.median(ratios):.2f}   {min(ratios):.2f} - {max(ratios):.2f}",
         )
     console = Console(width=100)
@@ -54,7 +58,7 @@ def main() -> None:
 
 
 def glove(count: int) -> Model:
-    """Return a model of equal fingers beside one another; none for one finger in its plane."""
+    """Return a model of equal fingers beside one another; of none, one finger by itself."""
     if not count:
         return flexor.load("glove-finger")
     parts = [
@@ -67,11 +71,25 @@ def glove(count: int) -> Model:
     )
 
 
-def work(count: int, designs: int, separate: bool = True) -> Callable[[], object]:
+def in_space(model: Model) -> None:
+    """Let the parts of a model be followed in space."""
+    assert isinstance(model.followed, Separate)
+    for each in model.followed.components:
+        each.__dict__["plane"] = None
+
+
+def as_one(model: Model) -> None:
+    """Let a model be followed as one system."""
+    model.__dict__["followed"] = model.engine
+
+
+def work(
+    count: int, designs: int, change: Callable[[Model], None] | None = None
+) -> Callable[[], object]:
     """Return the evaluation of random designs of so many fingers."""
     model = glove(count)
-    if not separate:
-        model.__dict__["followed"] = model.engine
+    if change is not None:
+        change(model)
     prefixes = [f"f{i}." for i in range(count)] or [""]
     bounds = {f"{prefix}{field}": ends for prefix in prefixes for field, ends in FIELDS.items()}
     chosen = flexor.design.variables(bounds, model)

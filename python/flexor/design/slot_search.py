@@ -138,7 +138,7 @@ def _patterns(lowered: Lowered, moved: NDArray[np.bool_]) -> dict[Pattern, NDArr
 
     The entries of one parameter, such as the numbers of all fibres, have the same.
     """
-    varied = moved.any(axis=0)
+    varied = np.asarray(moved.any(axis=0))
     patterns: dict[Pattern, list[int]] = {}
     for start, stop in lowered.ranges:
         inside = start + np.flatnonzero(varied[start:stop])

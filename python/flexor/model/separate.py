@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor._engine import REGULARITY, STABILITY, STATUS
 from flexor.arrays import Array
+from flexor.model.in_plane import InPlane, in_plane, in_space
 
 Indices = NDArray[np.intp]
 Found = Mapping[str, Any]
@@ -45,6 +46,7 @@ class _Component:
     """A component, and where what it has is in the whole model."""
 
     engine: _engine.Model
+    plane: InPlane | None  # the same in its plane, if it cannot leave one
     slots: Indices  # the whole model's parameter of each of its own
     coordinates: Indices
     inputs: Indices
@@ -97,6 +99,9 @@ class Separate:
             has, own = each.of(np.asarray(slot_indices, dtype=np.intp))
             column = np.ascontiguousarray(loads[:, each.inputs])
             varied = np.ascontiguousarray(values[:, has])
+            engine, planar = each.engine, each.plane and each.plane.parameters(own, varied)
+            if each.plane is not None and planar is not None:
+                engine, (own, varied) = each.plane.engine, planar
             # What designs have in common is followed once.
             once = count > 1 and len(loads) == steps and (varied == varied[:1]).all()
             if once:
@@ -104,7 +109,9 @@ class Separate:
             given = dict(settings)
             if start is not None:
                 given["start"] = np.ascontiguousarray(start[each.coordinates])
-            one = each.engine.path(own, varied, column, threads, steps=steps, **given)
+            one = engine.path(own, varied, column, threads, steps=steps, **given)
+            if engine is not each.engine:
+                one = in_space(one)
             found.append(_repeated(one, count) if once else one)
         return self._together(found, loads, count, steps)
 
@@ -281,6 +288,7 @@ def _component(
             slots[start:stop] = np.arange(first, last)
     return _Component(
         engine=engine,
+        plane=in_plane(described, engine),
         slots=slots,
         coordinates=_places(engine.coordinates, whole.coordinates),
         inputs=_places(engine.inputs, whole.inputs),
