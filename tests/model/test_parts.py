@@ -416,6 +416,14 @@ def test_bad_files(case: str, tmp_path: Path) -> None:
     assert str(error.value).startswith(str(path))
 
 
+def test_a_misspelt_table_of_parts() -> None:
+    """The nearest key is ``parts``, which models do not keep."""
+    with pytest.raises(InputError, match='unknown key "part" \\(did you mean "parts"\\?\\)'):
+        parse('name = "one"\n[part.index]\nfile = "glove-finger"')
+    with pytest.raises(InputError, match='unknown field "part" \\(did you mean "parts"\\?\\)'):
+        flexor.load("glove", changes={"part.index.scale": 1.1})
+
+
 def test_a_ring_of_parts(tmp_path: Path) -> None:
     for name, other in (("one", "two"), ("two", "one")):
         written(tmp_path, f'name = "{name}"\n[parts.p]\nfile = "{other}.toml"\n', f"{name}.toml")

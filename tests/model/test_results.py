@@ -11,6 +11,7 @@ import pytest
 import flexor
 from flexor.design import parameter_set
 from flexor.model import Event, Model, Path, Paths, State, chunks
+from flexor.model.result_arrays import joinings
 from flexor.model.results import Results, States
 
 
@@ -47,6 +48,16 @@ def check_same(one: object, other: object) -> None:
 def arrays(results: Results) -> dict[str, object]:
     names = {field.name for field in dataclasses.fields(results)} - {"model", "followed"}
     return {name: getattr(results, name) for name in sorted(names)}
+
+
+def test_every_array_of_the_engine_says_how_components_join(finger: Model) -> None:
+    """Those beside them are joined by their own rules."""
+    none = np.zeros(0, dtype=np.intp)
+    found = finger.engine.path(none, np.zeros((1, 0)), np.zeros((2, 1)), 1, steps=2)
+    own = {"status", "stability", "friction", "free", "events"}
+    assert found.keys() == {*joinings(), *own}
+    for joining in joinings().values():
+        assert (joining.how == "rows") == bool(joining.of)
 
 
 @pytest.mark.parametrize("size", [1, 7, 40])

@@ -108,7 +108,7 @@ def resolve(document: Document, keys: list[str], source: str) -> list[str]:
     if keys[0] not in ModelFile.model_fields:
         keys = with_whole_name(keys, tables)
         if keys[0] not in tables:
-            allowed = (*tables, *ModelFile.model_fields)
+            allowed = (*tables, *ModelFile.known_keys())
             raise InputError(f"{source}: {unknown_name('field', keys[0], allowed)}.")
         keys = [tables[keys[0]], *keys]
     elif keys[:2] == ["evaluation", "loads"]:

@@ -21,31 +21,13 @@ from flexor.model.events import event_table
 from flexor.model.followed import Followed
 from flexor.model.friction import friction_table, slips
 from flexor.model.geometry import Geometry, SlotValues
+from flexor.model.result_arrays import joinings
 from flexor.model.results import Paths
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
 from flexor.model.structure import Structure
 
-_PER_STEP = (
-    "q",
-    "iterations",
-    "residual",
-    "tolerance",
-    "energy",
-    "pairs",
-    "touching",
-    "tip_force",
-    "applied",
-    "max_overlap",
-    "max_contact_pressure",
-    "volume",
-    "rod_bending",
-    "stretch",
-    "tie_loads",
-    "tie_gaps",
-    "tie_redundancy",
-    "tie_singularity",
-)
+_PER_STEP = tuple(joinings())
 _STATUS: NDArray[np.object_] = np.array(STATUS, dtype=object)
 _STABILITY: NDArray[np.object_] = np.array(STABILITY, dtype=object)
 _CONVERGED, _UNSTABLE = STATUS.index("converged"), STATUS.index("unstable")
@@ -118,7 +100,6 @@ def _arrays(model: Structure, found: Mapping[str, Any], lead: int) -> dict[str, 
     arrays["joint_angles"] = arrays["q"][:, :, model.joint_columns]
     if model.frictions:
         arrays["friction"] = friction_table(found["friction"], codes.shape, lead)
-    arrays["dissipated"] = found["dissipated"][:, lead:]
     arrays["free"] = _free(found["free"].tolist(), codes.shape, lead, model)
     arrays["event_table"] = event_table(events, len(codes), lead, model.joint_columns)
     arrays["event_count"] = np.bincount(events["design"], minlength=len(codes))

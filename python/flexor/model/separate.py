@@ -18,27 +18,20 @@ from flexor import _engine
 from flexor._engine import REGULARITY, STABILITY, STATUS
 from flexor.arrays import Array
 from flexor.model.in_plane import InPlane, in_plane, in_space
+from flexor.model.result_arrays import joinings
 
 Indices = NDArray[np.intp]
 Found = Mapping[str, Any]
 
+_NO_ROWS = np.zeros(0, dtype=np.intp)
 _EQUILIBRIA = [STATUS.index("converged"), STATUS.index("unstable")]
 _NOT_REACHED = STATUS.index("not-reached")
 # From what is worst to what is best.
 _STABILITY = ("unknown", "unstable", "flutter-undecided", "neutral", "stable")
 _REGULARITY = ("no-equilibrium", "nearly-singular", "contact-threshold")
-_SUMS = ("energy", "tip_force", "dissipated", "pairs", "touching", "iterations")
-_LARGEST = ("max_overlap", "max_contact_pressure")
-# What has one row for each force or body of its kind, by the list of the description.
-_ROWS = {
-    "volume": "pressures",
-    "tie_loads": "ties",
-    "tie_gaps": "ties",
-    "tie_redundancy": "ties",
-    "tie_singularity": "ties",
-}
-_OF_EQUILIBRIA = ("q", "energy", "volume", "rod_bending", "stretch", "tie_loads", "tie_redundancy")
-_ZERO_WITHOUT = ("pairs", "touching", "tip_force", "dissipated", *_LARGEST)
+# How what has one row for each entry of its kind is joined.
+_JOININGS = joinings()
+_KINDS = {joining.of for joining in _JOININGS.values() if joining.of}
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +41,18 @@ class _Component:
     engine: _engine.Model
     plane: InPlane | None  # the same in its plane, if it cannot leave one
     slots: Indices  # the whole model's parameter of each of its own
-    coordinates: Indices
-    inputs: Indices
-    rows: Mapping[str, Indices]  # by list of the description
+    rows: Mapping[str, Indices]  # by what they are, see `flexor.model.joining`
     outputs: Indices  # the whole model's output of each of its own
+
+    @property
+    def coordinates(self) -> Indices:
+        """The whole model's coordinate of each of its own."""
+        return self.rows["coordinates"]
+
+    @property
+    def inputs(self) -> Indices:
+        """The whole model's input of each of its own."""
+        return self.rows["inputs"]
 
     def of(self, which: Indices) -> tuple[Indices, Indices]:
         """Return which of some parameters of the whole model it has, and which of its own."""
@@ -73,6 +74,7 @@ class Separate:
     ) -> None:
         self.whole = whole
         self.components = [_component(each, whole, description) for each in components]
+        self._sizes = {kind: len(names) for kind, names in _kinds(whole, description).items()}
         several = np.zeros(_count(whole.outputs), dtype=int)
         for each in self.components:
             several[each.outputs] += 1
@@ -171,7 +173,6 @@ class Separate:
         self, found: Sequence[Found], loads: Array, count: int, steps: int
     ) -> dict[str, Any]:
         """Join the arrays of the components."""
-        shape = (count, steps)
         codes = np.stack([each["status"] for each in found])
         status, failing = _status(codes)
         made: dict[str, Any] = {
@@ -179,41 +180,23 @@ class Separate:
             "stability": _worst([each["stability"] for each in found], STABILITY, _STABILITY),
             "friction": found[0]["friction"],
         }
-        for name in _SUMS:
-            made[name] = np.sum([each[name] for each in found], axis=0, dtype=found[0][name].dtype)
-        for name in _LARGEST:
-            made[name] = np.max([each[name] for each in found], axis=0)
-        stretch = np.stack([each["stretch"] for each in found])
-        made["stretch"] = np.stack(
-            [np.fmin.reduce(stretch[..., 0]), np.fmax.reduce(stretch[..., 1])], axis=-1
+        residuals, tolerances = (
+            np.stack([each[name] for each in found]) for name in ("residual", "tolerance")
         )
-        residuals = np.stack([each["residual"] for each in found])
-        tolerances = np.stack([each["tolerance"] for each in found])
         share = np.nan_to_num(residuals / tolerances, nan=-1.0)
         share[codes != status] = -2.0
-        worst = share.argmax(axis=0)[None]
-        made["residual"] = np.take_along_axis(residuals, worst, axis=0)[0]
-        made["tolerance"] = np.take_along_axis(tolerances, worst, axis=0)[0]
-        given = loads.reshape(len(loads) // steps, steps, loads.shape[-1])
-        own = np.broadcast_to(given, (*shape, loads.shape[-1]))
-        made["applied"] = own.copy()
-        made["q"] = np.empty((*shape, self.whole.dof))
-        made["rod_bending"] = np.empty((*shape, _total(self.components, "rods")))
-        for name, rows in _ROWS.items():
-            rest = found[0][name].shape[3:]
-            made[name] = np.empty((*shape, _total(self.components, rows), *rest))
-        for each, component in zip(found, self.components, strict=True):
-            made["q"][..., component.coordinates] = each["q"]
-            made["applied"][..., component.inputs] = each["applied"]
-            made["rod_bending"][..., component.rows["rods"]] = each["rod_bending"]
-            for name, rows in _ROWS.items():
-                made[name][:, :, component.rows[rows]] = each[name]
+        deciding = share.argmax(axis=0)
+        for name, joining in _JOININGS.items():
+            rows = [each.rows.get(joining.of, _NO_ROWS) for each in self.components]
+            arrays, size = [each[name] for each in found], self._sizes.get(joining.of, 0)
+            made[name] = joining.joined(arrays, rows, size, deciding)
         made["free"] = self._free(found)
+        given = loads.reshape(len(loads) // steps, steps, loads.shape[-1])
+        own = np.broadcast_to(given, (count, steps, loads.shape[-1]))
         made["events"] = self._events(found, made["q"], own)
-        for name in _OF_EQUILIBRIA:
-            made[name][failing] = np.nan
-        for name in _ZERO_WITHOUT:
-            made[name][failing] = 0
+        for name, joining in _JOININGS.items():
+            if joining.without is not None:
+                made[name][failing] = joining.without
         return made
 
     def _free(self, found: Sequence[Found]) -> NDArray[np.intp]:
@@ -273,13 +256,8 @@ def _component(
 ) -> _Component:
     text = json.dumps(described, sort_keys=True, separators=(",", ":"))
     engine = _engine.Model(text)
-    rows = {
-        "rods": _places(_rods(described), _rods(description)),
-        **{
-            name: _places(_names(described, name), _names(description, name))
-            for name in set(_ROWS.values())
-        },
-    }
+    own, every = _kinds(engine, described), _kinds(whole, description)
+    rows = {kind: _places(names, every[kind]) for kind, names in own.items()}
     slots = np.full(len(engine.parameters), -1, dtype=np.intp)
     weightless = _weightless(described, description)
     for name, (start, stop) in engine.slots.items():
@@ -290,8 +268,6 @@ def _component(
         engine=engine,
         plane=in_plane(described, engine),
         slots=slots,
-        coordinates=_places(engine.coordinates, whole.coordinates),
-        inputs=_places(engine.inputs, whole.inputs),
         rows=rows,
         outputs=_outputs(engine, whole, rows, described, description),
     )
@@ -331,12 +307,21 @@ def _outputs(
     return found
 
 
+def _kinds(engine: _engine.Model, description: Mapping[str, Any]) -> dict[str, Sequence[str]]:
+    """Return the names of what results have rows for, by kind; see `flexor.model.joining`."""
+    bodies = description["bodies"]
+    found: dict[str, Sequence[str]] = {
+        "coordinates": engine.coordinates,
+        "inputs": engine.inputs,
+        "rods": [body["name"] for body in bodies if "rod" in body["shape"]],
+    }
+    for kind in _KINDS - found.keys():
+        found[kind] = _names(description, kind)
+    return found
+
+
 def _joints(engine: _engine.Model) -> list[str]:
     return [joint["name"] for joint in engine.joints]
-
-
-def _rods(description: Mapping[str, Any]) -> list[str]:
-    return [body["name"] for body in description["bodies"] if "rod" in body["shape"]]
 
 
 def _names(description: Mapping[str, Any], table: str) -> list[str]:
@@ -361,10 +346,6 @@ def _places(names: Sequence[str], every: Sequence[str]) -> Indices:
 
 def _count(outputs: Mapping[str, tuple[int, int]]) -> int:
     return max(stop for _, stop in outputs.values())
-
-
-def _total(all_components: Sequence[_Component], rows: str) -> int:
-    return sum(len(each.rows[rows]) for each in all_components)
 
 
 def _status(codes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:

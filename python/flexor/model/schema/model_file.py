@@ -96,6 +96,11 @@ class ModelFile(BodySystem):
     variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
 
+    @classmethod
+    def known_keys(cls) -> tuple[str, ...]:
+        """Return the keys of a file: also ``parts``, whose entries it has in their place."""
+        return (*super().known_keys(), "parts")
+
     @model_validator(mode="after")
     def _check(self) -> ModelFile:
         """Check the consistency of the tables."""

@@ -81,6 +81,11 @@ class Table(BaseModel):
             del copied.__dict__[name]
         return copied
 
+    @classmethod
+    def known_keys(cls) -> tuple[str, ...]:
+        """Return the keys that a table may have where it is written."""
+        return tuple(cls.model_fields)
+
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, data: object) -> object:
@@ -91,7 +96,7 @@ class Table(BaseModel):
             raise field_error(f"is {describe(data)}: expected a table with {_listed(cls)}")
         for key in data:
             if key not in cls.model_fields:
-                raise field_error("has an " + unknown_name("key", str(key), cls.model_fields))
+                raise field_error("has an " + unknown_name("key", str(key), cls.known_keys()))
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 hint = next((m.hint for m in field.metadata if isinstance(m, _Hinted)), None)
@@ -100,7 +105,7 @@ class Table(BaseModel):
 
 
 def _listed(table: type[Table]) -> str:
-    return ", ".join(table.model_fields)
+    return ", ".join(table.known_keys())
 
 
 def one_of(*kinds: str) -> Callable[[object], object]:
