@@ -11,8 +11,8 @@ import pytest
 import flexor
 from flexor.design import parameter_set
 from flexor.model import Event, Model, Path, Paths, State, chunks
-from flexor.model.result_arrays import joinings
-from flexor.model.results import Results, States
+from flexor.model.result_arrays import Results, joinings
+from flexor.model.results import States
 
 
 @pytest.fixture(scope="module")

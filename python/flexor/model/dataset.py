@@ -13,7 +13,7 @@ from flexor.installing import install_command
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from flexor.model.results import Results
+    from flexor.model.result_arrays import Results
 
 # Names of the axes of each array of paths after those of designs and steps, and units of what is
 # not a plain number; joints that slide are in m.

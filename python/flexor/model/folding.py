@@ -13,12 +13,12 @@ from flexor.model.schema.section import Solid
 from flexor.model.schema.section_geometry import is_made_of_fibres
 
 if TYPE_CHECKING:
-    from flexor.model.results import Path
+    from flexor.model.path_quantities import PathQuantities
 
 POINTS = 16  # on the outline of a disc
 
 
-def least_stretches(path: Path) -> Iterator[tuple[str, Array]]:
+def least_stretches(path: PathQuantities) -> Iterator[tuple[str, Array]]:
     """Return the least stretch of the outline of each rod with a solid section and its own moduli.
 
     Parameters

@@ -13,14 +13,14 @@ from flexor.model.schema.profile import Spline, interpolated
 from flexor.model.schema.section import Box, HalfRound, Hollow, Tube
 
 if TYPE_CHECKING:
-    from flexor.model.results import Path
+    from flexor.model.path_quantities import PathQuantities
 
 # The unwound half-round bends backwards in finite elements (docs/finite-elements.md) from its first
 # pressure on, 0.5 kPa, where this is its strain; one that is wound has none.
 LIMIT = 0.002
 
 
-def hoop_strains(path: Path) -> Iterator[tuple[str, str, Array]]:
+def hoop_strains(path: PathQuantities) -> Iterator[tuple[str, str, Array]]:
     """Estimate the hoop strain per pressure at the bore of each cavity without winding.
 
     Parameters

@@ -56,15 +56,15 @@ class Joining:
             The component that decides the status.
         """
         if self.how == "sum":
-            return np.sum(arrays, axis=0, dtype=arrays[0].dtype)
+            return np.asarray(np.sum(arrays, axis=0, dtype=arrays[0].dtype))
         if self.how == "largest":
-            return np.max(arrays, axis=0)
+            return np.asarray(np.max(arrays, axis=0))
         if self.how == "extremes":
             stacked: Array = np.stack(arrays)
             least, greatest = np.fmin.reduce(stacked[..., 0]), np.fmax.reduce(stacked[..., 1])
             return np.stack([least, greatest], axis=-1)
         if self.how == "deciding":
-            return np.take_along_axis(np.stack(arrays), deciding[None], axis=0)[0]
+            return np.asarray(np.take_along_axis(np.stack(arrays), deciding[None], axis=0)[0])
         first = arrays[0]
         made = np.empty((*first.shape[:2], size, *first.shape[3:]), first.dtype)
         for array, rows in zip(arrays, places, strict=True):

@@ -13,7 +13,7 @@ from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
 if TYPE_CHECKING:
-    from flexor.model.results import Path
+    from flexor.model.path_quantities import PathQuantities
 
 # Widths beyond its limit up to which the law of a joint is valid.
 WIDTHS = 10.0
@@ -21,7 +21,7 @@ WIDTHS = 10.0
 SKIN = 0.5
 
 
-def materials_exceeded(path: Path) -> list[str]:
+def materials_exceeded(path: PathQuantities) -> list[str]:
     """List the materials beyond their limits, a sentence each.
 
     Parameters
@@ -62,7 +62,7 @@ def materials_exceeded(path: Path) -> list[str]:
     return found
 
 
-def _first_load(path: Path, exceeded: NDArray[np.bool_]) -> str:
+def _first_load(path: PathQuantities, exceeded: NDArray[np.bool_]) -> str:
     size, unit = path.model.load_unit()
     return f"{path.force[np.argmax(exceeded)] / size:.4g} {unit}"
 
@@ -81,7 +81,7 @@ def skin_depth(file: ModelFile) -> float | None:
     return SKIN * (min(rods) + min(links, default=0.0)) if rods else None
 
 
-def skins_exceeded(path: Path) -> list[str]:
+def skins_exceeded(path: PathQuantities) -> list[str]:
     """Say whether bodies overlap by more than their skins bear; see `materials_exceeded`."""
     depth = skin_depth(path.model.file)
     overlap = path.max_overlap
@@ -94,7 +94,7 @@ def skins_exceeded(path: Path) -> list[str]:
     ]
 
 
-def straps_exceeded(path: Path) -> list[str]:
+def straps_exceeded(path: PathQuantities) -> list[str]:
     """List the straps beyond their limits, a sentence each; see `materials_exceeded`."""
     found = []
     for name, forces in path.strap_forces().items():
@@ -108,7 +108,7 @@ def straps_exceeded(path: Path) -> list[str]:
     return found
 
 
-def joints_exceeded(path: Path) -> list[str]:
+def joints_exceeded(path: PathQuantities) -> list[str]:
     """List the joints too far beyond their limits, a sentence each; see `materials_exceeded`."""
     found = []
     for name, body in path.model.file.bodies.items():
@@ -133,7 +133,7 @@ def joints_exceeded(path: Path) -> list[str]:
     return found
 
 
-def ballooning_cavities(path: Path) -> list[str]:
+def ballooning_cavities(path: PathQuantities) -> list[str]:
     """List the cavities that widen too much for a rod model; see `materials_exceeded`."""
     found = []
     for name, rod, along in hoop_strains(path):
@@ -151,7 +151,7 @@ def ballooning_cavities(path: Path) -> list[str]:
     return found
 
 
-def folded_rods(path: Path) -> list[str]:
+def folded_rods(path: PathQuantities) -> list[str]:
     """List the solid rods pressed or bent through themselves; see `materials_exceeded`."""
     found = []
     for name, stretch in least_stretches(path):
@@ -171,7 +171,7 @@ def _kilo(pressure: float | None) -> float | None:
     return None if pressure is None else pressure / 1e3
 
 
-def ties_redundant(path: Path) -> list[str]:
+def ties_redundant(path: PathQuantities) -> list[str]:
     """Return a sentence for each tie of which some conditions follow from others."""
     if path.tie_redundancy is None or not path.model.ties:
         return []

@@ -101,9 +101,11 @@ class Separate:
             has, own = each.of(np.asarray(slot_indices, dtype=np.intp))
             column = np.ascontiguousarray(loads[:, each.inputs])
             varied = np.ascontiguousarray(values[:, has])
-            engine, planar = each.engine, each.plane and each.plane.parameters(own, varied)
-            if each.plane is not None and planar is not None:
-                engine, (own, varied) = each.plane.engine, planar
+            engine = each.engine
+            if each.plane is not None:
+                planar = each.plane.parameters(own, varied)
+                if planar is not None:
+                    engine, (own, varied) = each.plane.engine, planar
             # What designs have in common is followed once.
             once = count > 1 and len(loads) == steps and (varied == varied[:1]).all()
             if once:
@@ -111,7 +113,7 @@ class Separate:
             given = dict(settings)
             if start is not None:
                 given["start"] = np.ascontiguousarray(start[each.coordinates])
-            one = engine.path(own, varied, column, threads, steps=steps, **given)
+            one: Any = engine.path(own, varied, column, threads, steps=steps, **given)
             if engine is not each.engine:
                 one = in_space(one)
             found.append(_repeated(one, count) if once else one)
