@@ -195,9 +195,7 @@ class Variables(ParameterSet):
             self._maps[model] = found
         return found
 
-    def _found(
-        self, model: Structure, keys: list[tuple[str, ...]], labels: list[str]
-    ) -> FieldMap:
+    def _found(self, model: Structure, keys: list[tuple[str, ...]], labels: list[str]) -> FieldMap:
         """Return the map of a model on its own, which depends on its file and on the bounds."""
         chosen = ~self._of_loads
         lower, upper = self.lower[chosen], self.upper[chosen]
