@@ -44,8 +44,9 @@ def least_stretches(path: PathQuantities) -> Iterator[tuple[str, Array]]:
     }
     if not rods:
         return
-    rest = path.model.engine.frames(path.parameters, np.zeros(path.q.shape[1]))
-    steps = [path[k].frames() if np.isfinite(q).all() else None for k, q in enumerate(path.q)]
+    engine, own = path.model.engine, path.parameters
+    rest = engine.frames(own, np.zeros(path.q.shape[1]))
+    steps = [engine.frames(own, q) if np.isfinite(q).all() else None for q in path.q]
     for name, (_, section) in rods.items():
         assert isinstance(section, Solid)
         start, stop = path.model.body_frames[name]
@@ -54,7 +55,7 @@ def least_stretches(path: PathQuantities) -> Iterator[tuple[str, Array]]:
         found = np.full((len(steps), lengths.shape[0]), np.nan)
         for k, frames in enumerate(steps):
             if frames is not None:
-                found[k] = (_chords(frames[name], outline) / lengths).min(axis=1)
+                found[k] = (_chords(frames[start:stop], outline) / lengths).min(axis=1)
         yield name, found
 
 
