@@ -101,3 +101,21 @@ def test_one_sentence(model: Model, loads: Any, sentence: str) -> None:
         flexor.optimize(model, "R01", "bending", force=loads, budget=2)
     assert sentence in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_a_study_of_a_model_without_design_is_opened_again(tmp_path: Path) -> None:
+    """Fields need no exosuit that `[design]` would name, nor do scenarios and comparisons."""
+    model = flexor.load("truss")
+    assert model.file.design is None
+    name = next(iter(model.file.bodies))
+    length = float(model.file.bodies[name].length)
+    bounds = {f"{name}.length": (f"{0.9 * length} m", f"{1.1 * length} m")}
+    words: dict[str, Any] = {"budget": 4, "without": ["defaults"]}
+    study = flexor.optimize(model, bounds, "minimise energy", folder=tmp_path / "s", **words)
+    best = study.best.vector
+    study.close()
+    again = flexor.study.Study.open(tmp_path / "s")
+    assert again.best.vector == pytest.approx(best, rel=0.0, abs=0.0)
+    again.close()
+    assert flexor.study.rerun(tmp_path / "s").same
+    resume(tmp_path / "s", budget=6).close()

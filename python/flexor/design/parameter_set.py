@@ -199,6 +199,13 @@ class ParameterSet:
         """Return the same set for another exosuit."""
         return replace(self, rod=rod)
 
+    def on_model(self, model: Structure) -> ParameterSet:
+        """Return the same set for the exosuit that a model's ``[design]`` names.
+
+        InputError if it names none and the set is of an exosuit.
+        """
+        return self.on(model.design)
+
     def with_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> ParameterSet:
         """Return the set with other bounds, given per label in SI.
 

@@ -93,6 +93,10 @@ class Variables(ParameterSet):
         """Return the same set, as fields belong to no exosuit."""
         return self
 
+    def on_model(self, model: Structure) -> Variables:
+        """Return the same set, also for a model without ``[design]``."""
+        return self
+
     def parse(self, label: str, text: str, option: str) -> float:
         """Read the value of a field, SI; see `ParameterSet.parse`."""
         own = self.kinds[self.labels.index(label)]

@@ -378,7 +378,7 @@ class ScenarioProblem(Problem):
     def _parameters(self, scenario: Scenario, model: Model) -> ParameterSet:
         chosen = self.parameters
         if not isinstance(chosen, Variables):
-            return chosen.on(model.design) if scenario.changes else chosen
+            return chosen.on_model(model) if scenario.changes else chosen
         changed = set(scenario.keys)
         for label in chosen.fields:
             keys = keys_of(label, self.model.file)

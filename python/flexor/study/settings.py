@@ -282,6 +282,8 @@ def reopened(
         kind, name = "parameters", values["parameters"]["name"]
         if parameters is None:
             chosen = recorded_set(name, values["parameters"], model)
+        elif isinstance(parameters, ParameterSet):
+            chosen = parameters
         else:
             chosen = parameter_set(parameters, model.design)
         kind, name = "objective", values["objective"]["name"]
@@ -294,7 +296,7 @@ def reopened(
         ) from error
     kept = recorded_constraints(values["constraints"], model)
     wanted = at_loads(wanted, values, model)
-    nominal = Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+    nominal = Problem(model, chosen.on_model(model), wanted, values["engine"], kept)
     return _over(nominal, values["uncertainty"])
 
 

@@ -183,7 +183,7 @@ def resume_comparison(
     sets = {name: recorded_set(name, table, model) for name, table in values["sets"].items()}
     plan = Plan(
         problems={
-            name: Problem(model, chosen.on(model.design), wanted, values["engine"], kept)
+            name: Problem(model, chosen.on_model(model), wanted, values["engine"], kept)
             for name, chosen in sets.items()
         },
         methods={
