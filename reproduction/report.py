@@ -76,6 +76,7 @@ def write_report(study: Study, results: Data) -> Path:
         if hasattr(ITEMS[name], "draw"):
             for title, figure in ITEMS[name].draw(study, data).items():
                 save(figure, figures / f"{title}.png")
+                figure.set_layout_engine(None)  # it is laid out
                 save(figure, figures / f"{title}.svg")
     text = render(results, study)
     write_text(study.folder / "report.md", text)

@@ -81,7 +81,7 @@ class Effort:
 
 # Runs every line; the numbers are not valid.
 QUICK = Effort(
-    grid=5, pattern_search=20, multistage=50, samples=8, starts=1, seeds=1, budget=10,
+    grid=5, pattern_search=20, multistage=15, samples=64, starts=1, seeds=1, budget=10,
     elements=(5, 10),
 )  # fmt: skip
 

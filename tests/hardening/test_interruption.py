@@ -118,14 +118,18 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "compare on a cluster": ("compare", "finger", "-p", "R01", "--methods", "ps", *STEPS, *LOCAL),
 }
 MAIN = "from flexor.cli.app import main; main()"
+# Says when it has imported what it needs to begin.
+MAIN_SAYING_SO = (
+    "import flexor.model; from flexor.cli.app import main; print('begun', flush=True); main()"
+)
 
 
-def begun(place: Path, *arguments: str) -> subprocess.Popen[str]:
+def begun(place: Path, *arguments: str, program: str = MAIN) -> subprocess.Popen[str]:
     """Start a command in a process, with a temporary folder of its own."""
     scratch = place / "tmp"
     scratch.mkdir()
     return subprocess.Popen(
-        [sys.executable, "-c", MAIN, *arguments],
+        [sys.executable, "-c", program, *arguments],
         cwd=place,
         env={**os.environ, "TMPDIR": str(scratch), "COLUMNS": "300"},
         stdout=subprocess.PIPE,
@@ -175,8 +179,11 @@ def test_an_interruption_in_a_finaliser_is_not_lost() -> None:
 
 
 def test_a_simulation_says_that_it_was_interrupted(tmp_path: Path) -> None:
-    process = begun(tmp_path, "simulate", "finger", "--force", "0:5:0.00001")
-    time.sleep(4.0)
+    words = ("simulate", "finger", "--force", "0:5:0.00001")
+    process = begun(tmp_path, *words, program=MAIN_SAYING_SO)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(0.5 * soon())  # half a second to read the model, and as long to follow its path
     process.send_signal(signal.SIGINT)
     out, said = process.communicate(timeout=60)
     assert (process.returncode, out, said) == (130, "", "error: interrupted.\n")

@@ -48,7 +48,7 @@ def box(k: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def minimum(name: str, function: Bowl, seed: int = 3, **more: object) -> SearchResult:
-    budget = more.pop("budget", BUDGET.get(name, Budget(evaluations=4000)))
+    budget = more.pop("budget", BUDGET.get(name, Budget(evaluations=2000)))
     lower, upper = box(len(function.place))
     made = optimizers.method(name)
     return made.minimize(function, lower, upper, seed=seed, budget=budget, **more)  # type: ignore[arg-type]
@@ -154,7 +154,7 @@ def test_failing_designs_are_avoided(name: str) -> None:
     function = Bowl(2, fails=0.6)
     search_ = optimizers.method(name)
     found = search_.minimize(
-        function, lower, upper, [-1.0, 1.0], 1, BUDGET.get(name, Budget(evaluations=3000))
+        function, lower, upper, [-1.0, 1.0], 1, BUDGET.get(name, Budget(evaluations=1500))
     )
     assert np.isinf(np.concatenate([function(x) for x in function.asked[:]])).any() or (
         name in ("levenberg-marquardt", "mads")
@@ -242,7 +242,7 @@ def test_global_methods_escape_a_local_minimum(name: str) -> None:
         return np.minimum(shallow, deep)
 
     found = optimizers.method(name).minimize(
-        two_wells, np.full(2, -2.0), np.full(2, 1.0), [0.8, 0.8], 5, BUDGET.get(name, Budget(4000))
+        two_wells, np.full(2, -2.0), np.full(2, 1.0), [0.8, 0.8], 5, BUDGET.get(name, Budget(2000))
     )
     assert found.value == pytest.approx(-1.0, abs=1e-2)
 

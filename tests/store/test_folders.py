@@ -91,14 +91,25 @@ def figures_saved_under_a_lock() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module", params=list(KINDS))
-def made(request: Any, tmp_path_factory: Any) -> tuple[str, Path]:
-    """A folder of each kind, in a place of its own."""
+def modes(request: Any, tmp_path_factory: Any) -> tuple[str, Path, dict[Path, int]]:
+    """A folder of each kind, in a place of its own, and its modes when it was made."""
     place = tmp_path_factory.mktemp(request.param)
     (place / "targets.toml").write_text(TARGETS)
-    with pytest.MonkeyPatch.context() as patch, figures_saved_under_a_lock():
-        patch.chdir(place)
-        assert run(*KINDS[request.param][0]) in (0, 1)
-    return request.param, place
+    before = os.umask(0o027)
+    try:
+        with pytest.MonkeyPatch.context() as patch, figures_saved_under_a_lock():
+            patch.chdir(place)
+            assert run(*KINDS[request.param][0]) in (0, 1)
+    finally:
+        os.umask(before)
+    written = [place / "s", *(place / "s").rglob("*")]
+    return request.param, place, {path: path.stat().st_mode for path in written}
+
+
+@pytest.fixture(scope="module")
+def made(modes: tuple[str, Path, dict[Path, int]]) -> tuple[str, Path]:
+    """A folder of each kind, in a place of its own."""
+    return modes[:2]
 
 
 @POSIX
@@ -147,22 +158,12 @@ def test_no_link_in_a_folder_is_followed(
 
 
 @POSIX
-@pytest.mark.parametrize("kind", list(KINDS))
-def test_the_umask_decides_who_may_read_any_file(
-    tmp_path: Path, monkeypatch: Any, kind: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "targets.toml").write_text(TARGETS)
-    before = os.umask(0o027)
-    try:
-        assert run(*KINDS[kind][0]) in (0, 1)
-    finally:
-        os.umask(before)
-    written = [tmp_path / "s", *(tmp_path / "s").rglob("*")]
-    assert {path.name for path in written} >= {"settings.json", *KINDS[kind][2]}
-    for path in written:
-        wanted = 0o750 if path.is_dir() else 0o640
-        assert stat.S_IMODE(path.stat().st_mode) == wanted, path.name
+def test_the_umask_decides_who_may_read_any_file(modes: tuple[str, Path, dict[Path, int]]) -> None:
+    kind, place, found = modes
+    assert {path.name for path in found} >= {"settings.json", *KINDS[kind][2]}
+    for path, mode in found.items():
+        wanted = stat.S_IFDIR | 0o750 if path == place / "s" else stat.S_IFREG | 0o640
+        assert mode == wanted, path.name
 
 
 def test_a_folder_in_place_of_an_output_is_refused_before_the_work(
@@ -318,25 +319,20 @@ def test_no_kind_resumes_another(made: tuple[str, Path], monkeypatch: Any, capsy
             assert capsys.readouterr().err == f'error: "s" is not a {other}: it is a {kind}.\n'
 
 
-def test_outputs_are_written_while_the_folder_is_locked(
+def test_outputs_are_written_while_the_folder_is_locked_and_drafts_are_removed(
     made: tuple[str, Path], monkeypatch: Any
 ) -> None:
     kind, place = made
     monkeypatch.chdir(place)
-    with figures_saved_under_a_lock():
-        assert run(*KINDS[kind][1]) in (0, 1)
-    assert {path.name for path in (place / "s").iterdir()} >= set(KINDS[kind][2])
-    Lock(place / "s", kind).release()
-
-
-def test_drafts_of_a_killed_process_are_removed(made: tuple[str, Path], monkeypatch: Any) -> None:
-    kind, place = made
-    monkeypatch.chdir(place)
+    # As a killed process leaves them.
     drafts = [place / "s" / name for name in (".designs-e0562839.png", ".settings-0123abcd.json")]
     mine = place / "s" / ".hidden.png"
     for path in (*drafts, mine):
         path.write_bytes(b"half")
-    assert run(*KINDS[kind][1]) in (0, 1)
+    with figures_saved_under_a_lock():
+        assert run(*KINDS[kind][1]) in (0, 1)
+    assert {path.name for path in (place / "s").iterdir()} >= set(KINDS[kind][2])
+    Lock(place / "s", kind).release()
     assert [path for path in drafts if path.exists()] == []
     assert mine.exists()
     mine.unlink()

@@ -43,7 +43,7 @@ def test_killed_and_resumed_it_ends_in_the_same_record(
         "method": name,
         "start": "random",
         "seed": 7,
-        "budget": {"surrogate": 40, "auto": 900}.get(name, 120),
+        "budget": {"surrogate": 40, "auto": 400}.get(name, 120),
     }
     model = analytic.AnalyticModel()
     whole = optimize(model, folder=tmp_path / "whole", **given)
