@@ -55,6 +55,11 @@ def test_random_models_called_stable_are_minima(run: Run) -> None:
         assert kind in output
 
 
+def test_random_gloves_converge(run: Run) -> None:
+    output = run("stress_glove", "--designs", "5", "--seed", "3")
+    assert "converged at every load: 5" in output
+
+
 def test_random_models_with_friction_keep_its_laws(run: Run) -> None:
     assert "converged" in run("stress_friction", "--models", "60", "--seed", "5")
 

@@ -100,7 +100,7 @@ def test_the_unmodified_file_is_valid() -> None:
             '"obstacles", "actuators", '
             '"torques", "couplings", "springs", "straps", "tendons", "wraps", "wrenches", "ties", '
             '"inputs", "design", "population", '
-            '"evaluation", "start", "solver", "constants", "variants", "use".',
+            '"evaluation", "start", "solver", "constants", "variants", "use", "parts".',
         ),
         (
             'length = "4 cm"',

@@ -132,7 +132,7 @@ def test_changing_a_field_changes_it_in_all_sets() -> None:
             '"torques", "couplings", "springs", "straps", "tendons", "wraps", "wrenches", '
             '"ties", "inputs", "design", '
             '"population", '
-            '"evaluation", "start", "solver", "constants", "variants", "use".',
+            '"evaluation", "start", "solver", "constants", "variants", "use", "parts".',
         ),
         (
             "bodies.siut.length",
