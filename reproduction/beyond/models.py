@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import copy
+import sys
 from typing import Any
 
 from flexor.model.reading import locate
 from flexor.scenarios.population import SURVEYS
-from reproduction.study import FINGER, SURFACE, tomllib
+from reproduction.study import FINGER, SURFACE
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 Document = dict[str, Any]
 
