@@ -48,6 +48,39 @@ fn sunk(planar: bool, carried: bool) -> Description {
     d
 }
 
+/// The same, which press with skins, the arm flat and the hand round, on a cylinder.
+fn sunk_skins(planar: bool, carried: bool) -> Description {
+    let mut d = sunk(planar, carried);
+    let all = std::mem::take(&mut d.spheres[0].spheres);
+    let (arm, hand): (Vec<_>, Vec<_>) = all.into_iter().partition(|sphere| sphere.body == "arm");
+    let skin = |name: &str, points: usize, flat: bool| ObstacleSkinDescription {
+        spheres: name.into(),
+        weights: vec![1.0 / points as f64; points],
+        caps: vec![if flat { 0.0 } else { 0.5 }; points],
+        half_width: vec![if flat { 0.004 } else { 0.0 }; points],
+        half_width_multiple: vec![if flat { 0.2 } else { 1.0 }; points],
+        roundness: if flat { 0.0 } else { 1.0 },
+        crown: if flat { 1e-4 } else { 0.0 },
+        stiffness: 3e5,
+        alignment: 0.7,
+    };
+    let floor = &mut d.obstacles[0];
+    floor.skins = vec![skin("arm", arm.len(), true), skin("hand", hand.len(), false)];
+    floor.spheres.clear();
+    floor.stiffness = 0.0;
+    let half = [Some(0.5), None, Some(0.2)];
+    floor.surfaces = vec![SurfaceDescription::Rounded { half, radius: 0.05, inside: false }];
+    match &mut floor.at {
+        AttachmentDescription::World { world } => world[2] -= 0.25,
+        AttachmentDescription::Body { offset, .. } => offset[2] -= 0.25,
+    }
+    d.spheres = vec![
+        SphereGroupDescription { name: "arm".into(), spheres: arm },
+        SphereGroupDescription { name: "hand".into(), spheres: hand },
+    ];
+    d
+}
+
 /// Checks a model in a step that begins in one state, at another one; returns how many points slide of all.
 fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description, size: f64) -> [usize; 2] {
     let model = Model::<G, D, P>::new(d).unwrap();
@@ -150,6 +183,16 @@ fn derivatives_in_a_step_are_those_of_differences() {
         let size = if carried { 0.03 } else { 0.05 };
         for (coefficient, slides) in [(0.01, true), (2.0, false)] {
             let [planar, spatial] = [true, false].map(|p| rough(sunk(p, carried), "floor", coefficient));
+            for [slide, all] in [check::<SE2, 3, 2>(&planar, size), check::<SE3, 6, 3>(&spatial, size)] {
+                assert!(all > 5 && if slides { slide > 0 } else { slide < all }, "{slide} of {all} slide");
+            }
+        }
+    }
+    for carried in [false, true] {
+        let size = if carried { 0.03 } else { 0.05 };
+        for (coefficient, slides) in [(0.01, true), (2.0, false)] {
+            let [planar, spatial] =
+                [true, false].map(|p| rough(sunk_skins(p, carried), "floor", coefficient));
             for [slide, all] in [check::<SE2, 3, 2>(&planar, size), check::<SE3, 6, 3>(&spatial, size)] {
                 assert!(all > 5 && if slides { slide > 0 } else { slide < all }, "{slide} of {all} slide");
             }

@@ -199,6 +199,23 @@ impl<const P: usize> Obstacle<P> {
         self.skins[skin].add_slopes(parameters, self.pressed(parameters, contact), factor, out)
     }
 
+    /// Changes of the force and of its stiffness with those of the depth and of the radii of sphere and surface,
+    /// and with parameters that change at given rates.
+    pub fn change_of_pressing(
+        &self,
+        parameters: &[f64],
+        contact: Contact,
+        [depth, sphere, surface]: [f64; 3],
+        rate: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let Some(skin) = contact.each.skin else {
+            let stiffness = rate(self.stiffness);
+            return [stiffness * contact.depth + parameters[self.stiffness] * depth, stiffness];
+        };
+        let pressed = self.pressed(parameters, contact);
+        self.skins[skin].change_of_pressing(parameters, pressed, [depth, sphere, surface], rate)
+    }
+
     fn pressed(&self, parameters: &[f64], contact: Contact) -> Pressed {
         let Contact { each, surface, radius, depth } = contact;
         let rounding = self.rounding(parameters, surface);

@@ -81,8 +81,8 @@ impl<const P: usize> Obstacles<P> {
         self.0.len()
     }
 
-    /// Visits what presses on one of them; with a margin also what rests on it, at a gap below that, as if it
-    /// were so deep.
+    /// Visits what presses on one of them; with a margin also spheres on springs that rest on it, at a gap below
+    /// that, as if they were so deep.
     pub fn for_each_pressed<G: LieGroup<D, P>, const D: usize>(
         &self,
         index: usize,
@@ -96,7 +96,10 @@ impl<const P: usize> Obstacles<P> {
                 return;
             }
             let (obstacle, point) = (&self.0[index], touch.point(at));
-            let depth = touch.depth.max(margin);
+            if touch.skin.is_some() && touch.depth <= 0.0 {
+                return;
+            }
+            let depth = if touch.skin.is_none() { touch.depth.max(margin) } else { touch.depth };
             let pressing = if depth > touch.depth {
                 obstacle.pressing(at.parameters(), Contact { depth, ..touch.contact(at) })
             } else {
@@ -120,7 +123,7 @@ impl<const P: usize> Obstacles<P> {
         }
     }
 
-    /// Visits the changes of these, in the same order; only spheres on springs press with friction.
+    /// Visits the changes of these, in the same order.
     pub fn for_each_pressed_change<G: LieGroup<D, P>, const D: usize>(
         &self,
         index: usize,
@@ -138,17 +141,21 @@ impl<const P: usize> Obstacles<P> {
             let grown = surface.map_or(0.0, |(slot, by_radius)| direction.of(slot) * by_radius);
             let mut moved = obstacle.relative_velocity(at, velocities, point);
             obstacle.for_each_shift(at, touch, |slot, shift| moved += shift * direction.of(slot));
-            let k = touch.pressing.stiffness;
             let depth = radius - grown - n.dot(&moved);
             let mut normal = touch.curvature.map_or(Vector::ZERO, |curvature| curvature * moved);
             if obstacle.frame != 0 {
                 normal += velocities.shifted::<G>(obstacle.frame, &n);
             }
-            let stiffness = direction.of(obstacle.stiffness);
+            let [force, stiffness] = obstacle.change_of_pressing(
+                at.parameters(),
+                touch.contact(at),
+                [depth, radius, grown],
+                |slot| direction.of(slot),
+            );
             let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
             visit(PressedChange {
                 place: velocities.points[point] - normal * inward - n * (radius - 0.5 * depth),
-                force: n * (stiffness * touch.depth + k * depth) + normal * (k * touch.depth),
+                force: n * force + normal * touch.pressing.force,
                 stiffness,
                 depth,
             });

@@ -153,7 +153,7 @@ impl Skin {
     /// Adds a multiple of the derivative of the force by every parameter, the depth and the radii of sphere and
     /// surface held; returns those by these radii.
     pub fn add_slopes(&self, p: &[f64], pressed: Pressed, factor: f64, out: &mut [f64]) -> Slopes {
-        let Part { strip, weight, cap, round, width, multiple, curvature_shares, round_shares } =
+        let Part { strip, weight, cap, round, width, multiple, curvature_shares, round_shares, .. } =
             self.part(p, pressed);
         let Pressed { sphere, surface, rounding, depth } = pressed;
         let (point, k, length) = (sphere - self.first, p[self.stiffness], p[self.length]);
@@ -175,6 +175,49 @@ impl Skin {
         Slopes { by_surface: factor * by_surface, by_radius: factor * by_radius }
     }
 
+    /// Changes of the force and of its stiffness with those of the depth and of the radii of sphere and surface,
+    /// and with parameters that change at given rates.
+    pub fn change_of_pressing(
+        &self,
+        p: &[f64],
+        pressed: Pressed,
+        [sinking, swelling, widening]: [f64; 3],
+        rate: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let Part { strip, weight, cap, round, width, multiple, curvature, curvature_shares, round_shares } =
+            self.part(p, pressed);
+        let Pressed { sphere, surface, rounding, depth } = pressed;
+        let (point, k, length) = (sphere - self.first, p[self.stiffness], weight * p[self.length]);
+        let stiffer = rate(self.stiffness);
+        let longer = weight * rate(self.length);
+        let wider = rate(self.half_width + point)
+            + rate(self.half_width_multiple + point) * surface
+            + multiple * swelling;
+        let own = if self.is_flat() {
+            -4.0 * self.crown / width.powi(3) * wider
+        } else {
+            -self.roundness / (surface * surface) * swelling
+        };
+        let of_obstacle = -rounding.side * self.alignment / (rounding.radius * rounding.radius) * widening;
+        let curved = curvature_shares[0] * own + curvature_shares[1] * of_obstacle;
+        let of_end = round_shares[1] * of_obstacle - round_shares[0] * swelling / (surface * surface);
+        let [by_depth, by_curvature, by_width] = Strip::slopes_of_stiffness(depth, curvature, width);
+        let disc = cap * PI / round;
+        let disc_change = -disc / round * of_end;
+        let force = stiffer * (length * strip.by_depth + disc * depth * depth)
+            + k * (longer * strip.by_depth
+                + length
+                    * (strip.depth_depth * sinking
+                        + strip.depth_curvature * curved
+                        + strip.depth_width * wider)
+                + depth * (2.0 * disc * sinking + disc_change * depth));
+        let stiffness = stiffer * (length * strip.depth_depth + 2.0 * disc * depth)
+            + k * (longer * strip.depth_depth
+                + length * (by_depth * sinking + by_curvature * curved + by_width * wider)
+                + 2.0 * (disc * sinking + disc_change * depth));
+        [force, stiffness]
+    }
+
     fn is_flat(&self) -> bool {
         self.roundness == 0.0
     }
@@ -184,12 +227,16 @@ impl Skin {
         let multiple = p[self.half_width_multiple + point];
         let width = p[self.half_width + point] + multiple * surface;
         let of_obstacle = rounding.side * self.alignment / rounding.radius;
-        let own = if self.is_flat() { 2.0 * self.crown / (width * width) } else { self.roundness / surface };
-        let (curvature, curvature_shares) = relative(own, of_obstacle);
+        let (curvature, curvature_shares) = relative(self.own_curvature(surface, width), of_obstacle);
         let (round, round_shares) = relative(1.0 / surface, of_obstacle);
         let strip = Strip::new(depth, curvature, width);
         let (weight, cap) = (self.weights[point], self.caps[point]);
-        Part { strip, weight, cap, round, width, multiple, curvature_shares, round_shares }
+        Part { strip, weight, cap, round, width, multiple, curvature, curvature_shares, round_shares }
+    }
+
+    /// Its own curvature across.
+    fn own_curvature(&self, surface: f64, width: f64) -> f64 {
+        if self.is_flat() { 2.0 * self.crown / (width * width) } else { self.roundness / surface }
     }
 }
 
@@ -212,6 +259,8 @@ struct Part {
     round: f64,
     width: f64,
     multiple: f64,
+    /// Relative curvature across.
+    curvature: f64,
     /// Derivatives of both relative curvatures by the body's own and by the obstacle's.
     curvature_shares: [f64; 2],
     round_shares: [f64; 2],

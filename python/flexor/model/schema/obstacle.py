@@ -43,7 +43,7 @@ class Obstacle(Force):
     is rigid. With ``spheres`` only those of these groups do: each is pushed back along the normal
     of the surface with ``stiffness`` times its depth. ``point`` is the obstacle's origin: in the
     world, or on a body, which then carries it.
-    ``friction`` and ``stiffness_ratio`` are as for a contact, for spheres.
+    ``friction`` and ``stiffness_ratio`` are as for a contact.
     """
 
     description: ClassVar[str] = "obstacles"
@@ -65,9 +65,6 @@ class Obstacle(Force):
         if self.spheres is not None and self.stiffness is None:
             tail = 'is missing: spheres press on it with a stiffness, such as "5 N/mm"'
             raise field_error(tail, path="stiffness")
-        if self.spheres is None and self.friction > 0.0:
-            tail = "acts on spheres only: name groups of them, with a stiffness"
-            raise field_error(tail, path="friction")
         if self.spheres is not None and self.skin is not None:
             raise field_error("does not act on spheres: leave out one of both", path="skin")
         if (group := first_repeated(self.spheres or ())) is not None:
