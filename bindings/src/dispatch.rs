@@ -74,7 +74,7 @@ pub struct Tendons {
 /// A contact force.
 pub struct ContactForce {
     pub first: usize,
-    /// −1 for contact with a fixed obstacle.
+    /// −1 − i for contact with obstacle i.
     pub second: i64,
     pub cone: bool,
     pub force: [f64; 3],
@@ -115,7 +115,7 @@ impl AnyModel {
                 spheres: data.spheres(model).map(|(p, r)| { let [x, y, z] = spatial(&p.0); [x, y, z, r] }).collect(),
                 contacts: data.contact_forces(model).iter().map(|t| ContactForce {
                     first: t.first,
-                    second: t.nearest.map_or(-1, |i| i as i64),
+                    second: t.nearest.map_or_else(|| -1 - t.obstacle.unwrap_or(0) as i64, |i| i as i64),
                     cone: t.cone,
                     force: spatial(&t.force.0),
                     point: spatial(&t.point.0),

@@ -203,6 +203,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
         model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
         model.forces.foundations.summarise(&self.state(model, &[], &[]), &mut summary, &mut tip);
+        summary.pressure = summary.pressure.max(model.forces.obstacles.largest_pressure(&states.obstacles));
         summary.tip_force = tip.norm();
         (summary, tip)
     }

@@ -7,6 +7,7 @@ use crate::forces::friction::{
     PointSlope, PressedChange,
 };
 use crate::forces::state::State;
+use crate::forces::tendon::{GuideChange, GuideMemory, GuideSlopes};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::Model;
@@ -14,6 +15,13 @@ use crate::results::PathFriction;
 
 /// Gap below which bodies rest on each other, relative to the largest radius.
 const RESTING: f64 = 1e-6;
+
+/// What friction remembers of a path: at contacts, and in the guides of tendons.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PathMemory<const P: usize> {
+    contacts: FrictionMemory<P>,
+    guides: GuideMemory<P>,
+}
 
 /// Workspace of the tangent of a step in which friction is renewed.
 #[derive(Clone, Debug)]
@@ -23,6 +31,7 @@ pub(crate) struct RenewalWork<const D: usize, const P: usize> {
     twists: Vec<Vector<D>>,
     points: Vec<Vector<P>>,
     pressed: Vec<PressedChange<P>>,
+    guides: Vec<f64>,
     wrench: Vec<Vector<D>>,
     column: Vec<f64>,
 }
@@ -35,6 +44,7 @@ impl<const D: usize, const P: usize> RenewalWork<D, P> {
             twists: vec![Vector::ZERO; model.frames.len()],
             points: vec![Vector::ZERO; model.points.len()],
             pressed: vec![],
+            guides: vec![],
             wrench: vec![Vector::ZERO; model.frames.len()],
             column: vec![0.0; model.dof],
         }
@@ -43,13 +53,15 @@ impl<const D: usize, const P: usize> RenewalWork<D, P> {
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// What friction remembers of a path.
-    pub(crate) fn friction_memory(&self) -> &FrictionMemory<P> {
-        &self.assembly.forces.frictions
+    pub(crate) fn friction_memory(&self) -> PathMemory<P> {
+        let forces = &self.assembly.forces;
+        PathMemory { contacts: forces.frictions.clone(), guides: forces.tendons.clone() }
     }
 
     /// Replaces what friction remembers.
-    pub(crate) fn recall_friction(&mut self, memory: FrictionMemory<P>) {
-        self.assembly.forces.frictions = memory;
+    pub(crate) fn recall_friction(&mut self, memory: PathMemory<P>) {
+        let forces = &mut self.assembly.forces;
+        (forces.frictions, forces.tendons) = (memory.contacts, memory.guides);
     }
 
     /// The state evaluated last, without coordinates and load, and what friction remembers.
@@ -74,19 +86,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let (tree, geometry) = (&model.tree, &design.geometry);
         let at = State { tree, geometry, kinematics, q: &[], load: &[], law: *law };
         model.forces.renew_friction(&at, &mut assembly.forces, margin);
+        model.forces.tendons.renew_guides(&at, &mut assembly.forces.tendons);
     }
 
-    /// Lets all points at which bodies press or rest on each other in the state evaluated last stick until they
-    /// are renewed.
+    /// Lets all points at which bodies press or rest on each other in the state evaluated last, and tendons in their
+    /// guides, stick until they are renewed.
     pub(crate) fn stick(&mut self, model: &Model<G, D, P>) {
         let largest = self.design.geometry.radii.iter().copied().fold(0.0, f64::max);
         self.renew_friction_within(model, RESTING * largest);
         self.with_friction(model, |frictions, _, memory| frictions.stick(memory));
+        self.assembly.forces.tendons.stick();
     }
 
     /// Ends a step with friction in the state evaluated last: gives up the slip beyond the limit.
     pub(crate) fn end_friction_step(&mut self, model: &Model<G, D, P>, excess: f64) {
         self.with_friction(model, |frictions, at, memory| frictions.end_step(at, memory, excess));
+        self.assembly.forces.tendons.end_step(&model.forces.tendons, excess);
     }
 
     /// Lets a step begin in the state evaluated last, in which friction was renewed, with these slips of points
@@ -100,6 +115,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             }
             frictions.begin_step(at, memory);
         });
+        let (tendons, memory) = (&model.forces.tendons, &mut self.assembly.forces.tendons);
+        let contacts = model.forces.frictions.count();
+        for given in slips.iter().filter(|given| given.friction >= contacts) {
+            if let Some(slip) = G::point_from_spatial(&given.slip) {
+                tendons.set_guide_slip(memory, [given.friction - contacts, given.sphere], &slip);
+            }
+        }
+        memory.begin_step(tendons);
     }
 
     /// Adds to the complete tangent, at a state with complete columns in which friction was renewed, what it lacks
@@ -118,6 +141,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             work.wrench.fill(Vector::ZERO);
             let memory = &self.assembly.forces.frictions;
             model.forces.frictions.add_renewal(&at, memory, &velocities, &work.pressed, &mut work.wrench);
+            let memory = &self.assembly.forces.tendons;
+            model.forces.tendons.add_guide_renewal(
+                &at,
+                memory,
+                &velocities,
+                &mut work.guides,
+                &mut work.wrench,
+            );
             work.column.fill(0.0);
             self.assembly.add_forces(model, &mut work.wrench, &mut work.column);
             for (row, change) in self.assembly.tangent.chunks_mut(n).zip(&work.column) {
@@ -133,17 +164,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Friction in the state evaluated last, as of the path that led there.
     pub fn friction_forces(&self, model: &Model<G, D, P>) -> Vec<FrictionForce<P>> {
-        model.forces.frictions.forces(&self.state(model, &[], &[]), &self.assembly.forces.frictions)
+        let (at, forces) = (self.state(model, &[], &[]), &self.assembly.forces);
+        let mut found = model.forces.frictions.forces(&at, &forces.frictions);
+        let from = model.forces.frictions.count();
+        found.extend(model.forces.tendons.guide_forces(&at, &forces.tendons, from));
+        found
     }
 
     /// Energy that friction dissipated along the path up to the state evaluated last [J].
     pub fn dissipated(&self, model: &Model<G, D, P>) -> f64 {
-        model.forces.frictions.dissipated(&self.state(model, &[], &[]), &self.assembly.forces.frictions)
+        let (at, forces) = (self.state(model, &[], &[]), &self.assembly.forces);
+        let contacts = model.forces.frictions.dissipated(&at, &forces.frictions);
+        contacts + forces.tendons.dissipated(&model.forces.tendons)
     }
 
     /// The part of the energy that friction dissipates as the step ends in the state evaluated last [J].
     pub(crate) fn dissipation(&self, model: &Model<G, D, P>) -> f64 {
-        model.forces.frictions.dissipation(&self.state(model, &[], &[]), &self.assembly.forces.frictions)
+        let (at, forces) = (self.state(model, &[], &[]), &self.assembly.forces);
+        let contacts = model.forces.frictions.dissipation(&at, &forces.frictions);
+        contacts + forces.tendons.dissipation(&model.forces.tendons)
     }
 
     /// How points with friction change in a direction, in the state in which it was renewed, evaluated last.
@@ -191,11 +230,80 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Whether some point is at its limit.
     pub(crate) fn is_about_to_slide(&self, model: &Model<G, D, P>) -> bool {
-        Frictions::is_about_to_slide(&self.state(model, &[], &[]), &self.assembly.forces.frictions)
+        let (at, forces) = (self.state(model, &[], &[]), &self.assembly.forces);
+        Frictions::is_about_to_slide(&at, &forces.frictions)
+            || forces.tendons.is_about_to_slide(&model.forces.tendons)
     }
 
     /// Whether a step began in the state evaluated last.
-    pub(crate) fn begins_here(&self, model: &Model<G, D, P>, memory: &FrictionMemory<P>) -> bool {
-        Frictions::begins_at(&self.state(model, &[], &[]), memory)
+    pub(crate) fn begins_here(&self, model: &Model<G, D, P>, memory: &PathMemory<P>) -> bool {
+        Frictions::begins_at(&self.state(model, &[], &[]), &memory.contacts)
+    }
+
+    /// How the forces at guides change, as points move and as something else changes.
+    pub(crate) fn guide_slope(
+        &self,
+        model: &Model<G, D, P>,
+        velocities: Option<&Velocities<D, P>>,
+        change: GuideChange,
+        load: &[f64],
+    ) -> Vec<f64> {
+        let mut out = vec![];
+        let (at, memory) = (self.state(model, &[], load), &self.assembly.forces.tendons);
+        model.forces.tendons.guide_changes(&at, memory, velocities, change, &mut out);
+        out
+    }
+
+    /// Passes the derivatives of a number by what guides have at the end of a step on to the step before, and adds those
+    /// by parameters and loads through their forces on a virtual motion.
+    pub(crate) fn pass_guides_on(
+        &self,
+        model: &Model<G, D, P>,
+        slopes: &GuideSlopes,
+        by_slip: &[f64],
+        motion: &Velocities<D, P>,
+        (by_parameters, by_loads): (&mut [f64], &mut [f64]),
+    ) -> Vec<f64> {
+        let (tendons, memory) = (&model.forces.tendons, &self.assembly.forces.tendons);
+        let mut weights = vec![];
+        tendons.guide_rates(memory, motion, &mut weights);
+        weights.iter_mut().for_each(|rate| *rate = -*rate);
+        weights.iter_mut().zip(self.by_guide_force(model, by_slip)).for_each(|(weight, own)| *weight += own);
+        let sum = |changes: &[f64]| changes.iter().zip(&weights).map(|(a, b)| a * b).sum::<f64>();
+        by_parameters.iter_mut().zip(&slopes.by_parameters).for_each(|(out, changes)| *out += sum(changes));
+        by_loads.iter_mut().zip(&slopes.by_loads).for_each(|(out, changes)| *out += sum(changes));
+        slopes.by_start.iter().map(|changes| sum(changes)).collect()
+    }
+
+    /// Adds the derivatives by each coordinate of what guides have at the end of the step.
+    pub(crate) fn add_guides_by_coordinates(
+        &self,
+        model: &Model<G, D, P>,
+        slopes: &GuideSlopes,
+        by_slip: &[f64],
+        out: &mut [f64],
+    ) {
+        let weights = self.by_guide_force(model, by_slip);
+        for (out, changes) in out.iter_mut().zip(&slopes.by_coordinates) {
+            *out += changes.iter().zip(&weights).map(|(a, b)| a * b).sum::<f64>();
+        }
+    }
+
+    /// Derivatives by the forces at guides, from those by the slips at the end of the step.
+    fn by_guide_force(&self, model: &Model<G, D, P>, by_slip: &[f64]) -> Vec<f64> {
+        let mut weights = by_slip.to_vec();
+        model.forces.tendons.by_guide_stiffness(&mut weights);
+        weights
+    }
+
+    /// Adds the slopes by points of what the next step begins with: of the length beyond each guide.
+    pub(crate) fn add_guide_lengths(
+        &self,
+        model: &Model<G, D, P>,
+        by_start: &[f64],
+        points: &mut Vec<(usize, Vector<P>)>,
+    ) {
+        let less: Vec<f64> = by_start.iter().map(|slope| -slope).collect();
+        model.forces.tendons.add_guide_lengths(&self.assembly.forces.tendons, &less, points);
     }
 }

@@ -69,6 +69,20 @@ def test_a_bar_lies_on_a_plane(planar: bool) -> None:
     assert SPRING * place + 3.0 == pytest.approx(expected, rel=1e-9)
 
 
+def test_the_pressure_on_an_obstacle_counts_with_its_place() -> None:
+    plane = 'kind = "half-space"\nnormal = "z"\npoint = { z = "-9 mm" }'
+    text = BAR.replace("OBSTACLE", plane).replace("PLANAR", "true")
+    path = Model(parse(text)).equilibrium([0.0, 3.0])
+    depth = -path.joint_angles[1, 0] - 1e-3
+    assert path.max_contact_pressure[0] == 0.0
+    assert path.max_contact_pressure[1] == pytest.approx(K_F * depth, rel=1e-9)
+    assert path.contact_quantities == ("max_contact_pressure",)
+    found = path[1].extremes()["max_contact_pressure"]
+    assert (found.body, found.on) == ("bar", "stop")
+    assert found.value == path.max_contact_pressure[1]
+    assert path.contact_forces(1).second.tolist() == [-1] * len(path.contact_forces(1).second)
+
+
 @pytest.mark.parametrize("planar", [True, False])
 def test_a_bar_lies_across_a_cylinder(planar: bool) -> None:
     """Where it is flat across the bar; the quadrature along the bar has an error of 2 %."""
@@ -150,7 +164,6 @@ input = true
     [
         ("", "obstacles.stop touches nothing: no body has a skin, and it names no spheres: give"),
         ('stiffness = "1 N/m"', "obstacles.stop.stiffness is of no use without spheres"),
-        ("friction = 0.3", "obstacles.stop.friction acts on spheres only: name groups of them"),
         ('spheres = ["tip"]', "obstacles.stop.stiffness is missing: spheres press on it with a"),
         (
             'spheres = ["tip"]\nstiffness = "1 N/m"\n'

@@ -118,6 +118,10 @@ def test_gradients_of_a_device_that_presses_on_an_obstacle() -> None:
     assert error[regular].max() <= 1e-6
 
 
+# The cylinder without friction.
+SMOOTH = {"obstacles.cylinder.friction": 0.0}
+
+
 def test_gradients_by_place_and_size_of_an_obstacle_that_skins_press_on() -> None:
     fields = {
         "obstacles.cylinder.radius": ("2.8 cm", "3.2 cm"),
@@ -127,7 +131,7 @@ def test_gradients_by_place_and_size_of_an_obstacle_that_skins_press_on() -> Non
         "ph_3.radius.tip": ("8 mm", "9 mm"),
     }
     problem = Problem.of(
-        flexor.load(EXAMPLE.with_name("grasp.toml")),
+        flexor.load(EXAMPLE.with_name("grasp.toml"), changes=SMOOTH),
         fields,
         "maximise obstacle-force",
         force={"chamber": ["0 kPa", "30 kPa", "60 kPa"]},
@@ -136,6 +140,30 @@ def test_gradients_by_place_and_size_of_an_obstacle_that_skins_press_on() -> Non
     )
     error, regular = _compare(problem, 2, 3)
     assert regular[:, 0].all()
+    assert error[regular].max() <= 1e-6
+
+
+def test_gradients_of_the_pressure_of_skins_on_an_obstacle() -> None:
+    """The exosuit's floor is soft, so that the pressure is largest on the cylinder."""
+    soft = {**SMOOTH, "bodies.exosuit.skin.thickness": "1 m"}
+    model = flexor.load(EXAMPLE.with_name("grasp.toml"), changes=soft)
+    force = {"chamber": ["0 kPa", "30 kPa", "60 kPa"]}
+    assert model.equilibrium(force)[-1].extremes()["max_contact_pressure"].on == "cylinder"
+    fields = {
+        "obstacles.cylinder.radius": ("2.8 cm", "3.2 cm"),
+        "obstacles.cylinder.point.z": ("-4.9 cm", "-4.6 cm"),
+        "ph_2.skin.thickness": ("1.8 mm", "2.2 mm"),
+    }
+    problem = Problem.of(
+        model,
+        fields,
+        "minimise contact-pressure",
+        force=force,
+        subject_to=["obstacle-force >= 0.1 N"],
+        options=TIGHT,
+    )
+    error, regular = _compare(problem, 2, 3)
+    assert regular[:, 0].any()
     assert error[regular].max() <= 1e-6
 
 

@@ -7,7 +7,7 @@ use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink, StepReport};
 use super::status::Status;
 use super::system::System;
-use crate::forces::friction::FrictionMemory;
+use crate::friction::PathMemory;
 use crate::lie::LieGroup;
 use crate::results::PathFriction;
 
@@ -20,7 +20,7 @@ struct StepStart<const P: usize> {
     q: Vec<f64>,
     load: Vec<f64>,
     unstable: bool,
-    memory: FrictionMemory<P>,
+    memory: PathMemory<P>,
 }
 
 /// A load between two listed ones at which friction had to settle.
@@ -32,7 +32,7 @@ pub(crate) struct FrictionSubstep<const P: usize> {
     pub share: f64,
     pub q: Vec<f64>,
     pub applied: Vec<f64>,
-    pub memory: FrictionMemory<P>,
+    pub memory: PathMemory<P>,
 }
 
 /// How a step is tried.
@@ -56,7 +56,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
 
     /// Begins a path in the current state, in which points have slipped like these, and others not yet.
     pub(super) fn begin_friction(&mut self, slips: &[PathFriction]) {
-        self.data.recall_friction(FrictionMemory::default());
+        self.data.recall_friction(PathMemory::default());
         self.renew_friction();
         self.data.begin_friction_step(self.model, slips);
     }
@@ -84,7 +84,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
 
     /// Goes to an equilibrium of a path, with what friction held there, and factorises its tangent with friction
     /// renewed, for adjoints; `false` if that cannot be.
-    pub(crate) fn revisit_step(&mut self, q: &[f64], applied: &[f64], memory: &FrictionMemory<P>) -> bool {
+    pub(crate) fn revisit_step(&mut self, q: &[f64], applied: &[f64], memory: &PathMemory<P>) -> bool {
         self.data.recall_friction(memory.clone());
         let found = self.revisit(q, applied);
         self.factor.solve_adjoints_renewed();
@@ -92,8 +92,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     }
 
     /// Goes to where a path starts; whether its first step with friction begins there.
-    pub(crate) fn revisit_start(&mut self, q: &[f64], first: &FrictionMemory<P>) -> bool {
-        self.data.recall_friction(FrictionMemory::default());
+    pub(crate) fn revisit_start(&mut self, q: &[f64], first: &PathMemory<P>) -> bool {
+        self.data.recall_friction(PathMemory::default());
         self.set_state(q);
         self.evaluate();
         self.data.begins_here(self.model, first)
@@ -173,7 +173,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 share,
                 q: self.system.state().to_vec(),
                 applied: self.system.applied_load().to_vec(),
-                memory: self.system.data().friction_memory().clone(),
+                memory: self.system.data().friction_memory(),
             });
             self.end_friction_step();
             again = self.follow_in_parts([&middle, target], [share, end], step, events);
@@ -192,7 +192,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             q: self.system.state().to_vec(),
             load: self.system.load().to_vec(),
             unstable: self.unstable,
-            memory: self.system.data().friction_memory().clone(),
+            memory: self.system.data().friction_memory(),
         }
     }
 
@@ -233,7 +233,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             Attempt::Plain => {}
             Attempt::Sticking => self.system.stick(),
             Attempt::Smooth | Attempt::Unslipped => {
-                self.system.data_mut().recall_friction(FrictionMemory::default());
+                self.system.data_mut().recall_friction(PathMemory::default());
             }
         }
         let status = if step.index == 0 {

@@ -82,6 +82,11 @@ pub(crate) struct Largest<T> {
 /// Relative difference below which two numbers are tied.
 const TIED: f64 = 1e-9;
 
+/// Whether two numbers are nearly the same, neither of them zero.
+pub(crate) fn is_tied(a: f64, b: f64) -> bool {
+    a != 0.0 && b != 0.0 && (a - b).abs() <= TIED * a.abs()
+}
+
 impl<T> Largest<T> {
     pub fn new() -> Self {
         Self { value: f64::NEG_INFINITY, place: None, tied: false }

@@ -75,6 +75,8 @@ pub struct ContactForce<const P: usize> {
     pub second: Option<[usize; 2]>,
     /// The nearer of these.
     pub nearest: Option<usize>,
+    /// The obstacle that it touches, if it is one.
+    pub obstacle: Option<usize>,
     /// Whether it touches a round cone.
     pub cone: bool,
     /// Force on the first [N].

@@ -15,7 +15,7 @@ pub use crate::forces::obstacle::{ObstacleDescription, ObstacleSkinDescription, 
 pub use crate::forces::pressure::PressureDescription;
 pub use crate::forces::spring::SpringDescription;
 pub use crate::forces::tendon::{
-    MuscleCurve, StageDescription, TendonDescription, TensionDescription, WrapDescription,
+    GuideDescription, MuscleCurve, StageDescription, TendonDescription, TensionDescription, WrapDescription,
 };
 pub use crate::forces::tie::{TieDescription, TieDrive, TieKind};
 pub use crate::forces::wrench::{WrenchDescription, WrenchFrame};

@@ -110,9 +110,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.forces.tendons.count()
     }
 
-    /// Number of contacts with friction.
+    /// Number of contacts and tendons with friction.
     pub fn friction_count(&self) -> usize {
-        self.forces.frictions.count()
+        self.forces.frictions.count() + self.forces.tendons.rough_count()
     }
 
     /// Number of loads in a solve: those of the inputs and, with ties, the progress of closing them.

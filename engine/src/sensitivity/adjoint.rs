@@ -9,21 +9,23 @@ use crate::equilibrium::System;
 use crate::forces::differential::Differential;
 use crate::forces::element::{Velocities, VirtualMotion};
 use crate::forces::friction::{Direction, FrictionSlopes};
+use crate::forces::tendon::{GuideChange, GuideSlopes};
 use crate::lie::LieGroup;
 use crate::linalg::{LANES, Vector};
 use crate::model::{Model, Sensitivities};
 
-/// What later steps of a path have to do with a state: derivatives by its coordinates and by the world twist of
-/// frames.
+/// What later steps of a path have to do with a state: derivatives by its coordinates, by the world twist of frames
+/// and by the place of points.
 #[derive(Clone, Debug)]
-pub(super) struct Carried<const D: usize> {
+pub(super) struct Carried<const D: usize, const P: usize> {
     pub coordinates: Vec<f64>,
     pub frames: Vec<(usize, Vector<D>)>,
+    pub points: Vec<(usize, Vector<P>)>,
 }
 
-impl<const D: usize> Carried<D> {
+impl<const D: usize, const P: usize> Carried<D, P> {
     pub fn new(dof: usize) -> Self {
-        Self { coordinates: vec![0.0; dof], frames: vec![] }
+        Self { coordinates: vec![0.0; dof], frames: vec![], points: vec![] }
     }
 }
 
@@ -171,7 +173,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         model: &Model<G, D, P>,
         system: &System<G, D, P>,
         weights: &[f64],
-        later: Option<&Carried<D>>,
+        later: Option<&Carried<D, P>>,
         by_parameters: &mut [f64],
         by_loads: &mut [f64],
     ) -> bool {
@@ -186,6 +188,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             let own = self.differential.coordinates.iter_mut();
             own.zip(&later.coordinates).for_each(|(slope, more)| *slope += more);
             self.differential.frames.extend_from_slice(&later.frames);
+            self.differential.points.extend_from_slice(&later.points);
         }
         lambda.copy_from_slice(&self.differential.coordinates);
         self.wrench.fill(Vector::ZERO);
@@ -270,18 +273,57 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         out.by_start = data.friction_slopes_by_start(model);
     }
 
+    /// How forces at guides of tendons change at the equilibrium visited last.
+    pub(super) fn guide_slopes<G: LieGroup<D, P>>(
+        &mut self,
+        model: &Model<G, D, P>,
+        system: &System<G, D, P>,
+        out: &mut GuideSlopes,
+    ) {
+        *out = GuideSlopes::default();
+        let (data, load) = (system.data(), system.load());
+        let none = GuideChange::default();
+        let guides = data.guide_slope(model, None, none, load).len();
+        if guides == 0 {
+            return;
+        }
+        let mut rates = vec![0.0; model.dof()];
+        for j in 0..model.dof() {
+            rates[j] = 1.0;
+            model.coordinate_blocks.gather(&rates, &mut self.blocks);
+            rates[j] = 0.0;
+            data.velocities(model, &self.blocks, &mut self.twists, &mut self.points);
+            out.by_coordinates.push(data.guide_slope(model, Some(&self.virtual_velocities()), none, load));
+        }
+        for parameter in &self.wanted {
+            let geometric = self.design_velocities.iter().find(|each| each.parameter == *parameter);
+            let velocities = geometric.map(|velocity| velocity.velocities());
+            let change = GuideChange { parameter: Some(*parameter), ..none };
+            out.by_parameters.push(data.guide_slope(model, velocities.as_ref(), change, load));
+        }
+        for input in 0..model.inputs().len() {
+            let change = GuideChange { input: Some(input), ..none };
+            out.by_loads.push(data.guide_slope(model, None, change, load));
+        }
+        for start in 0..guides {
+            let change = GuideChange { start: Some(start), ..none };
+            out.by_start.push(data.guide_slope(model, None, change, load));
+        }
+    }
+
     /// Prepares for [`Adjoint::add_place`] in the state evaluated last.
     pub(super) fn prepare_place<G: LieGroup<D, P>>(&mut self, model: &Model<G, D, P>, data: &Data<G, D, P>) {
         self.design_velocities.iter_mut().for_each(|velocity| velocity.update(model, data));
     }
 
     /// Adds the derivatives by the wanted parameters through the place of frames alone.
-    pub(super) fn add_place(&self, later: &Carried<D>, by_parameters: &mut [f64]) {
+    pub(super) fn add_place(&self, later: &Carried<D, P>, by_parameters: &mut [f64]) {
         for velocity in &self.design_velocities {
-            let twists = velocity.velocities().twists;
+            let Velocities { twists, points } = velocity.velocities();
             let turned: f64 = later.frames.iter().map(|(frame, slope)| slope.dot(&twists[*frame])).sum();
+            let moved: f64 = later.points.iter().map(|(point, slope)| slope.dot(&points[*point])).sum();
             for (out, parameter) in by_parameters.iter_mut().zip(&self.wanted) {
-                *out += if *parameter == velocity.parameter { turned } else { 0.0 };
+                *out += if *parameter == velocity.parameter { turned + moved } else { 0.0 };
             }
         }
     }

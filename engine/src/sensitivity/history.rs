@@ -9,7 +9,9 @@ use super::{Adjoint, Carried, Regularity};
 use crate::batch::Batch;
 use crate::equilibrium::{Cancel, Continuation, ContinuationOptions, PathSink, StepReport, System};
 use crate::equilibrium::{Event, FrictionSubstep, Status};
-use crate::forces::friction::{FrictionMemory, FrictionSlopes, PointAdjoint};
+use crate::forces::friction::{FrictionSlopes, PointAdjoint};
+use crate::forces::tendon::GuideSlopes;
+use crate::friction::PathMemory;
 use crate::lie::LieGroup;
 use crate::model::Model;
 use rayon::prelude::*;
@@ -47,7 +49,7 @@ struct Record<const P: usize> {
     share: f64,
     q: Vec<f64>,
     applied: Vec<f64>,
-    memory: FrictionMemory<P>,
+    memory: PathMemory<P>,
     /// Whether it is the state of the step before, held.
     held: bool,
 }
@@ -68,7 +70,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> PathSink<G, D, P> for Re
                 share: 1.0,
                 q: report.q.to_vec(),
                 applied: system.applied_load().to_vec(),
-                memory: system.data().friction_memory().clone(),
+                memory: system.data().friction_memory(),
                 held: index > 0 && self.loads[index] == self.loads[index - 1],
             });
         }
@@ -163,6 +165,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             adjoint: Adjoint::new(self, wanted),
             numbers: vec![None; numbers],
             slopes: FrictionSlopes::default(),
+            guides: GuideSlopes::default(),
         };
         sweep.go_back(&mut system, parts, wanted, &mut found);
         sweep.arrive(&mut system, &start, &mut found);
@@ -173,9 +176,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
 /// What is known of a number while going back.
 #[derive(Clone, Debug)]
 struct Number<const D: usize, const P: usize> {
-    carried: Carried<D>,
+    carried: Carried<D, P>,
     /// The derivatives by what the points have at the end of the step.
     points: Vec<PointAdjoint<P>>,
+    /// Those by the slip of each guide there, less the length beyond it.
+    guides: Vec<f64>,
     regularity: Regularity,
 }
 
@@ -189,6 +194,7 @@ struct Sweep<'a, G, const D: usize, const P: usize> {
     /// Those that a later step has a part in.
     numbers: Vec<Option<Number<D, P>>>,
     slopes: FrictionSlopes<P>,
+    guides: GuideSlopes,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<'_, G, D, P> {
@@ -225,7 +231,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<'_, G, D, P> {
             for number in (0..self.numbers.len()).filter(|n| pending[*n]) {
                 if self.numbers[number].is_none() {
                     let (carried, regularity) = (Carried::new(model.dof), Regularity::Regular);
-                    self.numbers[number] = Some(Number { carried, points: vec![], regularity });
+                    self.numbers[number] =
+                        Some(Number { carried, points: vec![], guides: vec![], regularity });
                     found.by_parameters[number * width..(number + 1) * width].fill(0.0);
                     found.by_loads[number * steps * inputs..(number + 1) * steps * inputs].fill(0.0);
                 }
@@ -241,10 +248,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<'_, G, D, P> {
             };
             self.adjoint.visit(model, system);
             self.adjoint.friction_slopes(model, system.data(), &mut self.slopes);
+            self.adjoint.guide_slopes(model, system, &mut self.guides);
             for (n, number) in self.numbers.iter_mut().enumerate() {
                 let Some(number) = number else { continue };
                 number.carried.coordinates.fill(0.0);
                 self.slopes.add_by_coordinates(&number.points, &mut number.carried.coordinates);
+                let (data, coordinates) = (system.data(), &mut number.carried.coordinates);
+                data.add_guides_by_coordinates(model, &self.guides, &number.guides, coordinates);
+                number.carried.points.clear();
+                data.add_guide_lengths(model, &number.guides, &mut number.carried.points);
                 let both_ways = self.adjoint.differentiate_with(
                     model,
                     system,
@@ -262,6 +274,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<'_, G, D, P> {
                     &motion,
                     &mut gradient,
                 );
+                let found_there = (&mut gradient[..], &mut by_loads[..]);
+                number.guides =
+                    system.data().pass_guides_on(model, &self.guides, &number.guides, &motion, found_there);
                 let own = &mut found.by_parameters[n * width..(n + 1) * width];
                 own.iter_mut().zip(&gradient).for_each(|(total, more)| *total += more);
                 let first = n * steps * inputs;
@@ -293,8 +308,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<'_, G, D, P> {
         let begins_there = system.revisit_start(start, &self.records[0].memory);
         let width = found.by_parameters.len() / self.numbers.len();
         self.adjoint.prepare_place(self.model, system.data());
-        for (n, number) in self.numbers.iter().enumerate() {
+        for (n, number) in self.numbers.iter_mut().enumerate() {
             let Some(number) = number else { continue };
+            number.carried.points.clear();
+            system.data().add_guide_lengths(self.model, &number.guides, &mut number.carried.points);
             let gradient = &mut found.by_parameters[n * width..(n + 1) * width];
             self.adjoint.add_place(&number.carried, gradient);
             let regularity = if begins_there { number.regularity } else { Regularity::NoEquilibrium };

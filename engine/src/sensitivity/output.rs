@@ -1,7 +1,7 @@
 //! Numbers that an equilibrium gives and that can be differentiated.
 
 use crate::data::Data;
-use crate::forces::differential::{Differential, Largest};
+use crate::forces::differential::{Differential, Largest, is_tied};
 use crate::forces::tie::TieOutput;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -119,7 +119,18 @@ impl Output {
                     depth.add(&model.tree, at.parameters(), weight, out);
                 }
             }
-            Self::Pressure => forces.foundations.add_pressure(&at, weight, out),
+            Self::Pressure => {
+                let [bodies, obstacles] = [
+                    forces.foundations.largest_pressure(&at),
+                    forces.obstacles.largest_pressure(&states.obstacles),
+                ];
+                out.tied |= is_tied(bodies, obstacles);
+                if bodies >= obstacles {
+                    forces.foundations.add_pressure(&at, weight, out);
+                } else {
+                    forces.obstacles.add_pressure(&at, &states.obstacles, weight, out);
+                }
+            }
             Self::Stretch(material, sign) => forces.fibres.add_stretch(material, sign, &at, weight, out),
             Self::Spring(spring) => forces.springs.add_tension(spring, &at, weight, out),
             Self::TendonLength(tendon) => forces.tendons.add_length(tendon, &at, weight, out),

@@ -6,6 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexor.arrays import Array
 from flexor.cli.console import say
@@ -124,8 +125,8 @@ def _device(path: Path, known: Accuracy) -> Columns:
     model, cells = path.model, Columns()
     if model.foundations:
         cells["overlap / mm"] = _cells(1e3 * path.max_overlap, 1e3 * known.place)
-        touching = path.max_overlap > known.place
-        pressure = np.where(touching, path.max_contact_pressure / 1e3, 0.0)
+    if model.has_skins:
+        pressure = np.where(_touch(path, known), path.max_contact_pressure / 1e3, 0.0)
         cells["contact pressure / kPa"] = [number(each) for each in pressure.tolist()]
     if np.isfinite(path.stretch).any():
         cells["strain / %"] = _cells(100.0 * path.max_strain, 100.0 * known.strain)
@@ -134,6 +135,12 @@ def _device(path: Path, known: Accuracy) -> Columns:
     least = force_accuracy(path, _forces)
     cells |= {f"{name} / N": _cells(force, least[name]) for name, force in _forces(path).items()}
     return cells | _ties(path, known)
+
+
+def _touch(path: Path, known: Accuracy) -> NDArray[np.bool_]:
+    """Return at which steps skins touch, beyond what is known of places."""
+    pressing = sum(path.obstacle_forces().values(), np.zeros(len(path)))
+    return np.asarray((path.max_overlap > known.place) | (pressing > known.force))
 
 
 def _forces(path: Path) -> dict[str, Array]:

@@ -30,6 +30,8 @@ def components(description: Json) -> list[dict[str, Any]]:
     """
     if description.get("frictions"):
         return []  # what has slipped is numbered by the whole model
+    if any("friction" in tendon for tendon in description.get("tendons", ())):
+        return []
     if description.get("wraps"):
         return []  # tendons name them, and the bodies between them only so
     fixed = _fixed(description)

@@ -19,8 +19,8 @@ class ContactForces:
     """
 
     first: NDArray[np.uint32]  # (m,), index of the sphere, counted through all groups
-    # (m,), index of the other, -1 for an obstacle; of a round cone that is touched between
-    # its ends, the nearer one
+    # (m,), index of the other, -1 - i for the obstacle i of the model; of a round cone that is
+    # touched between its ends, the nearer one
     second: NDArray[np.int64]
     cone: NDArray[np.bool_]  # (m,), whether the second is a round cone
     force: Array  # (m, 3), force on the first sphere [N]; the second feels its opposite

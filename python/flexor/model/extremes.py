@@ -22,7 +22,7 @@ class Extreme:
     value: float  # SI
     body: str
     X: float  # fraction of the body's length
-    on: str | None = None  # the body that it touches
+    on: str | None = None  # the body or the obstacle that it touches
 
 
 def contact_pressure(state: State) -> dict[str, Array]:
@@ -48,6 +48,8 @@ def contact_pressure(state: State) -> dict[str, Array]:
     for index in np.flatnonzero(np.isfinite(contacts.pressure)):
         pressure = float(contacts.pressure[index])
         for sphere in (contacts.first[index], contacts.second[index]):
+            if sphere < 0:
+                continue  # an obstacle
             body, x = place(state, int(sphere), contacts.point[index])
             found.setdefault(body, []).append((x, pressure))
     # At a point that touches two links the larger pressure counts.
@@ -71,13 +73,15 @@ def extremes(state: State) -> dict[str, Extreme]:
     """
     found: dict[str, Extreme] = {}
     contacts = state.contact_forces()
-    quantities = {"max_overlap": contacts.depth, "max_contact_pressure": contacts.pressure}
+    overlap = np.where(contacts.second < 0, np.nan, contacts.depth)
+    quantities = {"max_overlap": overlap, "max_contact_pressure": contacts.pressure}
     for key, values in quantities.items():
         if np.isfinite(values).any():
             index = int(np.nanargmax(values))
             body, x = place(state, int(contacts.first[index]), contacts.point[index])
             second = int(contacts.second[index])
-            on = None if second < 0 else state.model.sphere_places[second][0]
+            names = list(state.model.file.obstacles)
+            on = names[-1 - second] if second < 0 else state.model.sphere_places[second][0]
             found[key] = Extreme(float(values[index]), body, x, on)
     if np.isfinite(state.stretch).any():
         frames = state.model.engine.stretch_frames(state.parameters, state.q)

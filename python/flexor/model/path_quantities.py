@@ -144,10 +144,11 @@ class PathQuantities(Results):
     @property
     def contact_quantities(self) -> tuple[str, ...]:
         """Names of the contact quantities that the model has."""
-        if self.max_overlap is None or not self.model.first_spheres:
+        if self.max_overlap is None:
             return ()
-        skins = ("max_contact_pressure",) if self.model.foundations else ()
-        return ("max_overlap", *skins)
+        overlap = ("max_overlap",) if self.model.first_spheres else ()
+        skins = ("max_contact_pressure",) if self.model.has_skins else ()
+        return (*overlap, *skins)
 
     def places(self) -> dict[str, list[dict[str, Any] | None]]:
         """Return where `State.extremes` are, a list over the steps for each quantity."""

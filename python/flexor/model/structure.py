@@ -17,7 +17,7 @@ from flexor.model.geometry import DesignSpace, Geometry, GeometryJacobian
 from flexor.model.loads import loads
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile, Rod
-from flexor.model.schema.friction import frictions
+from flexor.model.schema.friction import frictions, rough_tendons
 from flexor.model.schema.shared_input import dimensions, inputs_of
 from flexor.model.separate import Separate
 from flexor.model.units import FORCE, Dimension
@@ -145,8 +145,9 @@ class Structure:
 
     @cached_property
     def frictions(self) -> tuple[str, ...]:
-        """Names of what has friction: contacts, obstacles, and rods with a skin."""
-        return tuple(each.entry for each in frictions(self.file))
+        """Names of what has friction: contacts, obstacles, rods with a skin, then tendons."""
+        contacts = (each.entry for each in frictions(self.file))
+        return (*contacts, *rough_tendons(self.file))
 
     @cached_property
     def rods(self) -> tuple[str, ...]:
@@ -199,6 +200,13 @@ class Structure:
         """Contacts through skins, as described to the engine."""
         found: list[dict[str, Any]] = self._described.get("foundations", [])
         return found
+
+    @property
+    def has_skins(self) -> bool:
+        """Whether bodies press on each other, or on obstacles, through skins."""
+        return bool(self.foundations) or any(
+            obstacle.get("skins") for obstacle in self._described.get("obstacles", ())
+        )
 
     def fibre_sections(self, rod: str) -> list[int]:
         """Return which of its sections a rod of fibres has at each Gauss point."""

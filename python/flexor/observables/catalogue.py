@@ -341,7 +341,7 @@ _KINDS = (
         PRESSURE,
         "largest pressure of contact through skins",
         lambda model: _if(
-            model.foundations,
+            model.has_skins,
             lambda paths: paths.max_contact_pressure,
             slopes.output("max_contact_pressure"),
         ),

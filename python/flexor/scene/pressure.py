@@ -77,6 +77,8 @@ def footprints(
         contacts = path.contact_forces(int(step))
         for index in _once(contacts):
             first, second = int(contacts.first[index]), int(contacts.second[index])
+            if second < 0:
+                continue  # an obstacle
             rod, link = model.sphere_places[first][0], model.sphere_places[second][0]
             if rod not in described or link in rods:
                 continue

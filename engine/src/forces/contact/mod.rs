@@ -328,6 +328,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             out.push(ContactForce {
                 first: pair.first,
                 second: Some(pair.second),
+                obstacle: None,
                 cone: !contact.cones.is_empty(),
                 nearest: Some(pair.second[usize::from(pair.t >= 0.5)]),
                 force,

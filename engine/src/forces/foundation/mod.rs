@@ -231,6 +231,16 @@ impl Foundations {
         self.for_each_contact(at, |contact| visit(depth(&contact)));
     }
 
+    /// The largest pressure [Pa].
+    pub fn largest_pressure<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> f64 {
+        let mut largest = 0.0f64;
+        self.for_each_contact(at, |contact| largest = largest.max(contact.pressure()));
+        largest
+    }
+
     /// Adds a multiple of the change of the largest pressure.
     pub fn add_pressure<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
@@ -444,6 +454,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 first: contact.first,
                 second: Some(contact.ends),
                 nearest: Some(contact.ends[usize::from(contact.t >= 0.5)]),
+                obstacle: None,
                 cone: true,
                 force,
                 depth: contact.depth,

@@ -122,7 +122,7 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(d: &Description, siz
     }
     check_renewed(&model, &mut data, &q);
     // Many points touch for the first time.
-    data.recall_friction(crate::forces::friction::FrictionMemory::default());
+    data.recall_friction(crate::friction::PathMemory::default());
     data.evaluate(&model, &state(-1.0), &load);
     data.renew_friction(&model);
     data.begin_friction_step(&model, &[]);
@@ -169,6 +169,47 @@ fn check_renewed<G: LieGroup<D, P>, const D: usize, const P: usize>(
         for (i, change) in column.iter().enumerate() {
             let error = (change - tangent[i * n + j]).abs();
             assert!(error < 1e-6 * most, "{i}, {j}: {change} {} of {most}", tangent[i * n + j]);
+        }
+    }
+}
+
+/// A rod and a link with a spring tendon through guides on both and in the world.
+fn laced(planar: bool, coefficient: f64) -> Description {
+    let mut d = sunk(planar, true);
+    d.obstacles.clear();
+    let on = |body: &str, station: Station, z: f64| {
+        let y = if planar { 0.0 } else { 0.4 * z };
+        let offset = [0.0, y, z];
+        StageDescription::Point(AttachmentDescription::Body {
+            body: body.into(),
+            station,
+            offset,
+            surface: [0.0; 3],
+        })
+    };
+    d.tendons.push(TendonDescription {
+        name: "lace".into(),
+        path: vec![
+            StageDescription::Point(AttachmentDescription::World { world: [-0.05, 0.0, 0.1] }),
+            on("arm", Station::Point(1), 0.06),
+            on("arm", Station::Point(3), 0.05),
+            StageDescription::Point(AttachmentDescription::World { world: [0.2, 0.0, 0.12] }),
+            on("hand", Station::Fraction(0.2), 0.05),
+            on("cup", Station::Fraction(0.5), -0.03),
+            on("hand", Station::Fraction(0.9), 0.03),
+        ],
+        tension: TensionDescription::Spring { stiffness: 400.0, slack_length: 0.3, toe: 0.02 },
+        friction: Some(GuideDescription { coefficient, stiffness: 900.0 }),
+    });
+    d
+}
+
+#[test]
+fn derivatives_in_guides_are_those_of_differences() {
+    for (coefficient, slides) in [(0.02, true), (0.8, false)] {
+        let [planar, spatial] = [true, false].map(|p| laced(p, coefficient));
+        for [slide, all] in [check::<SE2, 3, 2>(&planar, 0.03), check::<SE3, 6, 3>(&spatial, 0.03)] {
+            assert!(all == 5 && if slides { slide > 0 } else { slide < all }, "{slide} of {all} slide");
         }
     }
 }

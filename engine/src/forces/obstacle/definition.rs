@@ -189,6 +189,11 @@ impl<const P: usize> Obstacle<P> {
         }
     }
 
+    /// The parameter that is the stiffness of the skin that a sphere is a point of, and its value.
+    pub fn foundation(&self, parameters: &[f64], contact: Contact) -> Option<(usize, f64)> {
+        contact.each.skin.map(|skin| self.skins[skin].foundation(parameters))
+    }
+
     /// Adds a multiple of the derivative of its force by every parameter, the depth and the radii of sphere and
     /// surface held; returns those by these radii.
     pub fn add_slopes(&self, parameters: &[f64], contact: Contact, factor: f64, out: &mut [f64]) -> Slopes {

@@ -15,7 +15,7 @@ pub use definition::ObstacleDescription;
 pub use skin::ObstacleSkinDescription;
 pub use surface::SurfaceDescription;
 
-use super::differential::Differential;
+use super::differential::{Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
 use super::magnitudes::Magnitudes;
@@ -138,7 +138,9 @@ impl<const P: usize> Obstacles<P> {
             let radius =
                 direction.parameter.map_or(0.0, |slot| radius_slope(at.tree, at.parameters(), radius, slot));
             let surface = obstacle.surfaces[touch.surface].radius();
-            let grown = surface.map_or(0.0, |(slot, by_radius)| direction.of(slot) * by_radius);
+            let [grown, wider] = surface.map_or([0.0; 2], |(slot, by_radius)| {
+                [by_radius, 1.0].map(|slope| slope * direction.of(slot))
+            });
             let mut moved = obstacle.relative_velocity(at, velocities, point);
             obstacle.for_each_shift(at, touch, |slot, shift| moved += shift * direction.of(slot));
             let depth = radius - grown - n.dot(&moved);
@@ -149,7 +151,7 @@ impl<const P: usize> Obstacles<P> {
             let [force, stiffness] = obstacle.change_of_pressing(
                 at.parameters(),
                 touch.contact(at),
-                [depth, radius, grown],
+                [depth, radius, wider],
                 |slot| direction.of(slot),
             );
             let inward = at.geometry.radii[touch.sphere] - 0.5 * touch.depth;
@@ -159,6 +161,48 @@ impl<const P: usize> Obstacles<P> {
                 stiffness,
                 depth,
             });
+        }
+    }
+
+    /// Largest pressure of a skin on one of them [Pa].
+    pub fn largest_pressure(&self, state: &ObstacleState<P>) -> f64 {
+        state.touching.iter().filter_map(|touch| touch.pressing.pressure).fold(0.0, f64::max)
+    }
+
+    /// Adds a multiple of the change of the largest pressure of a skin on one of them.
+    pub fn add_pressure<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        state: &ObstacleState<P>,
+        weight: f64,
+        out: &mut Differential<D, P>,
+    ) {
+        let mut largest = Largest::new();
+        for touch in &state.touching {
+            if let Some(pressure) = touch.pressing.pressure {
+                let is_same = |other: &&Touch<P>| {
+                    (other.obstacle, other.sphere, other.surface)
+                        == (touch.obstacle, touch.sphere, touch.surface)
+                };
+                largest.offer(pressure, touch, is_same);
+            }
+        }
+        let Some(touch) = largest.place else { return };
+        out.tied |= largest.tied;
+        let obstacle = &self.0[touch.obstacle];
+        let Some((slot, k)) = obstacle.foundation(at.parameters(), touch.contact(at)) else { return };
+        let slope = k * weight;
+        obstacle.add_sinking(at, touch, slope, out);
+        out.parameters[slot] += weight * touch.depth;
+        add_radius_slope(
+            at.tree,
+            at.parameters(),
+            at.tree.spheres[touch.sphere].radius,
+            slope,
+            &mut out.parameters,
+        );
+        if let Some((slot, by_radius)) = obstacle.surfaces[touch.surface].radius() {
+            out.parameters[slot] -= by_radius * slope;
         }
     }
 
@@ -174,18 +218,8 @@ impl<const P: usize> Obstacles<P> {
         let obstacle = &self.0[index];
         for touch in state.touching.iter().filter(|touch| touch.obstacle == index) {
             let slope = touch.pressing.stiffness * weight;
-            let point = touch.point(at);
-            out.points.push((point, touch.normal * -slope));
-            out.points.push((obstacle.point, touch.normal * slope));
-            if obstacle.frame != 0 {
-                let arm = *at.point(point) - *at.point(obstacle.point);
-                let turning = G::point_jacobian(&arm) - G::point_jacobian(&Vector::ZERO);
-                out.frames.push((obstacle.frame, turning.transpose_times(&(touch.normal * slope))));
-            }
+            obstacle.add_sinking(at, touch, slope, out);
             obstacle.add_slopes_at_depth(at, touch, weight, &mut out.parameters);
-            obstacle.for_each_shift(at, touch, |slot, shift| {
-                out.parameters[slot] -= slope * touch.normal.dot(&shift);
-            });
         }
     }
 
@@ -293,6 +327,27 @@ impl<const P: usize> Obstacle<P> {
     ) -> Vector<P> {
         let r = *at.point(at.tree.spheres[sphere].point) - self.origin(at);
         Vector(std::array::from_fn(|i| axes[i].dot(&r)))
+    }
+
+    /// Adds a multiple of the change of the depth of a sphere, radii held.
+    fn add_sinking<G: LieGroup<D, P>, const D: usize>(
+        &self,
+        at: &State<G, D, P>,
+        touch: &Touch<P>,
+        slope: f64,
+        out: &mut Differential<D, P>,
+    ) {
+        let point = touch.point(at);
+        out.points.push((point, touch.normal * -slope));
+        out.points.push((self.point, touch.normal * slope));
+        if self.frame != 0 {
+            let arm = *at.point(point) - *at.point(self.point);
+            let turning = G::point_jacobian(&arm) - G::point_jacobian(&Vector::ZERO);
+            out.frames.push((self.frame, turning.transpose_times(&(touch.normal * slope))));
+        }
+        self.for_each_shift(at, touch, |slot, shift| {
+            out.parameters[slot] -= slope * touch.normal.dot(&shift);
+        });
     }
 
     /// Visits the parameters by which a sphere's place relative to the surface shifts, with the derivative of
@@ -523,6 +578,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 first: touch.sphere,
                 second: None,
                 nearest: None,
+                obstacle: Some(touch.obstacle),
                 cone: false,
                 force: touch.normal * touch.pressing.force,
                 depth: touch.depth,

@@ -135,6 +135,11 @@ impl Skin {
         parameters[self.stiffness] >= 0.0
     }
 
+    /// The parameter that is its stiffness, and its value [Pa/m].
+    pub fn foundation(&self, parameters: &[f64]) -> (usize, f64) {
+        (self.stiffness, parameters[self.stiffness])
+    }
+
     /// What a point of it feels.
     pub fn pressing(&self, p: &[f64], pressed: Pressed) -> Pressing {
         let Part { strip, weight, cap, round, .. } = self.part(p, pressed);

@@ -1,6 +1,7 @@
 //! Definition of tendons.
 
 use super::curve::MuscleCurve;
+use super::guide::GuideFriction;
 use super::tension::Tension;
 use super::{Leg, Tendon, Wrap};
 use crate::lie::LieGroup;
@@ -81,6 +82,19 @@ pub struct TendonDescription {
     pub path: Vec<StageDescription>,
     /// Its tension.
     pub tension: TensionDescription,
+    /// Friction at the points that it passes, of a path without wraps and branches.
+    #[serde(default)]
+    pub friction: Option<GuideDescription>,
+}
+
+/// Friction of a tendon in its guides.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GuideDescription {
+    /// Coefficient of friction μ.
+    pub coefficient: f64,
+    /// Stiffness with which it gives at each guide before it slides [N/m].
+    pub stiffness: f64,
 }
 
 impl<const P: usize> Wrap<P> {
@@ -171,7 +185,30 @@ impl Tendon {
         frames.retain(|frame| *frame != 0);
         frames.sort_unstable();
         frames.dedup();
-        Ok(Self { legs, frames, tension })
+        let friction = tendon.friction.map(|friction| Self::friction(tree, tendon, &friction)).transpose()?;
+        Ok(Self { legs, frames, tension, friction })
+    }
+
+    /// Whether its parameters are physically meaningful.
+    pub fn is_admissible(&self, parameters: &[f64]) -> bool {
+        self.tension.is_admissible(parameters)
+            && self.friction.is_none_or(|friction| parameters[friction.coefficient] >= 0.0)
+    }
+
+    fn friction<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        tree: &mut Tree<G, D, P>,
+        tendon: &TendonDescription,
+        friction: &GuideDescription,
+    ) -> Result<GuideFriction, ModelError> {
+        let field = |f: &str| format!("tendons.{}.friction.{f}", tendon.name);
+        not_negative(field("coefficient"), friction.coefficient)?;
+        positive(field("stiffness"), friction.stiffness)?;
+        if !tendon.path.iter().all(|stage| matches!(stage, StageDescription::Point(_))) {
+            let problem = "acts at points: the path must have neither wraps nor branches";
+            return Err(ModelError::new(format!("tendons.{}.friction", tendon.name), problem));
+        }
+        let slot = tree.slot(format!("{}.friction", tendon.name), "1", &[friction.coefficient]);
+        Ok(GuideFriction { coefficient: slot.start, stiffness: friction.stiffness })
     }
 
     fn tension<G: LieGroup<D, P>, const D: usize, const P: usize>(

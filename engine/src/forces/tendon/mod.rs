@@ -8,6 +8,7 @@
 mod choice;
 mod curve;
 mod definition;
+mod guide;
 mod output;
 mod tension;
 #[cfg(test)]
@@ -15,7 +16,9 @@ mod tests;
 mod wrap;
 
 pub use curve::MuscleCurve;
-pub use definition::{StageDescription, TendonDescription, TensionDescription, WrapDescription};
+pub use definition::{
+    GuideDescription, StageDescription, TendonDescription, TensionDescription, WrapDescription,
+};
 
 use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
@@ -24,6 +27,8 @@ use super::terms::{Coupling, FrameTerms, Terms};
 use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 use crate::tree::{ModelError, Tree};
+use guide::GuideFriction;
+pub(crate) use guide::{GuideChange, GuideMemory, GuideSlopes};
 use tension::{Pull, Tension};
 use wrap::{Around, Ends};
 
@@ -50,6 +55,7 @@ struct Tendon {
     /// The frames that it pulls on, each once, without the world.
     frames: Vec<usize>,
     tension: Tension,
+    friction: Option<GuideFriction>,
 }
 
 /// A part of a tendon, from a point to the next.
@@ -270,18 +276,21 @@ impl<const P: usize> Tendons<P> {
 
 impl<const P: usize> ForceMemory<P> for Tendons<P> {
     type Design = ();
-    type State = ();
+    /// Friction of tendons that have it.
+    type State = GuideMemory<P>;
     type Sensitivity = ();
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Tendons<P> {
     fn design(&self, _: &Tree<G, D, P>) {}
 
-    fn state(&self, _: &Tree<G, D, P>) {}
+    fn state(&self, _: &Tree<G, D, P>) -> GuideMemory<P> {
+        GuideMemory::default()
+    }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
         self.wraps.iter().all(|wrap| parameters[wrap.radius] > 0.0)
-            && self.tendons.iter().all(|tendon| tendon.tension.is_admissible(parameters))
+            && self.tendons.iter().all(|tendon| tendon.is_admissible(parameters))
     }
 
     fn max_couplings(&self) -> usize {
@@ -296,10 +305,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &mut (),
+        memory: &mut GuideMemory<P>,
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
+        memory.clear_state();
         for tendon in &self.tendons {
+            if let Some(friction) = tendon.friction {
+                self.add_rough_residual(at, (tendon, friction), memory, out);
+                continue;
+            }
             let pull = self.pull(at, tendon);
             out.energy += pull.energy;
             self.for_each_tug(at, tendon, |tug| {
@@ -308,8 +322,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_tangent(&self, at: &State<G, D, P>, _: &(), _: &(), Terms { frames: out, .. }: &mut Terms<D>) {
+    fn add_tangent(
+        &self,
+        at: &State<G, D, P>,
+        _: &(),
+        memory: &GuideMemory<P>,
+        Terms { frames: out, .. }: &mut Terms<D>,
+    ) {
+        let mut rough = 0;
         for tendon in &self.tendons {
+            if tendon.friction.is_some() {
+                self.add_rough_tangent(at, (rough, tendon), memory, out);
+                rough += 1;
+                continue;
+            }
             let pull = self.pull(at, tendon);
             if pull.tension != 0.0 {
                 for leg in &tendon.legs {
@@ -330,9 +356,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
+    fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), memory: &GuideMemory<P>, out: &mut Magnitudes<P>) {
+        let mut rough = 0;
         for tendon in &self.tendons {
-            let Pull { tension, stiffness, .. } = self.pull(at, tendon);
+            let Pull { mut tension, mut stiffness, .. } = self.pull(at, tendon);
+            if tendon.friction.is_some() {
+                [tension, stiffness] = memory.largest(self, rough);
+                rough += 1;
+            }
             self.for_each_tug(at, tendon, |Tug { frame, place, slope }| {
                 let places = place.norm() * tendon.legs.len() as f64;
                 let share = slope.norm();
@@ -366,7 +397,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &(),
+        _: &GuideMemory<P>,
         _: &(),
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
@@ -395,19 +426,25 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &(),
-        _: &(),
+        memory: &GuideMemory<P>,
         motion: &VirtualMotion<D, P>,
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
         let virtual_motion = &motion.velocities;
+        let mut rough = 0;
         for tendon in &self.tendons {
             let Pull { tension, stiffness, .. } = self.pull(at, tendon);
+            let spans = tendon.friction.map(|_| {
+                rough += 1;
+                rough - 1
+            });
             let rate = |velocities: &Velocities<D, P>| -> f64 {
                 tendon.legs.iter().map(|leg| self.rate(at, leg, velocities)).sum()
             };
             *work += stiffness * rate(velocities) * rate(virtual_motion);
-            for leg in &tendon.legs {
+            for (index, leg) in tendon.legs.iter().enumerate() {
+                let tension = spans.map_or(tension, |own| memory.tension(self, own, index));
                 let course = self.course(at, leg);
                 let wrapped = matches!(course, Course::Wrapped(_));
                 let moved = self.relative(at, leg, wrapped, velocities);

@@ -1,4 +1,4 @@
-"""Coulomb friction where bodies press on each other."""
+"""Coulomb friction where bodies press on each other, and of tendons in their guides."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.contact import Contact
 from flexor.model.schema.foundation import lower_self_contact, lower_skins
 from flexor.model.schema.obstacle import Obstacle
+from flexor.model.schema.tendon import Tendon
 
 
 class Friction(NamedTuple):
@@ -21,7 +22,7 @@ class Friction(NamedTuple):
 
 
 def frictions(system: BodySystem) -> Iterator[Friction]:
-    """Yield the frictions of a file, in the order in which the engine counts them."""
+    """Yield the frictions of contacts of a file, in the order in which the engine counts them."""
     for kind in (Contact, Obstacle):
         for table, name, each in system.entries(kind):
             if isinstance(each, (Contact, Obstacle)) and each.friction > 0.0:
@@ -38,3 +39,10 @@ def frictions(system: BodySystem) -> Iterator[Friction]:
             if body.friction > 0.0 and own in found:
                 described = {"name": own, "coefficient": float(body.friction)}
                 yield Friction("bodies", name, described)
+
+
+def rough_tendons(system: BodySystem) -> Iterator[str]:
+    """Yield the names of tendons with friction, which the engine counts after the contacts."""
+    for _, name, each in system.entries(Tendon):
+        if isinstance(each, Tendon) and each.friction > 0.0:
+            yield name

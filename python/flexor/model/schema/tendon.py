@@ -99,13 +99,23 @@ Curve = Annotated[
 ]
 
 
+SLIP_STIFFNESS = 1e5  # of a tendon in a guide, unless given [N/m]
+
+
 class Tendon(Force):
-    """A tendon along the shortest path through points of bodies and around wraps."""
+    """A tendon along the shortest path through points of bodies and around wraps.
+
+    ``friction`` is Coulomb's coefficient in the points between its ends, of a tendon that is pulled
+    at its first point; before it slides there it gives with ``slip_stiffness``, 100 N/mm unless
+    given.
+    """
 
     description: ClassVar[str] = "tendons"
 
     kind: str
     path: Annotated[tuple[Stage, ...], Field(min_length=2, max_length=200)]
+    friction: NonNegativeNumber = 0.0
+    slip_stiffness: PositiveStiffness | None = None
 
     @model_validator(mode="after")
     def _check_path(self) -> Tendon:
@@ -124,6 +134,20 @@ class Tendon(Force):
                 points = 0
             else:
                 points, open_wrap = points + 1, False
+        return self
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> Tendon:
+        """Check that friction acts at points of an undivided path."""
+        if self.friction == 0.0:
+            if self.slip_stiffness is not None:
+                raise field_error("is given without friction", path="slip_stiffness")
+            return self
+        if any(isinstance(stage, (Over, Branch)) for stage in self.path):
+            tail = "acts at points: its path must have neither wraps nor branches"
+            raise field_error(f"{tail}; lay it through points in place of a wrap", path="friction")
+        if len(self.path) < 3:
+            raise field_error("acts at no point: its path has none between its ends", "friction")
         return self
 
     @property
@@ -172,7 +196,17 @@ class Tendon(Force):
                 return {"branch": each.branch}
             return {"point": each.lower_point(system.bodies)}
 
-        return {"name": name, "path": [stage(each) for each in self.path], "tension": self.tension}
+        described = {
+            "name": name,
+            "path": [stage(each) for each in self.path],
+            "tension": self.tension,
+        }
+        if self.friction > 0.0:
+            described["friction"] = {
+                "coefficient": float(self.friction),
+                "stiffness": float(self.slip_stiffness or SLIP_STIFFNESS),
+            }
+        return described
 
 
 class CableTendon(Tendon):
