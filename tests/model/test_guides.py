@@ -60,7 +60,9 @@ def test_the_tension_that_arrives_is_that_of_the_capstan_equation(
     friction: float, angle: float, guides: int
 ) -> None:
     tension, _ = drawn(belt(friction, angle, guides), [0.0, 10.0, 20.0])
-    np.testing.assert_allclose(tension, np.exp(-friction * angle) * np.array([0, 10, 20]), rtol=1e-9)
+    np.testing.assert_allclose(
+        tension, np.exp(-friction * angle) * np.array([0, 10, 20]), rtol=1e-9
+    )
 
 
 def test_a_pull_that_turns_round_moves_nothing_within_its_dead_band() -> None:
@@ -170,7 +172,7 @@ slip_stiffness = "50 N/mm"
     assert str(caught.value).count("\n") == 0
 
 
-# A cable and an elastic tendon that are laced through guides on a rod and a hand, and drawn to and fro.
+# A cable and an elastic tendon that are laced through guides on a rod and a hand, drawn to and fro.
 LACED = """
 name = "laced"
 planar = {planar}

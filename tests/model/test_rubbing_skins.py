@@ -108,7 +108,9 @@ def test_derivatives_of_bars_are_those_of_differences(planar: bool, obstacle: st
         assert (ends.converged & ends.stable).all()
         slope = np.diff(ends.joint_angles[:, -1], axis=0)[0] / (2.0 * size)
         scale = np.abs(ends.joint_angles[0, -1]).max() / np.abs(values[0, column])
-        np.testing.assert_allclose(found.by_slots[0, :, column], slope, rtol=1e-5, atol=1e-7 * scale)
+        np.testing.assert_allclose(
+            found.by_slots[0, :, column], slope, rtol=1e-5, atol=1e-7 * scale
+        )
         seen += int(np.abs(slope).max() > 1e-4 * scale)
     assert seen >= 5
 

@@ -57,7 +57,8 @@ fn laced(planar: bool) -> Description {
         curve: THELEN,
     };
     let spring = TensionDescription::Spring { stiffness: 900.0, slack_length: 0.11, toe: 0.2 };
-    let tendon = |name: &str, path, tension| TendonDescription { name: name.into(), path, tension };
+    let tendon =
+        |name: &str, path, tension| TendonDescription { name: name.into(), path, tension, friction: None };
     let above = on("hand", Station::Fraction(0.0), [0.0, 0.0, 0.1]);
     d.tendons = vec![
         tendon(
@@ -150,6 +151,7 @@ fn the_moment_arm_over_a_pulley_is_its_radius() {
         name: "extensor".into(),
         path,
         tension: TensionDescription::Cable {},
+        friction: None,
     });
     let model = Model::<SE2, 3, 2>::new(&d).unwrap();
     let mut data = Data::new(&model);

@@ -9,6 +9,7 @@ mod choice;
 mod curve;
 mod definition;
 mod guide;
+mod guide_change;
 mod output;
 mod tension;
 #[cfg(test)]
@@ -28,7 +29,8 @@ use crate::lie::LieGroup;
 use crate::linalg::{Matrix, Vector};
 use crate::tree::{ModelError, Tree};
 use guide::GuideFriction;
-pub(crate) use guide::{GuideChange, GuideMemory, GuideSlopes};
+pub(crate) use guide::GuideMemory;
+pub(crate) use guide_change::{GuideChange, GuideSlopes};
 use tension::{Pull, Tension};
 use wrap::{Around, Ends};
 
