@@ -164,7 +164,10 @@ fn check_renewed<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let tangent = data.tangent();
     let most = tangent.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     let added = held.iter().zip(tangent).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-    assert!(added > 1e-6 * most, "{added} {most}");
+    // Limits that are renewed matter where a tendon slides; what contacts hold matters also where they stick.
+    let slides = data.friction_forces(model).iter().any(|force| force.slides);
+    let renewed = slides || model.forces.frictions.count() > 0;
+    assert!(!renewed || added > 1e-6 * most, "{added} {most}");
     for (j, column) in columns.iter().enumerate() {
         for (i, change) in column.iter().enumerate() {
             let error = (change - tangent[i * n + j]).abs();
