@@ -65,8 +65,11 @@ def load_handles(forces: Iterable[float], chamber: str = "chamber") -> list[Arti
     ]
 
 
-def draw_designs(paths: Mapping[str, flexor.Path]) -> Figure:
-    """Draw designs at rest and at their last load, one panel per title."""
+def draw_designs(paths: Mapping[str, flexor.Path], loaded: str | None = None) -> Figure:
+    """Draw designs at rest and at their last load, one panel per title.
+
+    ``loaded`` names that load, by default the force of the first design.
+    """
     panels = [
         Panel(
             title,
@@ -77,10 +80,10 @@ def draw_designs(paths: Mapping[str, flexor.Path]) -> Figure:
         )
         for title, path in paths.items()
     ]
-    force = next(iter(paths.values())).force[-1]
+    loaded = loaded or f"at {next(iter(paths.values())).force[-1]:g} N"
     handles = [
         Patch(facecolor=AT_REST, edgecolor=LINE, linewidth=0.5, label="exosuit at 0 N"),
-        Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label=f"at {force:g} N"),
+        Patch(facecolor=EXOSUIT, edgecolor=LINE, linewidth=0.5, label=loaded),
         Line2D([], [], color=CHAMBER, label="chamber"),
     ]
     return draw_panels(panels, COLUMNS, handles)

@@ -92,7 +92,11 @@ def test_mjcf_that_is_refused(tmp_path: Path, inside: str, beside: str, message:
     [
         ("<mujoco>", "not valid XML at line 1: no element found"),
         ("", "not valid XML at line 1: no element found"),
-        ("<OpenSimDocument/>", "begins with <OpenSimDocument>, which is neither <mujoco>"),
+        (
+            "<OpenSimDocument/>",
+            "is a model of OpenSim, which is not read: convert it to MJCF",
+        ),
+        ("<sdf/>", "begins with <sdf>, which is neither <mujoco> (MJCF) nor <robot> (URDF)"),
         ("<mujoco/>", "has no bodies"),
         (
             '<!DOCTYPE m [<!ENTITY a "b">]><mujoco>&a;</mujoco>',

@@ -130,3 +130,15 @@ def test_bad_tables(model: Model, table: dict[str, object], message: str) -> Non
 def test_a_file_without_a_population_has_no_wearers() -> None:
     with pytest.raises(InputError, match=r"has no \[population\]"):
         wearers(flexor.load("finger"), 2)
+
+
+def test_fields_of_parts_by_a_pattern() -> None:
+    glove = flexor.load("glove")
+    table = {"length": ["*.ph_1.length", "{index,middle}.ph_2.length"]}
+    model = flexor.load(check({**glove.file.to_document(), "population": table}))
+    changed = wearer(model, 1.1 * MEN.length, MEN.breadth).changes["bodies"]
+    fingers = [name for name in glove.file.bodies if name.endswith(".ph_1")]
+    assert len(fingers) == 5
+    assert set(changed) == {*fingers, "index.ph_2", "middle.ph_2"}
+    length = float(str(changed["index.ph_1"]["length"]).split()[0])
+    assert length == pytest.approx(1.1 * float(glove.file.bodies["index.ph_1"].length))

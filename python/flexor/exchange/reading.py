@@ -38,10 +38,15 @@ def read_limb(file: str | os.PathLike[str], *, skip_meshes: bool = False) -> Lim
         limb = read_mjcf(path, root, skip_meshes)
     elif root.tag == "robot":
         limb = read_urdf(root, skip_meshes)
+    elif root.tag == "OpenSimDocument":
+        raise InputError(
+            f"{path}: is a model of OpenSim, which is not read: convert it to MJCF with "
+            "MyoConverter (github.com/MyoHub/myoconverter) and import that."
+        )
     else:
         raise InputError(
             f"{path}: begins with <{root.tag}>, which is neither <mujoco> (MJCF) nor <robot> "
-            "(URDF); a model of OpenSim is converted to MJCF first."
+            "(URDF)."
         )
     if not limb.bodies:
         raise InputError(f"{path}: has no bodies.")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexor.design.fields import keys_of, value_of
+from flexor.design.given import fields_of
 from flexor.errors import InputError, unknown
 from flexor.model.quantity import Unit, infer_quantity
 from flexor.scenarios.scenario import Scenario
@@ -95,6 +97,13 @@ def wearer(
     return _Followers.of(model).scenario(length, breadth, stiffness, name)
 
 
+def _fields(paths: Sequence[str], model: Model) -> Iterator[str]:
+    """Yield fields, with those that patterns stand for, each once."""
+    yield from dict.fromkeys(
+        field for path in paths for field in fields_of(path, model.file, "population")
+    )
+
+
 @dataclass(frozen=True)
 class _Followers:
     """The fields that follow the length and breadth of a hand, and the stiffness of its joints."""
@@ -113,7 +122,7 @@ class _Followers:
             raise unknown("survey of hands", stated.hands, SURVEYS)
         found = []
         for which, paths in enumerate((stated.length, stated.breadth, stated.stiffness)):
-            for path in paths:
+            for path in _fields(paths, model):
                 keys = keys_of(path, model.file)
                 if any(key.isdigit() for key in keys):
                     raise InputError(f'population: "{path}" is an entry of a list: name another.')

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum MuscleCurve {
-    /// Thelen (2003): the active force is a Gaussian, his (4); the passive one exponential, his (3), which
+    /// Thelen (2003): the active force is a Gaussian; the passive one exponential, his (3), which
     /// here vanishes at the length zero in place of one, so that it is smooth and never negative.
     Thelen {
         /// γ, the width of the active force.

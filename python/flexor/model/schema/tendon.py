@@ -60,7 +60,7 @@ Stage = Annotated[
 
 
 class Thelen(Table):
-    """Force and length of muscle fibres by Thelen (2003), his equations (3) and (4)."""
+    """Force and length of muscle fibres by Thelen (2003): a Gaussian, and his equation (3)."""
 
     kind: Literal["thelen"] = "thelen"
     width: PositiveNumber = 0.45
