@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -9,6 +10,9 @@ from types import ModuleType
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+# As the command line does, before NumPy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # How long drawing an example takes depends on what else the machine does.
 settings.register_profile("fresh", deadline=None, suppress_health_check=[HealthCheck.too_slow])

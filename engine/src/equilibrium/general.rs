@@ -81,9 +81,10 @@ impl GeneralFactor {
     ///
     /// A positive definite symmetric part is sufficient and cheap to test; otherwise the eigenvalues
     /// decide. Static stability is lost where the matrix becomes singular, so that one or several real
-    /// eigenvalues turn negative. Rounding splits equal ones into complex pairs. The real part of a complex
-    /// pair may change its sign with the units of the coordinates, as with masses: a pair counts as stable
-    /// or unstable only if it is so in these units and with the matrix equilibrated.
+    /// eigenvalues turn negative. Rounding splits equal ones into complex pairs. The real parts of a pair
+    /// may change their sign with the units of the coordinates, as with masses: a pair counts as stable
+    /// or unstable only if it is so in these units and with the matrix equilibrated. It does not count as
+    /// stable if there are units in which it is not, those in which one or two coordinates outweigh the rest.
     pub fn stability(&mut self, a: &[f64], scale: &[f64], slack: f64) -> Stability {
         let n = scale.len();
         let half: Vec<f64> = (0..n * n).map(|m| 0.5 * (a[m] + a[(m % n) * n + m / n])).collect();
@@ -99,7 +100,11 @@ impl GeneralFactor {
         let grows = |s: Stability| matches!(s, Stability::Unstable | Stability::FlutterUndecided);
         let equilibrated = in_units(&matrix, slack);
         match here {
-            Stability::Stable | Stability::Neutral if grows(equilibrated) => Stability::FlutterUndecided,
+            Stability::Stable | Stability::Neutral
+                if grows(equilibrated) || has_negative_minor(&matrix, slack) =>
+            {
+                Stability::FlutterUndecided
+            }
             Stability::Unstable if equilibrated != here => Stability::FlutterUndecided,
             _ => here,
         }
@@ -119,6 +124,14 @@ fn in_units(matrix: &DMatrix<f64>, slack: f64) -> Stability {
     } else {
         Stability::Stable
     }
+}
+
+/// Whether a principal minor of one or two coordinates is negative, in any units: an eigenvalue is, in those in
+/// which these coordinates outweigh the others.
+fn has_negative_minor(equilibrated: &DMatrix<f64>, slack: f64) -> bool {
+    let a = equilibrated;
+    let negative = |i: usize, j: usize| a[(i, i)] * a[(j, j)] - a[(i, j)] * a[(j, i)] < -slack;
+    (0..a.nrows()).any(|i| a[(i, i)] < -slack || (0..i).any(|j| negative(i, j)))
 }
 
 /// Scales coordinates until the largest entry of each row and its column is one, but for those that
@@ -196,4 +209,23 @@ pub(super) fn lowest(a: &[f64], scale: &[f64]) -> Option<(f64, Option<Vec<f64>>)
 fn scaled(a: &[f64], scale: &[f64]) -> DMatrix<f64> {
     let n = scale.len();
     DMatrix::from_fn(n, n, |i, j| a[i * n + j] * scale[i] * scale[j])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_whose_sign_hangs_on_the_units_is_undecided() {
+        // Trace < 0 in these units, > 0 where the second coordinate outweighs the first.
+        let a = [-0.95, 1.0, -0.17, 0.05];
+        for unit in [0.01, 0.1, 1.0, 10.0, 100.0] {
+            let found = GeneralFactor::new(2).stability(&a, &[1.0, unit], 1e-9);
+            assert_eq!(found, Stability::FlutterUndecided, "{unit}");
+        }
+        let held = [0.95, 1.0, -0.17, 0.05];
+        for unit in [0.01, 1.0, 100.0] {
+            assert_eq!(GeneralFactor::new(2).stability(&held, &[1.0, unit], 1e-9), Stability::Stable);
+        }
+    }
 }

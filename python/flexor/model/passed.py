@@ -1,4 +1,4 @@
-"""Obstacles that a body is beyond after the search for a path's first equilibrium."""
+"""Obstacles that a body is beyond after a search for an equilibrium that is not nearby."""
 
 from __future__ import annotations
 
@@ -24,27 +24,41 @@ _PLACES = 33
 def warn_about_passages(path: Path, start: Array) -> None:
     """Warn, in one sentence for each obstacle in the world, if points have come to its other side.
 
-    That is, if the straight way of the centre of a sphere from where the path begins to the first
-    equilibrium leads through the obstacle: that search minimises the energy in long steps, which
-    may pass over an obstacle.
+    That is, if the straight way of the centre of a sphere leads through the obstacle: from where
+    the path begins to the first equilibrium, and from one that nothing holds, or that is left by a
+    snap, to the next. These searches minimise the energy in long steps, which may pass over an
+    obstacle.
 
     Parameters
     ----------
     path
-        The path, of which the first step counts.
+        The path.
     start : (dof,) array
         Where it begins.
     """
-    if path.model.file.obstacles and path.converged[0]:
-        for sentence in _passages(path, start):
-            warnings.warn(sentence, ModelWarning, stacklevel=3)
+    if path.model.file.obstacles:
+        for step, before in _searches(path, start):
+            for sentence in _passages(path, step, before):
+                warnings.warn(sentence, ModelWarning, stacklevel=3)
 
 
-def _passages(path: Path, start: Array) -> Iterator[str]:
+def _searches(path: Path, start: Array) -> Iterator[tuple[int, Array]]:
+    """Yield the steps before which an equilibrium was sought, and the states it was sought from."""
+    if path.converged[0]:
+        yield 0, start
+    left = {event.step for event in path.events}
+    for step in range(1, len(path)):
+        sought = step in left or path.stability[step - 1] != "stable"
+        if path.converged[step - 1] and path.converged[step] and sought:
+            yield step, path.q[step - 1]
+
+
+def _passages(path: Path, step: int, start: Array) -> Iterator[str]:
     model = path.model
     before = model.engine.spheres(path[0].parameters, start)[:, :3]
-    after = model.engine.spheres(path[0].parameters, path.q[0])[:, :3]
+    after = model.engine.spheres(path[0].parameters, path.q[step])[:, :3]
     share = np.linspace(0.0, 1.0, _PLACES)[1:-1, None, None]
+    where = "in the first equilibrium" if step == 0 else f"at step {step}"
     for name, obstacle in model.file.obstacles.items():
         if isinstance(obstacle.point, Attachment):
             continue
@@ -70,5 +84,5 @@ def _passages(path: Path, start: Array) -> Iterator[str]:
             whose = " and ".join(f'"{body}"' for body in bodies)
             yield (
                 f'obstacle "{name}" may have been passed: points of {whose} are on its other side '
-                "in the first equilibrium; begin nearer to rest by [start], or in smaller steps."
+                f"{where}; begin nearer to rest by [start], or in smaller steps."
             )
