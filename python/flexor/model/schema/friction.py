@@ -43,6 +43,6 @@ def frictions(system: BodySystem) -> Iterator[Friction]:
 
 def rough_tendons(system: BodySystem) -> Iterator[str]:
     """Yield the names of tendons with friction, which the engine counts after the contacts."""
-    for _, name, each in system.entries(Tendon):
+    for _, name, each in system.entries(Tendon):  # type: ignore[type-abstract]
         if isinstance(each, Tendon) and each.friction > 0.0:
             yield name
