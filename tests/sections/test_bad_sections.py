@@ -43,6 +43,7 @@ def build(content: Mapping[str, Any]) -> Model:
 
 
 HALF: dict[str, Any] = {"kind": "half-round", "wall": "2 mm", "floor": "2 mm"}
+RING: dict[str, Any] = {"shape": "ring", "radius": "6 mm", "wall": "2 mm"}
 SQUARE: dict[str, Any] = {"shape": "rectangle", "width": "6 mm", "height": "6 mm"}
 
 
@@ -61,12 +62,12 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
         (
             {**TUBE, "wall": "6 mm"},
             "bodies.rod.section cannot be made: wall leaves no bore: it must be less than the "
-            "radius S, but S is 5.908 mm",
+            "radius S, but S is 5.908 mm at X = 0.697",
         ),
         (
             {**TUBE, "layer": {"width": 2.5, "thickness": "0.1 mm", "material": "silicone"}},
             "bodies.rod.section cannot be made: layer.width must be less than the diameter 2 S, "
-            "but S is 7.842 mm",
+            "but S is 8 mm at X = 0",
         ),
         (
             {**TUBE, "layer": {"thickness": "0.1 mm", "material": "silicone"}},
@@ -75,12 +76,12 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
         (
             {**HALF, "wall": 1.9},
             "bodies.rod.section cannot be made: wall leaves no bore: with the floor it must be "
-            "less than the height 2 S, but S is 7.842 mm",
+            "less than the height 2 S, but S is 8 mm at X = 0",
         ),
         (
             {**HALF, "layer": {"thickness": "3 mm", "material": "silicone"}},
             "bodies.rod.section cannot be made: layer.thickness must be less than the floor, but S "
-            "is 7.842 mm",
+            "is 8 mm at X = 0",
         ),
         (
             {**HALF, "layer": {"thickness": "1 mm"}},
@@ -94,7 +95,7 @@ def parts(*every: Mapping[str, Any]) -> dict[str, Any]:
         (
             {"kind": "box", "width": "3 mm", "wall": "2 mm"},
             "bodies.rod.section cannot be made: wall leaves no bore: twice the wall must be less "
-            "than the width, but S is 7.842 mm",
+            "than the width, but S is 8 mm at X = 0",
         ),
         (
             parts(SQUARE, {**SQUARE, "z": "5 mm"}, {"shape": "disc", "radius": 0.1, "cavity": "c"}),
@@ -161,6 +162,75 @@ def test_other_tables(path: str, value: Any, sentence: str) -> None:
     with pytest.raises(InputError) as raised:
         build(content)
     assert str(raised.value).startswith(f"model: {sentence}")
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        (
+            {"kind": "yeoh", "c1": "-1 kPa"},
+            "materials.silicone cannot be used: the yeoh material has a Young's modulus of -6000 "
+            "Pa at rest: expected a positive number",
+        ),
+        (
+            {"kind": "ogden", "mu": ["1 kPa", "2 kPa"], "alpha": [2.0]},
+            "mu and alpha of the material differ in length",
+        ),
+        (
+            {"library": "ecoflex-00-30", "young_modulus": "1 MPa"},
+            "materials.silicone.young_modulus is not a constant of a yeoh material: it has c1, c2, "
+            "c3",
+        ),
+        (
+            {"kind": "linear", "young_modulus": "1 MPa", "poisson_ratio": -1.0},
+            "materials.silicone.poisson_ratio is -1.0: it must be greater than -1.0",
+        ),
+    ],
+)
+def test_materials(table: dict[str, Any], sentence: str) -> None:
+    content = document(TUBE)
+    content["materials"]["silicone"] = table
+    with pytest.raises(InputError) as caught:
+        build(content)
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(("tip", "place"), [("2 mm", "2 mm at X = 1"), ("1 mm", "1.37 mm at X = 0.947")])
+def test_walls_leave_a_bore_at_every_sample_point(tip: str, place: str) -> None:
+    with pytest.raises(InputError, match=f"less than the radius S, but S is {place}"):
+        build(document(TUBE, radius={"base": "8 mm", "tip": tip}))
+
+
+def test_walls_leave_a_bore_where_a_section_begins() -> None:
+    """A wall of 6.6 mm fits the Gauss points of a taper that widens from there."""
+    pieces = [
+        {**TUBE, "span": [0.0, 0.5]},
+        {**TUBE, "wall": "6.6 mm", "span": [0.5, 1.0]},
+    ]
+    with pytest.raises(InputError, match=r"section\[1\] cannot be made.* 6.5 mm at X = 0.5$"):
+        build(document(pieces, radius={"base": "5 mm", "tip": "8 mm"}))
+
+
+def test_an_indefinite_matrix_is_named() -> None:
+    matrix = np.diag([1.0, -1.0, 1.0, 1.0, 1.0, 1.0]).tolist()
+    content = document({"kind": "stiffness", "matrix": matrix})
+    del content["actuators"], content["bodies"]["rod"]["material"]
+    with pytest.raises(InputError, match=r"section\.matrix is not positive definite"):
+        build(content)
+
+
+@pytest.mark.parametrize(("winding", "warned"), [("none", True), ("hoop", False)])
+def test_composites_do_not_widen_silently(winding: str, warned: bool) -> None:
+    content = document(parts(RING, {"shape": "disc", "radius": "4 mm", "cavity": "bore"}))
+    content["materials"]["silicone"]["winding"] = winding
+    content["bodies"]["rod"]["radius"] = "6 mm"
+    path = build(content).equilibrium([0.0, 1e3])
+    sentence = (
+        'the cavity of "air" is not wound, in a composite section, which is taken to keep its '
+        "shape: how much it widens is not estimated"
+    )
+    assert path.warnings == ([sentence] if warned else [])
+    assert build(content).equilibrium([0.0]).warnings == []
 
 
 def test_newtons_are_not_a_pressure() -> None:

@@ -9,7 +9,7 @@ import pytest
 import tomli_w
 
 from flexor.model import Model, parse
-from flexor.sections import kinds, shapes
+from flexor.sections import across, kinds, shapes
 
 FABRIC = {"kind": "linear", "young_modulus": "30 MPa"}
 SILICONES: dict[str, dict[str, Any]] = {
@@ -68,7 +68,7 @@ def test_bending_is_within_half_a_percent(
 ) -> None:
     default = bending(section, silicone, pressure)
     assert default[-1] > 1.0
-    for name in ("_ACROSS", "_HALF_ARC"):
-        monkeypatch.setattr(shapes, name, 6)
+    monkeypatch.setattr(across, "FEWEST", 6)
+    monkeypatch.setattr(shapes, "_HALF_ARC", 6)
     monkeypatch.setattr(kinds, "THIN", 6)
     np.testing.assert_allclose(default, bending(section, silicone, pressure), rtol=5e-3)

@@ -71,28 +71,32 @@ class Material(Displayed):
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise unknown(f'kind of the material "{self.name}"', str(self.kind), KINDS)
+            raise unknown(f"kind of the {self._called}", str(self.kind), KINDS)
         if self.winding not in WINDINGS:
-            raise unknown(f'winding of the material "{self.name}"', str(self.winding), WINDINGS)
+            raise unknown(f"winding of the {self._called}", str(self.winding), WINDINGS)
         allowed = KINDS[self.kind]
         for key in self.constants:
             if key not in allowed:
-                raise unknown(f'constant of the {self.kind} material "{self.name}"', key, allowed)
+                raise unknown(f"constant of the {self.kind} {self._called}", key, allowed)
         for key, default in allowed.items():
             if key not in self.constants and default is None:
-                raise InputError(f'the {self.kind} material "{self.name}" needs {key}.')
+                raise InputError(f"the {self.kind} {self._called} needs {key}.")
         if self.kind == "ogden" and np.shape(self["mu"]) != np.shape(self["alpha"]):
-            raise InputError(f'mu and alpha of the material "{self.name}" differ in length.')
+            raise InputError(f"mu and alpha of the {self._called} differ in length.")
         if not -1.0 < self.poisson_ratio <= 0.5:
             raise InputError(
-                f'poisson_ratio of the material "{self.name}" is {self.poisson_ratio:g}: '
+                f"poisson_ratio of the {self._called} is {self.poisson_ratio:g}: "
                 "expected a number above -1 and at most 0.5."
             )
         if not (self.young_modulus > 0.0 and math.isfinite(self.young_modulus)):
             raise InputError(
-                f'the {self.kind} material "{self.name}" has a Young\'s modulus of '
+                f"the {self.kind} {self._called} has a Young's modulus of "
                 f"{self.young_modulus:g} Pa at rest: expected a positive number."
             )
+
+    @property
+    def _called(self) -> str:
+        return f'material "{self.name}"' if self.name else "material"
 
     def __getitem__(self, constant: str) -> Constant:
         """Return a constant, or its default."""

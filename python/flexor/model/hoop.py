@@ -10,7 +10,15 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.model.schema.pressure import Pressure
 from flexor.model.schema.profile import Spline, interpolated
-from flexor.model.schema.section import Box, HalfRound, Hollow, Tube
+from flexor.model.schema.section import (
+    Box,
+    Composite,
+    HalfRound,
+    Hollow,
+    Tube,
+    cavities_of,
+    materials_of,
+)
 
 if TYPE_CHECKING:
     from flexor.model.path_quantities import PathQuantities
@@ -56,6 +64,27 @@ def hoop_strains(path: PathQuantities) -> Iterator[tuple[str, str, Array]]:
             outer, wall = _outer(section, s, x), _size(section.wall, s, x)
             strain = 1.5 * outer**2 / (young * (outer**2 - (outer - wall) ** 2))
             yield name, pressure.rod, np.where(places == place, strain, 0.0)
+
+
+def unknown_widening(path: PathQuantities) -> Iterator[str]:
+    """Yield the pressures on cavities of composites of which no material is wound.
+
+    How these widen depends on shapes that may be any.
+    """
+    file = path.model.file
+    for name, pressure in file.actuators.items():
+        if not isinstance(pressure, Pressure):
+            continue
+        rod = file.rod(pressure.rod)
+        for section in rod.pieces:
+            if not isinstance(section, Composite) or not cavities_of(section):
+                continue
+            if pressure.cavity is not None and pressure.cavity not in cavities_of(section):
+                continue
+            made_of = {material or rod.material or "" for _, material in materials_of(section)}
+            if all(file.materials[material].winding == "none" for material in made_of):
+                yield name
+                break
 
 
 def _outer(section: Hollow, s: Array, x: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model.folding import least_stretches
-from flexor.model.hoop import LIMIT, hoop_strains
+from flexor.model.hoop import LIMIT, hoop_strains, unknown_widening
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
@@ -147,6 +147,12 @@ def ballooning_cavities(path: PathQuantities) -> list[str]:
                 f"{100.0 * np.nanmax(strains):.3g} % at X = {at:.3g}, from "
                 f"{pressure / 1e3:.4g} kPa on beyond the {100.0 * LIMIT:g} % up to which a section "
                 "keeps its shape: wind it"
+            )
+    for name in unknown_widening(path):
+        if (path.applied[:, path.model.input_of(name)] > 0.0).any():
+            found.append(
+                f'the cavity of "{name}" is not wound, in a composite section, which is taken to '
+                "keep its shape: how much it widens is not estimated"
             )
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexor.sections.across import FEWEST, points_across
 from flexor.sections.geometry import Cavity, Geometry, Part
 from flexor.sections.kinds import box, composite, half_round, solid, tube
 from flexor.sections.linear import Linear
@@ -9,6 +10,7 @@ from flexor.sections.shapes import Rectangle, Sector
 from flexor.sections.shear import shear_stiffness
 
 __all__ = [
+    "FEWEST",
     "Cavity",
     "Geometry",
     "Linear",
@@ -18,6 +20,7 @@ __all__ = [
     "box",
     "composite",
     "half_round",
+    "points_across",
     "shear_stiffness",
     "solid",
     "tube",

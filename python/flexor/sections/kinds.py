@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from math import pi, sin, sqrt
 from typing import Literal
 
+from flexor.sections.across import FEWEST
 from flexor.sections.geometry import Cavity, Geometry, Part
 from flexor.sections.linear import ZERO, Linear
 from flexor.sections.shapes import Rectangle, Sector, Shape
@@ -50,6 +51,7 @@ def tube(
     winding: Place,
     wound: bool,
     strip: tuple[Linear, Linear, str, float] | None = None,
+    across: int = FEWEST,
 ) -> Geometry:
     """Return a tube of outer radius S.
 
@@ -68,10 +70,12 @@ def tube(
     strip
         Width, thickness, material and stretch of a layer along the underside, its middle in the
         surface.
+    across
+        Points of the quadrature across the wall; see `flexor.sections.across`.
     """
     bore = SURFACE - wall
     place = SURFACE if winding == "outside" else bore
-    ring = Part(Sector(ZERO, ZERO, bore, SURFACE), material, stretch, place)
+    ring = Part(Sector(ZERO, ZERO, bore, SURFACE, across=across), material, stretch, place)
     inside: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, bore),)
     enclosed: tuple[Shape, ...] = (Sector(ZERO, ZERO, ZERO, place),) if wound else inside
     message = "wall leaves no bore: it must be less than the radius S"
@@ -116,6 +120,7 @@ def half_round(
     stretch: float,
     winding: Place,
     wound: bool,
+    across: int = FEWEST,
 ) -> Geometry:
     """Return a half-tube on a floor; its height is 2 S.
 
@@ -125,14 +130,15 @@ def half_round(
         Thicknesses; that of the floor includes the layer.
     layer
         Thickness, material and stretch of the layer at the bottom of the floor.
-    material, stretch, winding, wound
+    material, stretch, winding, wound, across
         As for `tube`. The winding outside encloses the floor as well.
     """
     base = floor - SURFACE
     outer = SURFACE * 2.0 - floor
     bore = outer - wall
     place = outer if winding == "outside" else bore
-    arc = Part(Sector(ZERO, base, bore, outer, half=True), material, stretch, place)
+    ring = Sector(ZERO, base, bore, outer, half=True, across=across)
+    arc = Part(ring, material, stretch, place)
     inside: tuple[Shape, ...] = (Sector(ZERO, base, ZERO, bore, half=True),)
     enclosed = inside
     if wound and winding == "outside":

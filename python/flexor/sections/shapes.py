@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.sections.across import FEWEST
 from flexor.sections.linear import ZERO, Linear, Value, product
 
-# Quadrature points: across a wall, along the radius of a disc, over the height of a full arc and of
-# half of one, and along a side. Polynomials of y and z are exact up to the fifth degree on a full
-# arc, up to the third on half of one.
-_ACROSS, _RADII, _ARC, _HALF_ARC, _SIDE = 2, 4, 3, 2, 4
+# Quadrature points: along the radius of a disc, over the height of a full arc and of half of one,
+# and along a side. Polynomials of y and z are exact up to the fifth degree on a full arc, up to the
+# third on half of one.
+_RADII, _ARC, _HALF_ARC, _SIDE = 4, 3, 2, 4
 # For moments, which are exact then.
 _EXACT = 6
 
@@ -58,6 +59,8 @@ class Sector:
         Whether only the half above the centre.
     ratio
         Extent along y by that along z; not 1 for ellipses.
+    across
+        Points of the quadrature between the radii of a ring; see `flexor.sections.across`.
     """
 
     y: Linear
@@ -66,6 +69,7 @@ class Sector:
     outer: Linear
     half: bool = False
     ratio: float = 1.0
+    across: int = FEWEST
 
     def cells(self, folded: bool, exact: bool = False) -> Cells:
         """Cut the shape up.
@@ -77,7 +81,7 @@ class Sector:
         exact
             Whether areas and moments have to be exact.
         """
-        radii = _EXACT if exact else _RADII if self.inner == ZERO else _ACROSS
+        radii = _EXACT if exact else _RADII if self.inner == ZERO else self.across
         angles = _EXACT if exact else _HALF_ARC if self.half else _ARC
         cosine, sine, place, share = _polar_rule(self.half, folded, angles, radii)
         thickness = (self.outer - self.inner).coefficients

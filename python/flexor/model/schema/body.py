@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from flexor import _engine
 from flexor.arrays import Array
@@ -84,6 +84,7 @@ class Rod(Table):
     tip_intervals: Annotated[Count, Field(le=100)] | None = None
     gauss_points: Annotated[Count, Field(le=30)]
     magnus_order: Annotated[Literal[2, 4], BeforeValidator(_magnus)] = 4
+    _points_across: tuple[int, ...] | None = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _check_material(self) -> Rod:
@@ -143,6 +144,19 @@ class Rod(Table):
         """Return which of the sections is at X in [0, 1] (n,), the earlier one where two meet."""
         ends = [1.0 if piece.span is None else piece.span[1] for piece in self.pieces]
         return np.searchsorted(ends, points)
+
+    @property
+    def points_across(self) -> tuple[int, ...] | None:
+        """Points of the quadrature across the wall of each section, as in the file.
+
+        Copies of the rod with other walls, which are its designs, keep them: their fibres are
+        those of the file in other places. None until `fix_points_across`.
+        """
+        return self._points_across
+
+    def fix_points_across(self, points: tuple[int, ...]) -> None:
+        """Fix these for the rod and its copies."""
+        self._points_across = points
 
     @model_validator(mode="after")
     def _check_quadrature(self) -> Rod:

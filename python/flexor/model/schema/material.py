@@ -39,7 +39,7 @@ class Material(Table):
         Choice(*materials.KINDS),
     ]
     young_modulus: PositiveModulus | None = None
-    poisson_ratio: Number | None = None
+    poisson_ratio: Annotated[Number, Field(gt=-1.0, le=0.5)] | None = None
     shear_modulus: PositiveModulus | None = None
     c10: Modulus | None = None
     c01: Modulus | None = None
@@ -67,6 +67,7 @@ class Material(Table):
         if kind != found.kind:
             tail = f'is {describe(kind)}, but "{found.name}" of the library is {found.kind}'
             raise field_error(tail, path="kind")
+        _check_constants(found.kind, data)
         return {**_table(found), **data}
 
     @model_validator(mode="before")
@@ -76,11 +77,7 @@ class Material(Table):
         kind = data.get("kind") if isinstance(data, Mapping) else None
         if not (isinstance(data, Mapping) and isinstance(kind, str) and kind in materials.KINDS):
             return data
-        own = materials.KINDS[kind]
-        for key in dict.fromkeys(key for each in materials.KINDS.values() for key in each):
-            if data.get(key) is not None and key not in own:
-                tail = f"is not a constant of a {kind} material: it has {', '.join(own)}"
-                raise field_error(tail, key)
+        _check_constants(kind, data)
         return data
 
     @model_validator(mode="after")
@@ -137,6 +134,14 @@ class Material(Table):
             "constants": material.numbers,
             "wound": self.winding == "hoop",
         }
+
+
+def _check_constants(kind: str, data: Mapping[str, Any]) -> None:
+    own = materials.KINDS[kind]
+    for key in dict.fromkeys(key for each in materials.KINDS.values() for key in each):
+        if data.get(key) is not None and key not in own:
+            tail = f"is not a constant of a {kind} material: it has {', '.join(own)}"
+            raise field_error(tail, key)
 
 
 def own_keys(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -242,14 +242,16 @@ class Stiffness(Piece):
             full = np.array(self.matrix)
             if not np.allclose(full, full.T, rtol=1e-9, atol=0.0):
                 raise field_error("is not symmetric", path="matrix")
+        given_as = "EA" if self.matrix is None else "matrix"
         full = np.array(self.full())
         active = np.flatnonzero(np.abs(full).any(axis=0))
         if not len(active):
-            raise field_error("has no stiffness: give at least one, or the matrix", path="EA")
+            raise field_error("has no stiffness: give at least one, or the matrix", path=given_as)
         scale = np.sqrt(np.abs(np.diag(full)[active]))
         block = full[np.ix_(active, active)] / np.outer(scale, scale) if scale.all() else -np.eye(1)
         if np.linalg.eigvalsh(block)[0] <= 0.0:
-            raise field_error("is not positive definite: some motion would release energy", "EA")
+            tail = "is not positive definite: some motion would release energy"
+            raise field_error(tail, given_as)
         return self
 
     @classmethod

@@ -82,16 +82,15 @@ def check_section(rod: Rod, path: str, materials: Materials, planar: bool) -> No
             if name is not None and name not in materials:
                 raise field_error(_unknown(name, materials), f"{place}.{key}")
     radius = rod.surface.radius
-    built, of_gauss = geometries(rod, materials)
-    at_gauss = radius[gauss_points(rod)]
+    rod.fix_points_across(points_across(rod, materials))
+    built, _ = geometries(rod, materials)
     pieces = rod.pieces_at(rod.sample_points)
-    for index, (piece, geometry) in enumerate(built):
+    _check_clearances(rod, materials, names)
+    for piece, geometry in built:
         if geometry is None:
             continue
         section = rod.pieces[piece]
         try:
-            for s in at_gauss[np.array(of_gauss) == index]:
-                geometry.check(float(s))
             if isinstance(section, Composite):
                 for s in (radius[pieces == piece].max(), radius[pieces == piece].min()):
                     geometry.check_parts(float(s), _part_names(section))
@@ -100,6 +99,24 @@ def check_section(rod: Rod, path: str, materials: Materials, planar: bool) -> No
         if planar and not geometry.is_symmetric(float(radius.mean())):
             tail = "is not symmetric in y, as a section of a planar model has to be"
             raise field_error(tail, names[piece])
+
+
+def _check_clearances(rod: Rod, materials: Materials, names: list[str]) -> None:
+    """Check that walls leave room at every sample point, both ends of each section among them."""
+    points = rod.sample_points
+    places = rod.pieces_at(points)
+    for place in range(len(rod.pieces)):
+        here = places == place
+        # The place where a section begins belongs to the one before.
+        here[max(int(np.flatnonzero(here)[0]) - 1, 0)] = True
+        at = np.flatnonzero(here)
+        for rows, geometry in along(rod, materials, place, points[at]):
+            for row in at[rows] if geometry is not None else ():
+                try:
+                    geometry.check(float(rod.surface.radius[row]))  # type: ignore[union-attr]
+                except InputError as error:
+                    tail = f"cannot be made: {error} at X = {points[row]:.3g}"
+                    raise field_error(tail, names[place]) from None
 
 
 def _unknown(name: str, materials: Materials) -> str:
@@ -134,6 +151,32 @@ def geometries(rod: Rod, materials: Materials) -> tuple[list[Built], list[int]]:
     return built, of_gauss
 
 
+def points_across(rod: Rod, materials: Materials) -> tuple[int, ...]:
+    """Return the points of the quadrature across the wall of each section, where it is thickest.
+
+    Those of the file that a rod is a design of, if there is one.
+    """
+    if rod.points_across is not None:
+        return rod.points_across
+    at_gauss = gauss_points(rod)
+    points, radius = rod.sample_points[at_gauss], rod.surface.radius[at_gauss]
+    places = rod.pieces_at(points)
+    found = []
+    for place, section in enumerate(rod.pieces):
+        name = section.material or rod.material if isinstance(section, Hollow) else None
+        thickest = 0.0
+        if isinstance(section, (Tube, HalfRound)) and materials[name or ""].winding == "hoop":
+            for x, s in zip(points[places == place], radius[places == place], strict=True):
+                floor = section.floor if isinstance(section, HalfRound) else None
+                outer = s if floor is None else 2.0 * s - _linear(floor, x).at(s)
+                thickest = max(thickest, _linear(section.wall, x).at(s) / outer)
+        # A wall that leaves no bore is refused elsewhere.
+        possible = 0.0 < thickest < 1.0
+        outside = possible and section.winding == "outside"
+        found.append(sections.points_across(thickest, outside) if possible else sections.FEWEST)
+    return tuple(found)
+
+
 def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
     """Return one of a rod's sections as it is at X; None if only its stiffness is given.
 
@@ -150,7 +193,10 @@ def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry
     """
     section = rod.pieces[piece]
     given = isinstance(section, Stiffness)
-    return None if given else _geometry(section, rod.material or "", materials, x)
+    if given:
+        return None
+    across = points_across(rod, materials)[piece]
+    return _geometry(section, rod.material or "", materials, x, across)
 
 
 def varies(section: Section) -> bool:
@@ -177,7 +223,9 @@ def _layer(layer: Layer | None, x: float) -> tuple[Linear, str, float] | None:
     return None if layer is None else (_linear(layer.thickness, x), layer.material, layer.stretch)
 
 
-def _geometry(section: Section, own: str | None, materials: Materials, x: float) -> Geometry:
+def _geometry(
+    section: Section, own: str | None, materials: Materials, x: float, across: int
+) -> Geometry:
     if isinstance(section, Solid):
         assert own is not None
         return sections.solid(section.kind, section.ratio or 1.0, own)
@@ -193,11 +241,11 @@ def _geometry(section: Section, own: str | None, materials: Materials, x: float)
         width = None if section.layer is None else _linear(section.layer.width, x)
         strip = _layer(section.layer, x)
         return sections.tube(
-            wall, *rest, None if strip is None or width is None else (width, *strip)
+            wall, *rest, None if strip is None or width is None else (width, *strip), across
         )
     if isinstance(section, HalfRound):
         floor = _linear(section.floor, x)
-        return sections.half_round(wall, floor, _layer(section.layer, x), *rest)
+        return sections.half_round(wall, floor, _layer(section.layer, x), *rest, across)
     assert isinstance(section, Box)
     floor = wall if section.floor is None else _linear(section.floor, x)
     width = _linear(section.width, x)
@@ -299,7 +347,9 @@ def roundness(rod: Rod, materials: Materials) -> float:
     if isinstance(piece, (Stiffness, Tube)):
         return 1.0
     s = float(surface(rod.radius, np.array([0.5]))[0][0])
-    parts = _geometry(piece, rod.material, materials, 0.5).parts
+    geometry = section_at(rod, materials, place, 0.5)
+    assert geometry is not None
+    parts = geometry.parts
     lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
     if isinstance(lowest, sections.Rectangle) or lowest.half:
         return 0.0
