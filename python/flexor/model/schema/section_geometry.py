@@ -163,18 +163,21 @@ def points_across(rod: Rod, materials: Materials) -> tuple[int, ...]:
     places = rod.pieces_at(points)
     found = []
     for place, section in enumerate(rod.pieces):
-        name = section.material or rod.material if isinstance(section, Hollow) else None
-        thickest = 0.0
-        if isinstance(section, (Tube, HalfRound)) and materials[name or ""].winding == "hoop":
+        thickest, outside = 0.0, False
+        if isinstance(section, (Tube, HalfRound)) and _is_wound(section, rod, materials):
+            outside = section.winding == "outside"
             for x, s in zip(points[places == place], radius[places == place], strict=True):
-                floor = section.floor if isinstance(section, HalfRound) else None
-                outer = s if floor is None else 2.0 * s - _linear(floor, x).at(s)
-                thickest = max(thickest, _linear(section.wall, x).at(s) / outer)
+                floor = _linear(section.floor, x).at(s) if isinstance(section, HalfRound) else s
+                thickest = max(thickest, _linear(section.wall, x).at(s) / (2.0 * s - floor))
         # A wall that leaves no bore is refused elsewhere.
         possible = 0.0 < thickest < 1.0
-        outside = possible and section.winding == "outside"
         found.append(sections.points_across(thickest, outside) if possible else sections.FEWEST)
     return tuple(found)
+
+
+def _is_wound(section: Hollow, rod: Rod, materials: Materials) -> bool:
+    material = section.material or rod.material
+    return material is not None and materials[material].winding == "hoop"
 
 
 def section_at(rod: Rod, materials: Materials, piece: int, x: float) -> Geometry | None:
