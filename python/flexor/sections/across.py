@@ -13,7 +13,7 @@ import numpy as np
 
 from flexor.arrays import Array
 
-# Two suffice for most walls. Most are enough for walls of 0.95 of the outer radius.
+# Two suffice for most walls. Most are enough for walls of 0.96 of the outer radius.
 FEWEST, MOST = 2, 16
 TOLERANCE = 1e-3  # of the stiffness of a tube at small strain
 
