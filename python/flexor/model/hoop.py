@@ -66,10 +66,10 @@ def hoop_strains(path: PathQuantities) -> Iterator[tuple[str, str, Array]]:
             yield name, pressure.rod, np.where(places == place, strain, 0.0)
 
 
-def unknown_widening(path: PathQuantities) -> Iterator[str]:
-    """Yield the pressures on cavities of composites of which no material is wound.
+def pressed_composites(path: PathQuantities) -> Iterator[tuple[str, bool]]:
+    """Yield the pressures on cavities of composites, and whether some material of these is wound.
 
-    How these widen depends on shapes that may be any.
+    How an unwound one widens depends on shapes that may be any, and so does how a wound one thins.
     """
     file = path.model.file
     for name, pressure in file.actuators.items():
@@ -82,9 +82,8 @@ def unknown_widening(path: PathQuantities) -> Iterator[str]:
             if pressure.cavity is not None and pressure.cavity not in cavities_of(section):
                 continue
             made_of = {material or rod.material or "" for _, material in materials_of(section)}
-            if all(file.materials[material].winding == "none" for material in made_of):
-                yield name
-                break
+            yield name, any(file.materials[material].winding == "hoop" for material in made_of)
+            break
 
 
 def _outer(section: Hollow, s: Array, x: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model.folding import least_stretches
-from flexor.model.hoop import LIMIT, hoop_strains, unknown_widening
+from flexor.model.hoop import LIMIT, hoop_strains, pressed_composites
 from flexor.model.schema import ModelFile, Rod
 from flexor.model.schema.joint import PrismaticJoint, RevoluteJoint
 
@@ -148,11 +148,14 @@ def ballooning_cavities(path: PathQuantities) -> list[str]:
                 f"{pressure / 1e3:.4g} kPa on beyond the {100.0 * LIMIT:g} % up to which a section "
                 "keeps its shape: wind it"
             )
-    for name in unknown_widening(path):
+    for name, wound in pressed_composites(path):
         if (path.applied[:, path.model.input_of(name)] > 0.0).any():
             found.append(
-                f'the cavity of "{name}" is not wound, in a composite section, which is taken to '
-                "keep its shape: how much it widens is not estimated"
+                f'the cavity of "{name}" is in a composite section, whose wound walls keep hoop '
+                "stretch 1 and do not thin: tube, half-round and box model that"
+                if wound
+                else f'the cavity of "{name}" is not wound, in a composite section, which is taken '
+                "to keep its shape: how much it widens is not estimated"
             )
     return found
 
