@@ -117,6 +117,30 @@ def test_files_that_are_refused(tmp_path: Path, text: str, message: str) -> None
     assert message in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("actuator", "left_out"),
+    [
+        ('<motor tendon="t" gear="-1"/>', set()),
+        (
+            '<motor tendon="t" gear="2" ctrlrange="0 10"/>',
+            {
+                "the sign of <motor> that lengthens its tendon, now a tension",
+                "gears of <motor> on tendons",
+                "ctrlrange of actuators",
+            },
+        ),
+        ('<position tendon="t" kp="50"/>', {"laws of <position> on tendons, now tensions"}),
+    ],
+)
+def test_what_a_tension_does_not_have_is_listed(
+    tmp_path: Path, actuator: str, left_out: set[str]
+) -> None:
+    inside = '<site name="s"/><body name="b" pos="1 0 0"><joint/><site name="e"/></body>'
+    path = '<site site="s"/><site site="e"/>'
+    beside = f'<tendon><spatial name="t">{path}</spatial></tendon><actuator>{actuator}</actuator>'
+    assert set(read_limb(written(tmp_path, BODY.format(inside, beside))).left_out) == left_out
+
+
 def test_urdf(tmp_path: Path) -> None:
     limb = read_limb(written(tmp_path, URDF))
     assert dict(limb.left_out) == {"<dynamics> of joints": 1, "<visual> of links": 1}

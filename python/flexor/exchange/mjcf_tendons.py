@@ -72,6 +72,26 @@ def _site(limb: Limb, element: Element, key: str) -> str:
     return name
 
 
+def _leave_out(limb: Limb, element: Element, attributes: dict[str, str]) -> None:
+    """List what a tension in place of an actuator does not have."""
+    if element.tag != "motor":
+        limb.left_out[f"laws of <{element.tag}> on tendons, now tensions"] += 1
+    else:
+        gear = replace(element, attributes={"gear": "1", **attributes}).text("gear").split()[0]
+        try:
+            ratio = float(gear)
+        except ValueError:
+            raise element.error(f'has the gear "{gear}", which is no number') from None
+        # A force of MuJoCo that is positive lengthens a tendon; a load here is a tension.
+        if ratio > 0.0:
+            limb.left_out["the sign of <motor> that lengthens its tendon, now a tension"] += 1
+        if abs(ratio) != 1.0:
+            limb.left_out["gears of <motor> on tendons"] += 1
+    for key in ("ctrlrange", "forcerange"):
+        if key in attributes:
+            limb.left_out[f"{key} of actuators"] += 1
+
+
 def _actuator(limb: Limb, element: Element, settings: Settings, tendons: dict[str, Tendon]) -> None:
     name = element.attributes.get("tendon")
     if name is None:
@@ -83,6 +103,7 @@ def _actuator(limb: Limb, element: Element, settings: Settings, tendons: dict[st
     tendon.pulled = True
     attributes = settings.merged(element, element.tag, None)
     if element.tag != "muscle":
+        _leave_out(limb, element, attributes)
         return
     each = replace(element, attributes={**_MUSCLE, **attributes})
     shortest, longest = each.numbers("lengthrange", 2).tolist()
