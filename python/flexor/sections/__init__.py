@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.sections.across import FEWEST, points_across
+from flexor.sections.across import points_across
 from flexor.sections.geometry import Cavity, Geometry, Part
 from flexor.sections.kinds import box, composite, half_round, solid, tube
 from flexor.sections.linear import Linear
@@ -10,7 +10,6 @@ from flexor.sections.shapes import Rectangle, Sector
 from flexor.sections.shear import shear_stiffness
 
 __all__ = [
-    "FEWEST",
     "Cavity",
     "Geometry",
     "Linear",

@@ -31,6 +31,7 @@ from flexor.model.schema.section import (
 )
 from flexor.model.schema.table import Table
 from flexor.model.validation import field_error
+from flexor.sections.across import FEWEST
 from flexor.sections import Geometry, Linear
 
 Materials = Mapping[str, Material]
@@ -171,7 +172,7 @@ def points_across(rod: Rod, materials: Materials) -> tuple[int, ...]:
                 thickest = max(thickest, _linear(section.wall, x).at(s) / (2.0 * s - floor))
         # A wall that leaves no bore is refused elsewhere.
         possible = 0.0 < thickest < 1.0
-        found.append(sections.points_across(thickest, outside) if possible else sections.FEWEST)
+        found.append(sections.points_across(thickest, outside) if possible else FEWEST)
     return tuple(found)
 
 
