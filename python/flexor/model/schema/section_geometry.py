@@ -31,8 +31,8 @@ from flexor.model.schema.section import (
 )
 from flexor.model.schema.table import Table
 from flexor.model.validation import field_error
-from flexor.sections.across import FEWEST
 from flexor.sections import Geometry, Linear
+from flexor.sections.across import FEWEST
 
 Materials = Mapping[str, Material]
 # What may be given at several places along a rod.
