@@ -74,6 +74,11 @@ def written(folder: Path, text: str, name: str = "limb.xml") -> Path:
             'wraps around the sphere or cylinder "g": there is none',
         ),
         ("", '<actuator><motor tendon="t"/></actuator>', 'pulls on the tendon "t", which there'),
+        (
+            "",
+            '<tendon><spatial name="t"/></tendon><actuator><motor tendon="t" gear=""/></actuator>',
+            "has a gear without numbers",
+        ),
         ("", '<include file="limb.xml"/>', "once more: a file is included once"),
         ("", '<include file="/etc/passwd"/>', "a path within the file's folder is expected"),
         ("", '<include file="no.xml"/>', "no such file or directory"),

@@ -120,3 +120,20 @@ def test_a_design_is_the_file_with_its_wall() -> None:
         design = model.equilibrium([0.0, pressure], values)
         own = tube(wall).equilibrium([0.0, pressure])
         np.testing.assert_allclose(design.q[1, -1], own.q[1, -1], rtol=1.5e-3)
+
+
+def test_a_copy_with_the_text_of_another_file_has_a_map_of_its_own() -> None:
+    """A copy keeps the points across its wall, of which the file with its text has more."""
+    thick, rod = tube("5 mm"), tube("2 mm").file.rod("tube")
+    rod = rod.model_copy(update={"section": thick.file.rod("tube").section})
+    bodies = {**thick.file.bodies, "tube": rod}
+    copy = Model(thick.file.model_copy(update={"bodies": bodies}))
+    assert copy.file.to_toml() == thick.file.to_toml()
+    assert copy.parameters.size < thick.parameters.size
+    for model in (thick, copy):
+        chosen = variables({"tube.section.wall": ("4.5 mm", "5.5 mm")}, model)
+        values, _ = chosen.designs(chosen.start[None], model)
+        own = model.parameters[values.indices]
+        np.testing.assert_allclose(
+            values.values[0], own, rtol=1e-12, atol=1e-12 * np.abs(own).max()
+        )

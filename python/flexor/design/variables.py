@@ -200,10 +200,14 @@ class Variables(ParameterSet):
         return found
 
     def _found(self, model: Structure, keys: list[tuple[str, ...]], labels: list[str]) -> FieldMap:
-        """Return the map of a model on its own, which depends on its file and on the bounds."""
+        """Return the map of a model on its own, which depends on its file and on the bounds.
+
+        Files with the same text may have other descriptions: copies keep points of quadrature.
+        """
         chosen = ~self._of_loads
         lower, upper = self.lower[chosen], self.upper[chosen]
-        question = (model.file.to_toml(), tuple(keys), lower.tobytes(), upper.tobytes())
+        text = model.file.to_toml()
+        question = (model.digest, text, tuple(keys), lower.tobytes(), upper.tobytes())
         return recalled(question, lambda: field_map(model, keys, labels, lower, upper))
 
     def _refitted(self, model: Structure, keys: list[tuple[str, ...]]) -> FieldMap | None:

@@ -77,11 +77,10 @@ def _leave_out(limb: Limb, element: Element, attributes: dict[str, str]) -> None
     if element.tag != "motor":
         limb.left_out[f"laws of <{element.tag}> on tendons, now tensions"] += 1
     else:
-        gear = replace(element, attributes={"gear": "1", **attributes}).text("gear").split()[0]
-        try:
-            ratio = float(gear)
-        except ValueError:
-            raise element.error(f'has the gear "{gear}", which is no number') from None
+        gears = replace(element, attributes=attributes).numbers("gear", default="1")
+        if not gears.size:
+            raise element.error("has a gear without numbers")
+        ratio = float(gears[0])
         # A force of MuJoCo that is positive lengthens a tendon; a load here is a tension.
         if ratio > 0.0:
             limb.left_out["the sign of <motor> that lengthens its tendon, now a tension"] += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from functools import cached_property
 from typing import Any
@@ -40,6 +41,11 @@ class Structure:
         """What follows its paths: the engine, or that of each of its independent components."""
         found = components(self._described)
         return Separate(self.engine, self._described, found) if found else self.engine
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of its description for the engine."""
+        return hashlib.sha256(self._description.encode()).hexdigest()
 
     @property
     def name(self) -> str:
