@@ -8,7 +8,6 @@ import shutil
 from pathlib import Path
 from types import ModuleType
 
-import jinja2
 from markdown_it import MarkdownIt
 
 from flexor.errors import InputError, unknown
@@ -26,6 +25,7 @@ from reproduction import (
     table3,
     table4,
 )
+from reproduction.markdown import rendered
 from reproduction.study import (
     CONSTANTS,
     HERE,
@@ -97,18 +97,9 @@ def write_docs(report: Path, docs: Path) -> None:
 
 def render(results: Data, study: Study) -> str:
     """Return the report in Markdown."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(HERE / "templates"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # Markdown
-    )
-    environment.filters["design"] = format_design
-    environment.filters["number"] = number
-    environment.filters["yes"] = lambda holds: "yes" if holds else "no"
-    text = environment.get_template("report.md.j2").render(
+    return rendered(
+        "report.md.j2",
+        {"design": format_design, "number": number},
         **results,
         items=tuple(results),
         paper=PUBLISHED,
@@ -129,7 +120,6 @@ def render(results: Data, study: Study) -> str:
         )
         / 60.0,
     )
-    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
 
 
 def html(text: str, folder: Path) -> str:

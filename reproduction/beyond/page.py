@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import jinja2
 
 from flexor.plot import save
 from flexor.store import write_text
 from reproduction.beyond import models
 from reproduction.beyond.cases import CASES, followed
+from reproduction.markdown import rendered
 from reproduction.panels import draw_designs
 from reproduction.report import fixed
-from reproduction.study import HERE, PUBLISHED, Data, Study, made
+from reproduction.study import PUBLISHED, Data, Study, made
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,22 +63,17 @@ def write_page(study: Study, results: Data) -> Path:
     folder = made(study.folder / "figures")
     for name, figure in figures(results).items():
         save(figure, folder / f"{name}.png")
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(HERE / "templates"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # Markdown
-    )
-    environment.filters["degrees"] = lambda angle: fixed(math.degrees(angle), 1)
-    environment.filters["angles"] = _joints
-    environment.filters["yes"] = lambda holds: "yes" if holds else "no"
-    text = environment.get_template("beyond.md.j2").render(
-        results=results, cases=CASES, design=design, models=models, published=PUBLISHED
+    text = rendered(
+        "beyond.md.j2",
+        {"degrees": lambda angle: fixed(math.degrees(angle), 1), "angles": _joints},
+        results=results,
+        cases=CASES,
+        design=design,
+        models=models,
+        published=PUBLISHED,
     )
     page = study.folder / "beyond.md"
-    write_text(page, re.sub(r"\n{3,}", "\n\n", text).strip() + "\n")
+    write_text(page, text)
     return page
 
 

@@ -214,6 +214,11 @@ class Rod(Table):
         """Which sample points are Gauss points, and their shares of the length, each (G,)."""
         return _gauss_rule(self.elements, self.gauss_points, self.last_intervals)
 
+    @property
+    def interval_counts(self) -> NDArray[np.intp]:
+        """How many intervals of the length of each make up the rod, from the base; (n,)."""
+        return _interval_counts(self.elements, self.last_intervals)
+
     def point_at(self, fraction: float) -> int | None:
         """Return the sample point at a fraction of the length, if it is an element boundary."""
         end = round(fraction * self.elements)
@@ -249,12 +254,16 @@ def _sample_points(elements: int, gauss_points: int, tip_intervals: int) -> Arra
     return points
 
 
+def _interval_counts(elements: int, tip_intervals: int) -> NDArray[np.intp]:
+    return np.repeat([elements, elements * tip_intervals], [elements - 1, tip_intervals])
+
+
 @lru_cache(maxsize=64)
 def _gauss_rule(
     elements: int, gauss_points: int, tip_intervals: int
 ) -> tuple[NDArray[np.intp], Array]:
     weights = 0.5 * np.polynomial.legendre.leggauss(gauss_points)[1]
-    counts = np.repeat([elements, elements * tip_intervals], [elements - 1, tip_intervals])
+    counts = _interval_counts(elements, tip_intervals)
     points = np.arange(len(counts) * (gauss_points + 1) + 1)
     rule = np.flatnonzero(points % (gauss_points + 1)), (weights / counts[:, None]).ravel()
     for array in rule:

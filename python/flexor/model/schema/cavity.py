@@ -83,7 +83,7 @@ def shares(rod: Rod, spans: Array) -> tuple[Array, Array]:
     # In intervals from the base: those of the last element are shorter.
     place, last = spans * rod.elements, rod.elements - 1
     place += (rod.last_intervals - 1) * np.maximum(place - last, 0.0)
-    counts = np.repeat([1, rod.last_intervals], [last, rod.last_intervals]) * rod.elements
+    counts = rod.interval_counts
     inside = place[:, None, :] - np.arange(len(counts))[:, None]
     ends = np.clip(inside, 0.0, 1.0)  # (n, intervals, 2)
     integral = np.zeros((*ends.shape, rod.gauss_points))
