@@ -34,6 +34,11 @@ def test_the_result_is_printed_saved_and_plotted(flexor, tmp_path) -> None:
     study = Study.open(folder)
     assert study.evaluations == 30
     assert study.best.bending > study.start.bending
+    optimum = folder / "optimum.toml"
+    assert f"model:  {optimum.relative_to(tmp_path)}" in ran.out
+    assert optimum.read_text(encoding="utf-8").startswith("# Saved by flexor: the optimum of the ")
+    saved = package.load(optimum)
+    assert saved.hash == study.best.model.hash != package.load("finger").hash
 
 
 def test_a_constraint_that_is_not_kept_is_said_for_any_objective(flexor) -> None:
@@ -44,6 +49,8 @@ def test_a_constraint_that_is_not_kept_is_said_for_any_objective(flexor) -> None
     assert "BROKEN" in result.out
     assert "the least infeasible design bends" in result.out and "times as much" not in result.out
     assert "The default breaks overlap (" in result.out
+    saved = next(Path("studies").glob("*/optimum.toml")).read_text(encoding="utf-8")
+    assert saved.startswith("# Saved by flexor: the least infeasible design, NOT FEASIBLE, of")
 
 
 def test_json_is_one_object_with_the_gain(flexor) -> None:

@@ -40,7 +40,7 @@ TOLERANCED: dict[str, Any] = {
 
 def everything(folder: Path) -> list[Any]:
     """Return the answer of choices, and every evaluation of each combination."""
-    found = [(folder / name).read_text() for name in ("best.toml", "choices.json")]
+    found = [(folder / name).read_text() for name in ("optimum.toml", "choices.json")]
     for each in sorted(folder.glob("?/record.sqlite")):
         with sqlite3.connect(f"file:{each}?mode=ro", uri=True) as record:
             columns = "search, design, value, violation, constraints, slopes"
@@ -68,7 +68,7 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
         best = optimize(each.model, varied, AIM, budget=20).best
         shown[each.name] = best.violation, best.value
     assert whole.combination.name == min(shown, key=lambda name: shown[name])
-    saved = flexor.load(tmp_path / "whole" / "best.toml")
+    saved = flexor.load(tmp_path / "whole" / "optimum.toml")
     assert saved.title.endswith(f"({whole.combination.name})")
     assert saved.hash == whole.best.best.model.hash
     calls = 0

@@ -6,9 +6,12 @@ import pytest
 
 import flexor
 from flexor.errors import InputError, ModelWarning
-from flexor.study import optimize
+from flexor.study import Problem, optimize
+from flexor.study.ineffective import ineffective
+from flexor.study.sentences import cautions
 
 PLACE = {"proximal.to.at": (0.4, 0.7)}
+VARIED = {**PLACE, "exosuit.section.wall": ("1.5 mm", "3 mm")}
 
 
 def test_an_objective_without_variables_is_refused() -> None:
@@ -24,6 +27,15 @@ def test_what_may_differ_elsewhere_is_a_warning() -> None:
 
 
 def test_an_objective_that_depends_on_one_of_two_is_searched() -> None:
-    varied = {**PLACE, "exosuit.section.wall": ("1.5 mm", "3 mm")}
-    study = optimize("pneumatic-finger", varied, "minimise mass", budget=3)
+    study = optimize("pneumatic-finger", VARIED, "minimise mass", without=["defaults"], budget=3)
     assert study.evaluations == 3
+    assert study.best.verdict.ineffective == ("proximal.to.at",)
+    said = cautions(study.best)[0]
+    assert said.startswith("proximal.to.at has no effect on the objective and the constraints")
+
+
+def test_a_variable_that_a_constraint_depends_on_has_an_effect() -> None:
+    """Also if the constraint is far from its bound, and slopes at single designs are zero."""
+    bounded = ["strap-force <= 100 N"]
+    problem = Problem.of("pneumatic-finger", VARIED, "minimise mass", None, subject_to=bounded)
+    assert ineffective(problem, problem.parameters.start[None, :]) == ()

@@ -110,6 +110,8 @@ def test_the_folder_has_all_of_it(study: Study) -> None:
     assert len(rows) == len(study.front)
     assert float(rows[0]["exosuit.section.wall / m"]) == study.front.designs[0, 0]
     assert flexor.study.rerun(study.folder).difference is None
+    least = flexor.load(study.folder / "optimum-mass.toml")
+    assert least.hash == study.front[int(study.front.values[:, 1].argmin())].model.hash
 
 
 def test_tables_have_the_points_that_figures_number(study: Study) -> None:

@@ -35,9 +35,7 @@ def carry_out(
             print_json(_as_json(found, seconds, place))
         else:
             _print(found, seconds, resumed)
-        outcome.draw(found.best, found.best.best, plot, quiet=as_json)
-        if not as_json:
-            say(f"model:  {place / 'best.toml'}")
+        outcome.draw(found.best, found.best.best, plot, as_json, place)
         save_model(found.best.best, save, f"the best design of {place}")
 
     def stopped(error: BaseException) -> int:

@@ -9,6 +9,7 @@ from flexor.cli.console import err, out, say
 from flexor.cli.folders import save_figure
 from flexor.cli.outcome import cost_of
 from flexor.cli.table import number, show
+from flexor.study.optimum import optimum_files
 
 if TYPE_CHECKING:
     from flexor.study import Front, Study
@@ -94,8 +95,10 @@ def draw_front(
     if not quiet:
         if study.folder is not None:
             say(f"study:  {study.folder}")
+            for file in optimum_files(study.folder):
+                say(f"model:  {file}")
         for file in files:
-            say(f"file: {file}")
+            say(f"file:   {file}")
     return files
 
 

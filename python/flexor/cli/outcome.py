@@ -8,13 +8,17 @@ from pathlib import Path as FilePath
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flexor.cli import verdict
 from flexor.cli.console import say
 from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration, working
 from flexor.cli.table import number, show, with_unit
 from flexor.design.drawn_file import drawn_file
-from flexor.study.sentences import title
+from flexor.study.ineffective import ineffective
+from flexor.study.optimum import optimum_files
+from flexor.study.sentences import title, without_effect
 
 if TYPE_CHECKING:
     from flexor.study import Design, Sensitivity, Study
@@ -53,8 +57,12 @@ def print_summary(
         say(text)
     if study.problem.objective.of_observable:
         verdict.print_tolerances(best)
-    elif math.isfinite(best.value) and study.problem.model.joints:
-        _print_sensitivity(best.sensitivity)
+    else:
+        if math.isfinite(best.value) and study.problem.model.joints:
+            _print_sensitivity(best.sensitivity)
+        ends = np.stack([best.vector, study.problem.parameters.start])
+        for text in without_effect(ineffective(study.problem, ends)):
+            say(text)
     say(cost or cost_of(study, seconds, resumed))
     if checked and best.verdict.feasible and not best.verdict.robust:
         say(_search_on(study))
@@ -105,8 +113,17 @@ def import_figures() -> None:
     Thread(target=work, daemon=True).start()
 
 
-def draw(study: Study, best: Design, also: FilePath | None, quiet: bool = False) -> None:
-    """Save a figure of both designs to the study folder and another file; print the paths."""
+def draw(
+    study: Study,
+    best: Design,
+    also: FilePath | None,
+    quiet: bool = False,
+    folder: FilePath | None = None,
+) -> None:
+    """Save a figure of both designs to the study folder and another file; print the paths.
+
+    The optimum is that of a ``folder`` of several studies, by default of the study.
+    """
     from flexor import plot
 
     with working("drawing the designs"):
@@ -121,6 +138,8 @@ def draw(study: Study, best: Design, also: FilePath | None, quiet: bool = False)
         return
     if study.folder is not None:
         say(f"study:  {study.folder}")
+        for file in optimum_files(folder or study.folder):
+            say(f"model:  {file}")
     for file in saved:
         say(f"figure: {file}")
 

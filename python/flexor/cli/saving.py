@@ -6,13 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexor.cli.console import note
-from flexor.errors import InputError, one_line
+from flexor.errors import InputError
 
 if TYPE_CHECKING:
     from flexor.study import Design
-
-# How a file that was saved begins: it may be saved again.
-_MARK = "# Saved by flexor: "
 
 
 def check_model_file(file: Path | None) -> Path | None:
@@ -20,13 +17,14 @@ def check_model_file(file: Path | None) -> Path | None:
     if file is None:
         return None
     from flexor.store import check_regular, check_writable
+    from flexor.study.optimum import MARK
 
     if file.suffix != ".toml":
         raise InputError(f'--save is "{file}": a model file must end in .toml.')
     check_writable(file)
     if check_regular(file):
         with file.open(encoding="utf-8", errors="replace") as opened:
-            if opened.readline(len(_MARK)) != _MARK:
+            if opened.readline(len(MARK)) != MARK:
                 raise InputError(
                     f'--save is "{file}", which exists and was not saved by flexor: choose '
                     "another name."
@@ -39,6 +37,7 @@ def save_model(design: Design, file: Path | None, what: str) -> None:
     if file is None:
         return
     from flexor.store import write_text
+    from flexor.study.optimum import designed_text
 
-    write_text(file, f"{one_line(f'{_MARK}{what}: {design.text}')}\n\n{design.model.to_toml()}")
+    write_text(file, designed_text(design, what))
     note(f"model file: {file}")

@@ -15,6 +15,7 @@ from flexor.cli.folders import INTERRUPTED, LOST, carry_out_searches
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError
+from flexor.study.optimum import optimum_files
 from flexor.study.verdict import binding
 
 if TYPE_CHECKING:
@@ -82,6 +83,10 @@ def _print(found: Sizes, seconds: float, place: Path, file: Path) -> None:
     share = f"{100.0 * found.served:.0f} % of {len(found.wearers)} wearers"
     say(f"{share} are served; in {duration(seconds)}.")
     say(f"studies: {place}")
+    for i, study in enumerate(found.studies):
+        if counts[i] and study.folder is not None:
+            for model in optimum_files(study.folder):
+                say(f"model:   {model}")
     say(f"file:    {file}")
 
 

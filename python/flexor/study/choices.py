@@ -26,6 +26,7 @@ from flexor.study.executors import AnyExecutor
 from flexor.study.members import CHOICES as FILE
 from flexor.study.members import is_choices
 from flexor.study.optimization import optimize
+from flexor.study.optimum import OPTIMUM, called, save_design
 from flexor.study.settings import model_files, recorded_model
 from flexor.study.study import Study, StudyCallback
 
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 # Designs that all combinations have together.
 BUDGET = 3000
-BEST = "best.toml"
 _FORMAT = 1
 
 
@@ -219,7 +219,9 @@ def choices(
     found = Choices(ordered, rounds, None if kept is not None else place, evaluated, kept)
     if kept is None:
         if isfinite(ordered[0].value):
-            write_text(place / BEST, found.best.best.model.to_toml())
+            best = found.best.best
+            what = f"{called(best, found.robust)} of the choices, {found.combination.name}"
+            save_design(place / OPTIMUM, best, what)
         _note_end(place, order, ordered)
     return found
 

@@ -34,6 +34,7 @@ from flexor.store import Database, Kind, Workspace
 from flexor.study.dependence import check_dependence
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
+from flexor.study.optimum import save_optimum
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.recorded_evaluator import RecordedEvaluator
 from flexor.study.rounds import run_rounds
@@ -327,6 +328,8 @@ def run_search(
         divided = _planned(record.database, planned, limit.evaluations)
         reason = run_rounds(study, run, search, first, limit, divided)
         record.database.note("finished", reason)
+        if kind is STUDY:
+            save_optimum(study)
         if finish is not None:
             finish(study)
         return study

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from flexor.observables.snap_margin import REACH
 from flexor.study.scenario_problem import ScenarioProblem
 from flexor.study.verdict import COARSE
+
+# Mean pressure in the arterial limb of capillaries at the nail fold of fingers, 37.7 mmHg (Williams
+# et al. 1988) [Pa]. Pressure on the skin above it may stop the blood there while it lasts.
+CAPILLARY = 5.03e3
 
 if TYPE_CHECKING:
     from flexor.study.design import Design
@@ -32,8 +36,28 @@ def headline(found: Verdict) -> str:
 
 
 def cautions(design: Design) -> list[str]:
-    """Return how far to trust a design: its margin for errors, what is fragile, and its mesh."""
-    return [*_margins(design.verdict), *_fragilities(design), *_mesh(design)]
+    """Return how far to trust a design: its margin for errors, what is fragile, and its mesh.
+
+    And what has no effect on it, and how it presses on the skin.
+    """
+    found = design.verdict
+    return [
+        *without_effect(found.ineffective),
+        *_margins(found),
+        *_fragilities(design),
+        *_mesh(design),
+        *_on_skin(found),
+    ]
+
+
+def without_effect(labels: Sequence[str]) -> Iterator[str]:
+    """Yield which variables have no effect on the objective and the constraints."""
+    if labels:
+        have = "has" if len(labels) == 1 else "have"
+        yield (
+            f"{' and '.join(labels)} {have} no effect on the objective and the constraints, from "
+            "bound to bound at the start and at the best design: any value does."
+        )
 
 
 def title(found: Verdict) -> str:
@@ -92,6 +116,17 @@ def _fragilities(design: Design) -> Iterator[str]:
         beyond = found.snap_margin < REACH - 1.0
         where = f"{found.snap_margin:.0%} beyond" if beyond else f"none up to {REACH:g} times"
         yield f"The next snap: {where} the last load."
+
+
+def _on_skin(found: Verdict) -> Iterator[str]:
+    """Yield the largest contact pressure beside that of the blood in the skin of a finger."""
+    if found.pressure is None or found.pressure[0] <= 0.0:
+        return
+    value, place = found.pressure
+    blood = f"{CAPILLARY / 1e3:.2g} kPa of the blood in the skin of a finger (williams1988)"
+    what = f"the largest contact pressure is {value / 1e3:.3g} kPa, {place}"
+    times = f"{value / CAPILLARY:.2g} times the {blood}, which it can stop while it lasts"
+    yield f"{what}, {times if value > CAPILLARY else f'below the {blood}'}."
 
 
 def _mesh(design: Design) -> Iterator[str]:

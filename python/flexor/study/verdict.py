@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexor.constraints import excesses
+from flexor.constraints import constraint, excesses
 from flexor.design import Variables
 from flexor.observables.snap_margin import snap_margin
 from flexor.scenarios import Tolerance
 from flexor.study.fragility import Fragile, fragile
+from flexor.study.ineffective import ineffective
 from flexor.study.margins import worst_errors
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.scenario_problem import ScenarioProblem
@@ -103,6 +104,9 @@ class Verdict:
     # `flexor.observables.snap_margin`. None for the model without loads.
     snap_margin: float | None
     warnings: tuple[str, ...]  # of the model with the design, as `flexor simulate` gives them
+    ineffective: tuple[str, ...]  # variables without effect; see `flexor.study.ineffective`
+    # The largest contact pressure along the path [Pa], and where; None without skins.
+    pressure: tuple[float, str] | None
 
     @property
     def feasible(self) -> bool:
@@ -141,6 +145,8 @@ class Verdict:
         sensitive = fragile(nominal, x)
         progress("twice the elements")
         finer, k = _finer(problem, x), chosen.size
+        progress("variables without effect")
+        unmoved = ineffective(problem, np.stack([x, chosen.start]))
         progress("warnings of the model")
         path = design.model.equilibrium(problem.loads_of(x), **dict[str, Any](problem.options))
         return cls(
@@ -158,7 +164,20 @@ class Verdict:
             snaps=design.events,
             snap_margin=_snap_margin(design),
             warnings=tuple(path.warnings),
+            ineffective=unmoved,
+            pressure=_pressure(path),
         )
+
+
+def _pressure(path: Path) -> tuple[float, str] | None:
+    """Return the largest contact pressure along a path [Pa] and where it is."""
+    if not path.model.has_skins:
+        return None
+    bound = constraint("contact-pressure <= 1 Pa", path.model)
+    values = bound.observable(path.model).values(path.as_batch)
+    if not np.isfinite(values).any():
+        return None
+    return float(np.nanmax(values)), bound.place(path)
 
 
 def _snap_margin(design: Design) -> float | None:
