@@ -43,7 +43,7 @@ class AnalyticModel:
         self.before_batch: Any = lambda model: None
         self.design = Space(points=np.linspace(0.0, 1.0, 5))
         self.evaluation_loads = np.arange(6.0)[:, None]
-        self.file = SimpleNamespace(use=None, to_toml=lambda: 'name = "analytic"\n')
+        self.file = SimpleNamespace(use=None, design=None, to_toml=lambda: 'name = "analytic"\n')
 
     def geometry_slot_jacobian(self, jacobian: GeometryJacobian) -> np.ndarray:
         radius = jacobian.radius
