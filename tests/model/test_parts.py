@@ -345,7 +345,11 @@ BAD = {
     ),
     "scale": (
         '[parts.a]\nfile = "arm.toml"\nscale = 0.0',
-        "parts.a.scale is 0.0: it must be greater than 0",
+        "parts.a.scale is 0.0: it must be at least 0.01",
+    ),
+    "huge": (
+        '[parts.a]\nfile = "arm.toml"\nscale = 1e9',
+        "parts.a.scale is 1000000000.0: it must be at most 100",
     ),
     "missing": (
         '[parts.a]\nfile = "arn.toml"',

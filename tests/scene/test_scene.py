@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import flexor
-from flexor.model import parse
+from flexor.model import Model, parse
 from flexor.model.schema.section_geometry import geometries
+from flexor.plot.reading import read_scene
 from flexor.scene import scene
+from flexor.scene.connections import RADIUS, SIDES
 from flexor.scene.frames import frames_of, refined, twists
 from flexor.scene.links import profile
 from flexor.scene.rods import Swept
@@ -382,3 +384,47 @@ def test_points_with_friction_are_marked_where_they_are() -> None:
 
 def test_models_without_friction_have_no_marks(found) -> None:
     assert all(each.kind != "friction" for each in found.objects)
+
+
+BRACKET = """
+name = "bracket"
+[bodies.finger]
+kind = "link"
+length = "5 cm"
+radius = "8 mm"
+joint = { kind = "revolute", stiffness = "0.1 N*m/rad" }
+[bodies.on]
+kind = "link"
+parent = "finger"
+length = "1 cm"
+radius = "8 mm"
+[bodies.bracket]
+kind = "link"
+parent = "on"
+length = "1 mm"
+radius = "1 mm"
+placement = { x = "4 mm", z = "3 cm" }
+[wrenches.turn]
+body = "finger"
+at = "base"
+moment = { y = "1 N*m" }
+input = true
+"""
+
+
+def test_what_a_link_hangs_on_is_drawn() -> None:
+    """Where it is placed away from the tip of its parent, and turns with that; no other has any."""
+    path = Model(parse(BRACKET)).equilibrium([0.0, 0.1])
+    found = [each for each in scene(path).objects if each.kind == "link" and each.part == "bone"]
+    (bone,) = found
+    assert bone.name == "bracket"
+    radius, length = RADIUS * np.hypot(4e-3, 3e-2), np.hypot(4e-3, 3e-2)
+    sides = 0.5 * SIDES * np.sin(2.0 * np.pi / SIDES)
+    for step in range(len(path)):
+        assert bone.volume(step) == pytest.approx(sides * radius**2 * length, rel=1e-9)
+        ends = [path.frames(step)["on"][-1, :3, 3], path.frames(step)["bracket"][0, :3, 3]]
+        centre = bone.vertices(step).mean(axis=0)
+        np.testing.assert_allclose(centre, np.mean(ends, axis=0), atol=1e-15)
+    (line,) = read_scene(path).lines
+    np.testing.assert_allclose(line.points, ends)
+    assert line.label == ""

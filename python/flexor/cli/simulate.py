@@ -58,10 +58,11 @@ def simulate(
 ) -> int:
     """Compute the equilibria of a model along a load path.
 
-    Prints the joint angles, the number of spheres in contact, the tip force and the static
-    stability at each force, followed by all snaps and bifurcations. The exit code is 1 if a load
-    step does not converge; the meaning of its status and a remedy are printed below the table
-    (`docs/method.md` lists all statuses).
+    Prints the joint angles, how many spheres or points of skins of the bodies that `[contacts]`
+    name first, such as an exosuit, touch others (`contacts`; obstacles have columns of their own),
+    the tip force and the static stability at each force, followed by all snaps and bifurcations.
+    The exit code is 1 if a load step does not converge; the meaning of its status and a remedy are
+    printed below the table (`docs/method.md` lists all statuses).
 
     Examples
     --------

@@ -124,7 +124,7 @@ def line_handles(scenes: Sequence[Scene]) -> list[Artist]:
     """Return the entries of a legend for the lines and marks of scenes."""
     from matplotlib.lines import Line2D
 
-    lines = {line.label: line.colour for scene in scenes for line in scene.lines}
+    lines = {line.label: line.colour for scene in scenes for line in scene.lines if line.label}
     marks = {mark.label: mark for scene in scenes for mark in scene.marks}
     return [
         *(Line2D([], [], color=colour, label=label) for label, colour in lines.items()),

@@ -12,7 +12,7 @@ from flexor.model.schema import Rod as RodTable
 from flexor.plot.outline import refine
 from flexor.plot.scene import ContactArrow, Line, Link, Mark, Pressure, Rod, Scene
 from flexor.plot.style import STRAP
-from flexor.plot.surroundings import obstacles, springs, tendons, ties
+from flexor.plot.surroundings import bones, obstacles, springs, tendons, ties
 
 if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
@@ -65,6 +65,7 @@ def read_scene(path: Path, step: int = -1, file: ModelFile | None = None) -> Sce
         if actuator.kind != "pressure"
     ]
     lines += [_strap(path, name, frames) for name in model.file.straps]
+    lines += bones(path, frames)
     lines += springs(path, frames)
     lines += tendons(path, frames, step)
     lines += ties(path, frames)

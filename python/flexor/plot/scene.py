@@ -62,7 +62,7 @@ class Line:
 
     name: str  # of the actuator, the strap, the spring or the obstacle
     points: Array  # (m, 3) [m]
-    label: str  # in the legend
+    label: str  # in the legend; empty for none
     colour: str = CHAMBER
 
 

@@ -12,6 +12,7 @@ from flexor.model.schema.solid import Solid
 from flexor.plot.scene import Line
 from flexor.plot.style import LINE
 from flexor.scene.attachments import place_of
+from flexor.scene.connections import connections
 from flexor.scene.obstacles import obstacle_poses
 from flexor.scene.tendons import wrap_poses
 
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
 SPRING, TIE, OBSTACLE = "#009E73", "#CC79A7", LINE
 TENDON, WRAP = "#B2182B", "#9ECAE1"
 RING = 0.015  # radius of the ring around a tie, as a share of the longest body
+
+
+def bones(path: Path, frames: dict[str, Array]) -> list[Line]:
+    """Return a line to each link that is placed away from the body that it hangs on."""
+    found = connections(path, frames, path.model.file)
+    return [Line(name, ends, "", LINE) for name, ends in found.items()]
 
 
 def springs(path: Path, frames: dict[str, Array]) -> list[Line]:

@@ -11,6 +11,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.model.schema import ModelFile
 from flexor.scene import pressure
+from flexor.scene.connections import connection_objects
 from flexor.scene.frames import frames_of
 from flexor.scene.friction import friction_objects
 from flexor.scene.links import link_objects
@@ -103,6 +104,7 @@ def scene(path: Path, file: ModelFile | None = None) -> Scene:
             objects += [*chambers(rods[name], shown), *lines(rods[name], path, shown)]
         else:
             objects += _link(path, name, frames, prints, shown)
+    objects += connection_objects(path, frames, shown)
     objects += strap_objects(path, rods, frames, shown)
     objects += spring_objects(path, frames, shown)
     objects += tendon_objects(path, frames, shown)

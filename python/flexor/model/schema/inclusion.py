@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -24,7 +24,7 @@ class Inclusion(Table):
     parent: Name | None = None
     placement: Placement = Placement()
     mirror: Switch = False
-    scale: PositiveNumber = 1.0
+    scale: Annotated[PositiveNumber, Field(ge=0.01, le=100.0)] = 1.0
     set: dict[Text, Any] = Field(default_factory=dict)
 
     @model_validator(mode="after")
