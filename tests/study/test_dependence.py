@@ -18,6 +18,8 @@ def test_an_objective_without_variables_is_refused() -> None:
     """Also of the name of a preset, which is loaded."""
     with pytest.raises(InputError, match=r"depends on none of the variables \(proximal.to.at\)"):
         optimize("pneumatic-finger", PLACE, "minimise mass")
+    with pytest.raises(InputError, match="depends on none of the variables"):  # also with errors
+        optimize("pneumatic-finger", PLACE, "minimise mass", tolerance={"exosuit.length": "1 mm"})
 
 
 def test_what_may_differ_elsewhere_is_a_warning() -> None:

@@ -234,11 +234,16 @@ def _signed(degrees: float) -> str:
 def _improvement(study: Study, best: Design) -> list[str]:
     """Return what start and best design reach, and which constraints the start breaks."""
     start, problem, first = study.start, study.problem, start_title(study)
-    force = problem.model.show_loads(problem.loads[-1])
+    own, force = (
+        problem.model.show_loads(problem.loads_of(each.vector)[-1]) for each in (start, best)
+    )
+    # Loads may be variables.
+    there = "" if own == force else f" at {own}"
     name = best_title(best)
     if not math.isfinite(start.value):
         return [
-            f"At {force} the {first} {start.reason}; the {name} bends {_degrees(best.bending)}."
+            f"At {own} the {first} {start.reason}; the {name} bends {_degrees(best.bending)}"
+            f"{f' at {force}' if there else ''}."
         ]
     broken = [f"{each} ({value})" for each, value in _broken(start).items()]
     comparable = not _broken(best) and not broken
@@ -247,13 +252,13 @@ def _improvement(study: Study, best: Design) -> list[str]:
         said = (
             f"At {force} the {problem.quantity} of the {name} is "
             f"{with_unit(best.shown, problem.unit)}, that of the {first} "
-            f"{with_unit(start.shown, problem.unit)}{ratio}."
+            f"{with_unit(start.shown, problem.unit)}{there}{ratio}."
         )
     else:
         ratio = _ratio(start.bending, best.bending) if comparable else ""
         said = (
             f"At {force} the {name} bends {_degrees(best.bending)}, "
-            f"the {first} {_degrees(start.bending)}{ratio}."
+            f"the {first} {_degrees(start.bending)}{there}{ratio}."
         )
     return [said, *([f"The {first} breaks {' and '.join(broken)}."] if broken else [])]
 
@@ -266,7 +271,7 @@ def _broken(design: Design) -> dict[str, str]:
 
 
 def _ratio(start: float, best: float) -> str:
-    return f" ({best / start:.2f} times as much)" if start > 0.0 and best > start else ""
+    return f" ({best / start:.2f} times as much)" if best > 1.005 * start > 0.0 else ""
 
 
 def _degrees(angle: float) -> str:

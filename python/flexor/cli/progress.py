@@ -97,7 +97,10 @@ class SearchProgress(LiveLine):
         if at.rate:
             parts.append(f"{at.rate:,.0f}/s")
         total = None if at.remaining is None else at.evaluations + at.remaining
-        left = "" if at.seconds_left is None else f"{duration(at.seconds_left)} left"
+        left = ""
+        if at.seconds_left is not None and at.seconds_left >= 0.05:
+            # Others may follow a stage.
+            left = f"{duration(at.seconds_left)} left{' of it' if at.stage else ''}"
         self.show(parts, at.evaluations, total, left)
 
 

@@ -302,8 +302,11 @@ def _ends(
     found = []
     for end in pair:
         value = _number(end) if not with_unit and isinstance(end, str) else end
-        number, unit = infer_quantity(value, f"{source}: {label}")
-        if unit.si != own.si:
+        try:
+            number, unit = infer_quantity(value, f"{source}: {label}")
+        except InputError:
+            number, unit = 0.0, None
+        if unit is None or unit.si != own.si:
             raise InputError(f'{source}: {label} has the bound "{end}": expected {_wanted(own)}.')
         found.append((number, unit))
     (low, _), (high, shown) = found
@@ -315,7 +318,7 @@ def _ends(
 
 
 def _wanted(own: Unit) -> str:
-    return f"a value with its unit, such as {own.text}" if own.si else "a plain number"
+    return f"a value with its unit, such as 10 {own.text}" if own.si else "a plain number"
 
 
 def _shown(pair: Sequence[object]) -> str:

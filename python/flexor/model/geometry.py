@@ -78,7 +78,9 @@ class DesignSpace:
         """Read the design space of a model file; InputError if it has no ``[design]``."""
         if file.design is None:
             raise InputError(
-                f'the model "{file.name}" has no [design] table, which parameter sets need.'
+                f'the model "{file.name}" has no [design] table, which parameter sets need: say '
+                'what varies, such as --vary "exosuit.length=8 cm:12 cm", and what is sought, such '
+                "as --maximise bending."
             )
         design = file.design
         if design.rod is None or design.length_bounds is None or design.radius_bounds is None:

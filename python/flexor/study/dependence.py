@@ -9,6 +9,7 @@ import numpy as np
 from flexor.errors import InputError, ModelWarning
 from flexor.objectives import Extremum
 from flexor.study.problem import FloatArray, Problem
+from flexor.study.scenario_problem import ScenarioProblem
 
 # Designs that are compared, besides the start.
 _SAMPLES = 15
@@ -20,8 +21,9 @@ def check_dependence(problem: Problem) -> None:
     """Refuse to search for the extremum of an observable that no variable has an effect on.
 
     That is so if its values at designs all over the bounds are the same, and all its derivatives
-    there vanish. Where these values are zero, such as that of an overlap without contact, or there
-    are scenarios, there is a warning, as they may differ elsewhere.
+    there vanish. Where these values are zero, such as that of an overlap without contact, or the
+    objective is an aggregate of scenarios or errors, there is a warning, as they may differ
+    elsewhere.
 
     Raises
     ------
@@ -46,7 +48,7 @@ def check_dependence(problem: Problem) -> None:
         return
     names = ", ".join(nominal.parameters.labels)
     value = f"{wanted.displayed(values[:1])[0]:.4g} {wanted.unit}".rstrip()
-    if values.any() and nominal is problem:
+    if values.any() and not _aggregated(problem):
         raise InputError(
             f'objective "{wanted.name}" depends on none of the variables ({names}): it is {value} '
             f"for all of {len(values)} designs that were tried, and so are its derivatives zero."
@@ -57,6 +59,11 @@ def check_dependence(problem: Problem) -> None:
         ModelWarning,
         stacklevel=3,
     )
+
+
+def _aggregated(problem: Problem) -> bool:
+    """Whether the objective is not that of the model as it is, without an error."""
+    return isinstance(problem, ScenarioProblem) and (problem.named or bool(problem.errors.any()))
 
 
 def _designs(problem: Problem) -> FloatArray:

@@ -120,9 +120,12 @@ class Verdict:
 
     @property
     def worst(self) -> int | None:
-        """Parameter whose error loses most of the quantity; None if one makes the design fail."""
+        """Parameter whose error changes the quantity most.
+
+        None if one makes the design fail, and where none changes it.
+        """
         loss = np.abs(self.off - self.shown).max(axis=1)
-        return None if np.isnan(loss).any() else int(np.argmax(loss))
+        return int(np.argmax(loss)) if loss.max() > 0.0 else None
 
     @classmethod
     def of(cls, design: Design, progress: Callable[[str], None] = _silent) -> Verdict:
