@@ -11,7 +11,7 @@ import flexor
 from flexor.design import mapped, variables
 from flexor.design.variables import Variables
 from flexor.errors import InputError
-from flexor.model import Model
+from flexor.model import Model, parse
 from flexor.model.schema.profile import spline_basis, spline_points
 from flexor.scenarios import tolerances
 from flexor.study import Problem, Study, optimize, resume
@@ -82,6 +82,38 @@ def test_values_are_those_of_the_changed_file(model: Model, problem: Problem) ->
         np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12)
         alone = chosen.designs(x[[row]], problem.model)[0].values
         assert alone.tobytes() == found.values[row].tobytes()
+
+
+CONSTANT = """
+name = "suit"
+planar = true
+[materials]
+silicone = { library = "dragon-skin-30", winding = "hoop" }
+[bodies.suit]
+kind = "rod"
+length = "10 cm"
+radius = "8 mm"
+material = "silicone"
+section = { kind = "half-round", wall = "2 mm", floor = "2.5 mm" }
+strain = { bend_y = "nodal_linear", extend_x = "nodal_linear" }
+elements = 4
+gauss_points = 2
+"""
+
+
+def test_walls_vary_on_a_rod_of_constant_radius() -> None:
+    """Whose slope is zero but for rounding."""
+    model = Model(parse(CONSTANT))
+    chosen = variables({"suit.section.wall": ("1.5 mm", "3 mm", "spline 3")}, model)
+    x = np.array([1.6e-3, 2.9e-3, 2.2e-3])
+    made = chosen.prepared(model)
+    found, _ = chosen.designs(x[None, :], made)
+    actual = made.parameters.copy()
+    actual[found.indices] = found.values[0]
+    expected = flexor.load(model.file, changes=chosen.changes(x)).parameters
+    np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12)
+    with pytest.raises(InputError, match=r'numbers are "suit.radius.base" and "suit.radius.tip"'):
+        variables({"suit.radius": ("7 mm", "9 mm")}, model)
 
 
 def test_gradients_are_those_of_differences(problem: Problem) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pydantic import BaseModel
+
 from flexor.errors import InputError, unknown_name
 from flexor.model.changes import resolve
 from flexor.model.schema import ModelFile
@@ -41,6 +43,9 @@ def keys_of(path: str, file: ModelFile) -> tuple[str, ...]:
         walked.append(key)
     if isinstance(node, bool) or not isinstance(node, float):
         what = "which is not given in the file" if node is None else "which is not a number"
+        if isinstance(node, BaseModel):
+            numbers = [f'"{path}.{each}"' for each, value in node if isinstance(value, float)]
+            what = f"whose numbers are {' and '.join(numbers)}" if numbers else what
         raise InputError(f'field "{path}" cannot be varied: its value is {_said(node)}, {what}.')
     return tuple(walked)
 

@@ -103,8 +103,9 @@ class Lowered:
             raise InputError(f"{self._said(name)} cannot be varied so far: {error}.") from None
         if not engine.has_structure_of(self._model.engine):
             raise InputError(
-                f"{self._said(name)} cannot be varied: that changes what the model is made of; "
-                "give values to choose from, such as by --choose."
+                f"{self._said(name)} cannot be varied: within the bounds that changes what the "
+                "model is made of, such as a floor that is no thicker than its layer; narrow the "
+                "bounds, or give values to choose from, such as by --choose."
             )
         return engine.parameters.copy()
 

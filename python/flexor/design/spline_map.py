@@ -134,7 +134,7 @@ def spline_map(
     lowered = Lowered(model, tuple(fields), names)
     middle, half = 0.5 * (lower_bounds + upper_bounds), 0.5 * (upper_bounds - lower_bounds)
     for u in points_of_box(_CHECKS, len(fields)):
-        _check(made, lowered, middle + half * u, names)
+        _check(made, model, lowered, middle + half * u, names)
     return made
 
 
@@ -349,11 +349,18 @@ def _gauss_points(model: Structure, pressure: str) -> list[float]:
     return points
 
 
-def _check(made: SplineMap, lowered: Lowered, x: Array, names: Sequence[str]) -> None:
+def _check(
+    made: SplineMap, model: Structure, lowered: Lowered, x: Array, names: Sequence[str]
+) -> None:
     expected = lowered.parameters(x)
     scale = np.abs(expected).copy()
     for start, stop in lowered.ranges:
         scale[start:stop] = np.abs(expected[start:stop]).max(initial=0.0)
+    # The slope of a constant radius is zero but for rounding of the radius.
+    slots = model.engine.slots
+    for rod in model.rods:
+        radius, slope = (slice(*slots[f"{rod}.{each}"]) for each in ("radius", "slope"))
+        scale[slope] = np.maximum(scale[slope], scale[radius])
     found = lowered.own.copy()
     found[made.indices] = made.values(x[None, :])[0]
     wrong = np.abs(found - expected) > 1e3 * TOLERANCE * scale[: len(found)]
