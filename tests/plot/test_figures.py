@@ -7,6 +7,7 @@ import flexor
 from flexor.errors import InputError
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.path_figure import MAX_LEGEND_ENTRIES, draw_path
+from flexor.plot.reading import read_scene
 from flexor.plot.scene import LONGEST_ARROW, ContactArrow, Scene, arrow_scale
 from flexor.plot.style import COLUMN, save, shades
 
@@ -49,6 +50,20 @@ def test_arrows_share_one_scale_and_the_key_is_round() -> None:
     assert cm_per_newton * 3.7 == pytest.approx(LONGEST_ARROW)
     assert key == 2.0
     assert arrow_scale([scene(0.5)]) == (0.0, 0.0)
+
+
+def test_keys_of_a_model_of_any_size_do_not_overlap() -> None:
+    """Their texts are apart by more than their height, and clear of the bodies."""
+    model = flexor.load("elbow", changes={"exosuit.elements": 10})
+    figure = draw_path([read_scene(model.equilibrium())], [35.0], planar_model=True)
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    force, pressure = sorted(
+        (each.get_window_extent() for each in axes.texts), key=lambda b: b.ymin
+    )
+    assert pressure.ymin > force.ymax
+    bodies = [axes.transData.transform(each.get_xy())[:, 1].min() for each in axes.patches]
+    assert pressure.ymax < min(bodies)
 
 
 def test_arrow_ends_where_the_force_acts() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.plot.lengthwise import CAVITY
 from flexor.plot.outline import band, capsule
-from flexor.plot.scene import ContactArrow, Scene
+from flexor.plot.scene import ContactArrow, Scene, enlarged
 from flexor.plot.style import AIR, EXOSUIT, FINGER, FORCE, LAYERS, LINE, MARK
 from flexor.plot.surroundings import SPRING
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CM = 100.0
 MARGIN = 0.6  # cm, around the bodies
-KEY_MARGIN = 1.6  # cm, from the lower edge of the axes to the lowest body
+KEY_MARGIN = 1.6  # cm, of each key below the lowest body; see `enlarged`
 MAX_ASPECT = 2.0  # height over width
 PLANE = (0, 2)
 
@@ -148,12 +148,13 @@ def draw_keys(
     """Draw the keys of contact forces and pressures, each of a scale and a value, at lower left."""
     left, right = axes.get_xlim()
     bottom, _ = axes.get_ylim()
-    x, y = left + 0.04 * (right - left), bottom + 0.5 * KEY_MARGIN
+    height = enlarged(KEY_MARGIN, right - left)
+    x, y = left + 0.04 * (right - left), bottom + 0.5 * height
     if forces[1]:
         _draw_force_key(axes, x, y, *forces)
     if pressures[1]:
         scale, value = pressures
-        y += KEY_MARGIN if forces[1] else 0.0
+        y += height if forces[1] else 0.0
         axes.plot([x, x], [y - 0.5 * scale * value, y + 0.5 * scale * value], color=FORCE)
         axes.annotate(
             f"contact pressure {value / 1e3:g} kPa", (x, y), xytext=(4, 0),
@@ -182,7 +183,8 @@ def frame_axes(axes: Axes, scenes: Sequence[Scene], *, keys: int = 0) -> None:
     low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - MARGIN
     high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + MARGIN
     if keys:
-        low[1] -= keys * KEY_MARGIN - MARGIN
+        width = max(high[0] - low[0], (high[1] - low[1]) / MAX_ASPECT)
+        low[1] -= keys * enlarged(KEY_MARGIN, width) - MARGIN
     # A model that is much higher than wide gets room beside it, not a figure of many pages.
     room = max(0.0, (high[1] - low[1]) / MAX_ASPECT - (high[0] - low[0]))
     low[0], high[0] = low[0] - 0.5 * room, high[0] + 0.5 * room

@@ -11,8 +11,10 @@ import numpy as np
 from flexor.arrays import Array
 from flexor.plot.style import CHAMBER
 
+# Of models up to a width of USUAL [cm], beyond in proportion.
 LONGEST_ARROW = 1.8  # cm
 HIGHEST = 0.9  # cm, of pressures
+USUAL = 16.0
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,17 @@ class Scene:
         return np.min(low, axis=0), np.max(high, axis=0)
 
 
+def enlarged(size: float, width: float) -> float:
+    """Return a size in a drawing [cm] of a model so wide [cm]."""
+    return size * max(1.0, width / USUAL)
+
+
+def _enlarged(size: float, scenes: Sequence[Scene]) -> float:
+    corners = [scene.extent() for scene in scenes]
+    ends = max(high[0] for _, high in corners), min(low[0] for low, _ in corners)
+    return enlarged(size, 100.0 * float(ends[0] - ends[1]))
+
+
 def arrow_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
     """Return the length of an arrow per newton [cm/N] and a round force for the key [N].
 
@@ -124,14 +137,16 @@ def arrow_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
     largest = max(forces, default=0.0)
     if largest <= 0.0:
         return 0.0, 0.0
-    return LONGEST_ARROW / largest, _round_down(largest)
+    return _enlarged(LONGEST_ARROW, scenes) / largest, _round_down(largest)
 
 
 def pressure_scale(scenes: Sequence[Scene]) -> tuple[float, float]:
     """Return the height of a pressure [cm/Pa] and a round pressure for the key [Pa]."""
     values = [float(each.values.max()) for scene in scenes for each in scene.pressures]
     largest = max(values, default=0.0)
-    return (HIGHEST / largest, _round_down(largest)) if largest > 0.0 else (0.0, 0.0)
+    if largest <= 0.0:
+        return 0.0, 0.0
+    return _enlarged(HIGHEST, scenes) / largest, _round_down(largest)
 
 
 def _round_down(value: float) -> float:
