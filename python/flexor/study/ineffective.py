@@ -13,7 +13,9 @@ _ALONG = 7
 _ROUNDING = 1e-9
 
 
-def ineffective(problem: Problem, designs: FloatArray) -> tuple[str, ...]:
+def ineffective(
+    problem: Problem, designs: FloatArray, columns: NDArray[np.intp] | None = None
+) -> tuple[str, ...]:
     """Find variables that may be anything within their bounds, at each of some designs.
 
     Each variable is moved from one bound to the other, first to these alone, with the others as in
@@ -25,6 +27,8 @@ def ineffective(problem: Problem, designs: FloatArray) -> tuple[str, ...]:
         The problem.
     designs : (n, k) array
         Designs, SI, such as the start and the optimum.
+    columns : (c,) array, optional
+        Of the k variables those that are tried; all by default.
 
     Returns
     -------
@@ -32,7 +36,7 @@ def ineffective(problem: Problem, designs: FloatArray) -> tuple[str, ...]:
         Their labels.
     """
     chosen = problem.parameters
-    left = np.arange(chosen.size, dtype=np.intp)
+    left = np.arange(chosen.size, dtype=np.intp) if columns is None else columns
     for shares in ((0.0, 1.0), np.linspace(0.0, 1.0, _ALONG)[1:-1]):
         for design in designs:
             if left.size:

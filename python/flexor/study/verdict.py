@@ -149,7 +149,10 @@ class Verdict:
         progress("twice the elements")
         finer, k = _finer(problem, x), chosen.size
         progress("variables without effect")
-        unmoved = ineffective(problem, np.stack([x, chosen.start]))
+        # What is not the same with an error has an effect.
+        same = np.isclose(off.shown[1:], off.shown[0], rtol=1e-9, atol=0.0).reshape(2, k)
+        candidates = np.flatnonzero(same.all(axis=0))
+        unmoved = ineffective(problem, np.stack([x, chosen.start]), candidates)
         progress("warnings of the model")
         path = design.model.equilibrium(problem.loads_of(x), **dict[str, Any](problem.options))
         return cls(
