@@ -9,7 +9,7 @@ import pytest
 
 import flexor
 from flexor.errors import InputError
-from flexor.model import Model
+from flexor.model import Model, parse
 from flexor.model.reading import check
 from flexor.optimizers import Auto
 from flexor.scenarios import Scenario
@@ -190,3 +190,50 @@ def test_bad_statements(model: Model, stated: dict[str, object], message: str) -
 def test_the_paper_s_objectives_have_no_scenarios(model: Model) -> None:
     with pytest.raises(InputError, match="maximise or minimise an observable"):
         flexor.optimize(model, "R01", "f_b", scenarios="all")
+
+
+THICK = """
+name = "suit"
+planar = true
+[materials]
+silicone = { library = "dragon-skin-30", winding = "hoop" }
+[bodies.suit]
+kind = "rod"
+length = "10 cm"
+radius = { base = "8 mm", tip = "8 mm" }
+material = "silicone"
+section = { kind = "half-round", wall = "2 mm", floor = "2 mm" }
+strain = { bend_y = "nodal_linear", extend_x = "nodal_linear" }
+elements = 4
+gauss_points = 2
+[actuators.chamber]
+kind = "pressure"
+rod = "suit"
+[evaluation]
+pressure = "10 kPa"
+pressure_step = "5 kPa"
+[variants.thin]
+bodies.suit.section.floor = "1.8 mm"
+[variants.thick]
+bodies.suit.section.floor = "13 mm"
+"""
+
+
+def test_a_scenario_that_breaks_some_designs() -> None:
+    """Where the floor of a narrow suit has no room it fails, and never becomes a number."""
+    model = Model(parse(THICK))
+    varied = {"suit.radius.tip": ("6.5 mm", "9 mm")}
+    designs = np.array([[6.6e-3], [7e-3], [8e-3], [8.9e-3]])
+    shown = {}
+    for aggregate in ("mean", "worst", "served -30 deg"):
+        stated = Uncertainty(("thin", "thick"), aggregate)
+        nominal = Problem.of(model, varied, "maximise rod-bending", without=["defaults"])
+        found = ScenarioProblem.over(nominal, stated).evaluate(designs)
+        shown[aggregate] = found.shown
+        if not aggregate.startswith("served"):
+            assert (np.isfinite(found.value) == [False, False, True, True]).all()
+            assert all('in scenario "thick"' in reason for reason in found.reason[:2])
+            assert (found.reason[2:] == "").all()
+            assert (np.isnan(found.shown) == np.isinf(found.value)).all()
+    assert (shown["worst"][2:] < shown["mean"][2:]).all()
+    assert shown["served -30 deg"].tolist() == [50.0, 50.0, 100.0, 100.0]
