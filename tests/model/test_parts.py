@@ -323,7 +323,13 @@ def test_a_pattern_keeps_ratios(tmp_path: Path) -> None:
     made = load(model.file, changes=changes)
     walls = [made.file.bodies[f"{part}.exosuit"].section.wall for part in ("index", "middle")]  # type: ignore[union-attr]
     assert walls == pytest.approx([1.5e-3, 1.65e-3], rel=1e-12)
-    drawn = drawn_file(chosen, np.array([1.5e-3]), model)
+    # Also beside a load, which changes nothing of what is drawn.
+    both = {
+        "*.exosuit.section.wall": ("1 mm", "3 mm"),
+        "evaluation.loads.air": ("24 kPa", "48 kPa"),
+    }
+    chosen = flexor.design.variables(both, model)
+    drawn = drawn_file(chosen, np.array([1.5e-3, 30e3]), model)
     walls = [drawn.bodies[f"{part}.exosuit"].section.wall for part in ("index", "middle")]  # type: ignore[union-attr]
     assert walls == pytest.approx([1.5e-3, 1.65e-3], rel=1e-12)
 

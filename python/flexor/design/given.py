@@ -87,6 +87,10 @@ class SharedVariables(Variables):
         """Inputs whose loads are among the fields; see `ParameterSet.varied_inputs`."""
         return self._inner.varied_inputs
 
+    def keys(self, model: Structure) -> dict[str, tuple[str, ...]]:
+        """Return the keys in the model file of each field that is no load, by its label."""
+        return self._inner.keys(model)
+
     def changes(self, p: Array) -> dict[str, object]:
         """Return one design (k,) as changes of the model file, for `flexor.load`."""
         return self._inner.changes(self.field_values(p)[0])
