@@ -168,3 +168,13 @@ def test_only_load_steps_that_have_converged_are_drawn() -> None:
     assert len(flexor.plot.path(path).legends[0].get_texts()) == 1
     with pytest.raises(InputError, match="no load step has converged"):
         flexor.plot.path(path[1:])
+
+
+def test_the_legend_of_designs_with_many_loads_fits() -> None:
+    loads = [f"first.chamber {i} kPa, second.chamber {i} kPa, third.chamber 0 kPa" for i in (1, 2)]
+    designs = [Design("optimum", scene(0.1), scene(0.5), loads[0], each, 0.5) for each in loads]
+    figure = draw_designs(designs, planar_model=True)
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert 0.0 <= box.x0 and box.x1 <= figure.bbox.width
+    assert len(figure.legends) == 1

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 AT_REST = "#8A949C"
 
 
+MOST_COLUMNS = 6  # of the legend
+
+
 @dataclass(frozen=True)
 class Design:
     """One panel of the figure."""
@@ -73,13 +76,19 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                     spatial.draw_scene(axes, Scene(lines=within))
                 spatial.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
             axes.set_title(_title(design))
-        figure.legend(
-            handles=_handles(designs, planar_model),
-            loc="outside upper center",
-            ncols=6,
-            handlelength=1.2,
-        )
+        _draw_legend(figure, _handles(designs, planar_model))
     return figure
+
+
+def _draw_legend(figure: Figure, handles: list[Artist]) -> None:
+    """Draw a legend above, in as many columns as fit."""
+    for columns in range(MOST_COLUMNS, 0, -1):
+        legend = figure.legend(
+            handles=handles, loc="outside upper center", ncols=columns, handlelength=1.2
+        )
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def _title(design: Design) -> str:
@@ -93,8 +102,8 @@ def _handles(designs: Sequence[Design], planar_model: bool) -> list[Artist]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    first = ", ".join(dict.fromkeys(design.first_load for design in designs))
-    last = ", ".join(dict.fromkeys(design.last_load for design in designs))
+    first = "; ".join(dict.fromkeys(design.first_load for design in designs))
+    last = "; ".join(dict.fromkeys(design.last_load for design in designs))
     scenes = [design.last for design in designs]
     edge: dict[str, Any] = {"edgecolor": LINE, "linewidth": 0.5}
     at_rest: Artist = Patch(facecolor=AT_REST, **edge, label=f"exosuit at {first}")
