@@ -176,5 +176,5 @@ def test_the_legend_of_designs_with_many_loads_fits() -> None:
     figure = draw_designs(designs, planar_model=True)
     figure.draw_without_rendering()
     box = figure.legends[0].get_window_extent()
-    assert 0.0 <= box.x0 and box.x1 <= figure.bbox.width
+    assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width
     assert len(figure.legends) == 1

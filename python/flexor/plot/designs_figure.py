@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from flexor.plot import planar, spatial
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 AT_REST = "#8A949C"
 
 
-MOST_COLUMNS = 6  # of the legend
+# Of the legend: columns, and characters of a line.
+MOST_COLUMNS, LONGEST = 6, 80
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,8 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
 
 def _draw_legend(figure: Figure, handles: list[Artist]) -> None:
     """Draw a legend above, in as many columns as fit."""
+    for handle in handles:
+        handle.set_label(fill(str(handle.get_label()), LONGEST))
     for columns in range(MOST_COLUMNS, 0, -1):
         legend = figure.legend(
             handles=handles, loc="outside upper center", ncols=columns, handlelength=1.2
