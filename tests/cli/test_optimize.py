@@ -63,6 +63,8 @@ def test_json_is_one_object_with_the_gain(flexor) -> None:
     assert saved["joint_angles"][-1] == pytest.approx(told["best"]["joint_angles"], rel=1e-12)
     study = Study.open(told["folder"])
     assert told["best"]["parameters"] == study.best.parameters
+    assert package.load(told["models"][0]).hash == study.best.model.hash
+    assert told["without_effect"] == []
     assert told["best"]["bending"] == pytest.approx(sum(told["best"]["joint_angles"]))
     assert told["best"]["bending"] > told["start"]["bending"]
     slopes = told["sensitivity"]["parameters"]

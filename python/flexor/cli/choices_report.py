@@ -13,6 +13,7 @@ from flexor.cli.folders import carry_out_searches, interrupted
 from flexor.cli.progress import duration
 from flexor.cli.saving import save_model
 from flexor.cli.table import number, show
+from flexor.study.optimum import optimum_files
 
 if TYPE_CHECKING:
     from flexor.study import Choices
@@ -60,7 +61,8 @@ def _as_json(found: Choices, seconds: float, place: Path) -> dict[str, Any]:
     ]
     best = outcome.as_json(found.best, found.best.best, seconds)
     chosen = {"choices": dict(found.combination.values), "tried": tried}
-    return {**chosen, **best, "folder": place, "evaluations": found.evaluations}
+    own = {"folder": place, "evaluations": found.evaluations, "models": optimum_files(place)}
+    return {**chosen, **best, **own}
 
 
 def _print(found: Choices, seconds: float, resumed: bool) -> None:

@@ -111,4 +111,5 @@ def front_as_json(study: Study, front: Front, seconds: float | None = None) -> d
         "seconds": seconds,
         "reason": study.finished,
         "folder": study.folder,
+        "models": [] if study.folder is None else optimum_files(study.folder),
     }

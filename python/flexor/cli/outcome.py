@@ -156,8 +156,9 @@ def _titles(study: Study, best: Design) -> tuple[str, str]:
 def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
     """Return the result as a JSON object, SI.
 
-    `bending` and `joint_angles`, at the last load, are in rad, `tip_force` in N; for `sensitivity`
-    see `_sensitivity`.
+    `bending` and `joint_angles`, at the last load, are in rad, `tip_force` in N, the largest
+    `contact_pressure` along the path in Pa; `models` are model files of the best design. For
+    `sensitivity` see `_sensitivity`.
     """
     return {
         "objective": study.problem.objective.name,
@@ -177,10 +178,13 @@ def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
         "constraints": verdict.constraints_as_json(best),
         "within_tolerances": verdict.within_as_json(best),
         "warnings": verdict.warnings_of(best),
+        "without_effect": list(best.verdict.ineffective),
+        "contact_pressure": None if best.verdict.pressure is None else best.verdict.pressure[0],
         "evaluations": study.evaluations,
         "seconds": seconds,
         "reason": study.finished,
         "folder": study.folder,
+        "models": [] if study.folder is None else optimum_files(study.folder),
     }
 
 
