@@ -33,7 +33,7 @@ def test_an_objective_that_depends_on_one_of_two_is_searched() -> None:
     assert study.evaluations == 3
     assert study.best.verdict.ineffective == ("proximal.to.at",)
     said = cautions(study.best)[0]
-    assert said.startswith("proximal.to.at has no effect on the objective and the constraints")
+    assert said.startswith("proximal.to.at has no effect on what is sought and the constraints")
 
 
 def test_a_variable_that_a_constraint_depends_on_has_an_effect() -> None:

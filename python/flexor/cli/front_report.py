@@ -9,7 +9,9 @@ from flexor.cli.console import err, out, say
 from flexor.cli.folders import save_figure
 from flexor.cli.outcome import cost_of
 from flexor.cli.table import number, show
+from flexor.study.ineffective import ineffective
 from flexor.study.optimum import optimum_files
+from flexor.study.sentences import without_effect
 
 if TYPE_CHECKING:
     from flexor.study import Front, Study
@@ -32,6 +34,9 @@ def print_front(
             say(f"front: {count} that no other is better than in all, to {names}.")
         else:
             say(f"The study has one objective, to {names}: this is its best design.")
+    if seconds is not None and len(front):
+        for text in without_effect(ineffective(study.problem, front.designs[[0, -1]])):
+            say(text)
     if seconds is None:
         say(f"{study.evaluations:,} designs: {study.finished}.")
     else:

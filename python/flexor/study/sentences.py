@@ -55,8 +55,8 @@ def without_effect(labels: Sequence[str]) -> Iterator[str]:
     if labels:
         have = "has" if len(labels) == 1 else "have"
         yield (
-            f"{' and '.join(labels)} {have} no effect on the objective and the constraints, from "
-            "bound to bound at the start and at the best design: any value does."
+            f"{' and '.join(labels)} {have} no effect on what is sought and the constraints, from "
+            "bound to bound where that was tried: any value does."
         )
 
 
