@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexor.design import ParameterSet, Variables
 from flexor.design.fields import keys_of, value_of
-from flexor.errors import InputError, unknown
+from flexor.errors import InputError
 from flexor.model.quantity import infer_quantity
 from flexor.model.schema.profile import Spline
 from flexor.model.validation import describe
@@ -47,7 +47,7 @@ def tolerances(
     found: dict[tuple[str, ...], Tolerance] = {}
     for name, value in _with_splines(given or {}, chosen, model, source):
         size, kind = split(value, f"{source}: {name}")
-        keys, label = _place(name, chosen, model)
+        keys, label = _place(name, chosen, model, source)
         if keys in found:
             raise InputError(f'{source}: "{name}" is the same field as "{found[keys].field}".')
         number = _size(name, label, size, chosen, model, source)
@@ -102,11 +102,16 @@ def _reach(value: object, place: str) -> float:
     return Tolerance("", kind, number, "").reach
 
 
-def _place(name: str, chosen: ParameterSet, model: Structure) -> tuple[tuple[str, ...], str]:
+def _place(
+    name: str, chosen: ParameterSet, model: Structure, source: str
+) -> tuple[tuple[str, ...], str]:
     """Return what identifies a field, and its label."""
     if not isinstance(chosen, Variables) or chosen.fields != chosen.labels:
         if name not in chosen.labels:
-            raise unknown(f"parameter of {chosen.name}", name, chosen.labels)
+            raise InputError(
+                f'{source}: "{name}" is none of the variables, which have the errors where one of '
+                f"them is several fields or a function: these are {', '.join(chosen.labels)}."
+            )
         return (name,), name
     keys = keys_of(name, model.file)
     for label in chosen.labels:
