@@ -85,6 +85,8 @@ def test_a_resumed_study_has_the_same_result(flexor) -> None:
     parts = json.loads(flexor("optimize", "--resume", "parts", "--budget", "30", "--json").out)
     assert parts["best"] == whole["best"]
     assert parts["evaluations"] == whole["evaluations"] == 30
+    files = [Path(each["models"][0]).read_text(encoding="utf-8") for each in (whole, parts)]
+    assert files[0].replace("study whole", "study parts") == files[1]
 
 
 @pytest.mark.parametrize("start", ["0.7 cm, 0.75 cm", "0.7cm,7.5 mm", "R_1=0.75 cm,R_0=0.007 m"])
