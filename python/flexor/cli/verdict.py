@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexor.cli.console import say
 from flexor.cli.table import number, show
-from flexor.study.sentences import cautions, headline, of_model
+from flexor.study.sentences import cautions, enumerated, headline, of_model
 
 if TYPE_CHECKING:
     from flexor.study import Design, Verdict
@@ -57,7 +57,7 @@ def print_tolerances(design: Design) -> None:
     if feasible and unstated:
         say(
             '"broken": with that error a constraint is exceeded; state the error of '
-            f"{' and '.join(unstated)} as a --tolerance to leave a margin."
+            f"{enumerated(unstated)} as a --tolerance to leave a margin."
         )
     for text in cautions(design):
         say(text)

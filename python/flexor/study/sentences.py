@@ -55,7 +55,7 @@ def without_effect(labels: Sequence[str]) -> Iterator[str]:
     if labels:
         have = "has" if len(labels) == 1 else "have"
         yield (
-            f"{' and '.join(labels)} {have} no effect on what is sought and the constraints, from "
+            f"{enumerated(labels)} {have} no effect on what is sought and the constraints, from "
             "bound to bound where that was tried: any value does."
         )
 
@@ -71,6 +71,12 @@ def of_model(problem: Problem) -> str:
     """Return the quantity of the objective, with what it is of where that is not all scenarios."""
     several = isinstance(problem, ScenarioProblem) and problem.named
     return f"{problem.objective.quantity}{' of the model as it is' if several else ''}"
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """Return names as a sentence has them, such as ``"a, b and c"``."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def with_unit(value: float, unit: str) -> str:
