@@ -112,10 +112,13 @@ def _smallest_turn(before: Array, after: Array) -> Array:
     return np.asarray(axis * (np.arctan2(sine, before @ after) / sine if sine > 1e-14 else 1.0))
 
 
-def build(rod: Any, gravity: Sequence[float], n_elements: int) -> tuple[Model, dict[str, float]]:
+def build(
+    rod: Any, gravity: Sequence[float], n_elements: int, *, pushed: Sequence[float] | None = None
+) -> tuple[Model, dict[str, float]]:
     """Return the model of a rod, and the coordinates of its initial shape.
 
-    The driven end, if there is one, is the model's only input.
+    The driven end, if there is one, is the model's only input; or a force [N] in the direction
+    `pushed`, on the middle of a rod of an odd number of elements.
     """
     own = shape(rod, n_elements)
     bodies, ties, wrenches = {"rod": _body(rod, own, n_elements)}, {}, {}
@@ -131,6 +134,14 @@ def build(rod: Any, gravity: Sequence[float], n_elements: int) -> tuple[Model, d
         at = {"start": "base", "end": "tip"}[load.at.value]
         force = systems.vector(load.force, "N")
         wrenches[f"load{i}"] = {"body": "rod", "at": at, "force": force}
+    if pushed is not None:
+        force = systems.vector(pushed, "N")
+        wrenches["push"] = {
+            "body": "rod",
+            "point": _middle(n_elements),
+            "force": force,
+            "input": True,
+        }
     parts = {name: part for name, part in (("ties", ties), ("wrenches", wrenches)) if part}
     model = systems.build("rod", bodies, planar=False, gravity=gravity, **parts)
     start = {f"rod.extend_x[{i}]": float(each) - 1.0 for i, each in enumerate(own.stretch)}
@@ -210,6 +221,25 @@ def _motion(motion: Any) -> tuple[str, Array]:
     if np.abs(moved - np.outer(moved @ axis, axis)).max() > 1e-9 * np.abs(moved).max():
         raise NotImplementedError("an end is driven about or along an axis that changes")
     return kinds[0], np.asarray(axis)
+
+
+def _middle(n_elements: int) -> int:
+    """Return the index of the sample point in the middle of a rod."""
+    if n_elements % 2 == 0:
+        raise NotImplementedError("the middle of a rod of an even number of elements is no sample")
+    return SAMPLES * (n_elements // 2) + SAMPLES // 2
+
+
+def middle(state: State) -> Array:
+    """Return the place (3,) [m] of the middle of a rod of an odd number of elements."""
+    frames = state.frames()["rod"]
+    return np.asarray(frames[_middle(len(frames) // SAMPLES), :3, 3])
+
+
+def in_plane(state: State) -> Array:
+    """Return the nodes (n + 1, 3) [m] of a rod of a planar model."""
+    frames = state.frames()["rod"]
+    return np.asarray(frames[::SAMPLES, :3, 3])
 
 
 def placed(state: State) -> tuple[Array, Array]:

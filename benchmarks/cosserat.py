@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from typing import Any
 
+import numpy as np
 from _section import Missing, Section, table
 
 from flexor.installing import install_command
@@ -90,6 +91,10 @@ def _cells(experiment: Any, solver: Any, values: dict[str, float]) -> Callable[[
 
     if solver.name == "flexor" and experiment.name == "twist":
         return _twist(experiment, values)
+    if solver.name == "flexor" and experiment.name == "crossing":
+        return _crossing(experiment)
+    if solver.name == "flexor" and experiment.name == "capstan":
+        return _capstan(experiment)
     timed = _Timed(solver)
     try:
         result = run(experiment, timed, values=values)
@@ -112,6 +117,40 @@ def _twist(experiment: Any, values: dict[str, float]) -> Callable[[str], str]:
     seconds = time.process_time() - began
     reference = twist.critical_twist(rod, values["tension"])
     return lambda _: _cell(abs(found / reference - 1.0), "", seconds)
+
+
+def _crossing(experiment: Any) -> Callable[[str], str]:
+    from _cosserat_crossing import crossed
+    from _cosserat_model import placed
+
+    scenario = experiment.scenario
+    began = time.process_time()
+    states, _ = crossed(*scenario.rods, scenario.gravity, experiment.n_elements)
+    seconds = time.process_time() - began
+    nodes = tuple(np.stack([placed(state)[0]]) for state in states)
+    return lambda metric: _cell(_measured(experiment, metric, nodes), "", seconds)
+
+
+def _capstan(experiment: Any) -> Callable[[str], str]:
+    from _cosserat_capstan import laid
+    from _cosserat_model import in_plane
+
+    began = time.process_time()
+    rope = laid(experiment.scenario, experiment.n_elements)
+    seconds = time.process_time() - began
+    if not rope.path.converged[0]:
+        return lambda _: f"no equilibrium: {rope.path.status[0]}"
+    nodes = (np.stack([rope.nodes, in_plane(rope.path[-1])]),)
+    return lambda metric: _cell(_measured(experiment, metric, nodes), UNITS[metric], seconds)
+
+
+def _measured(experiment: Any, metric: str, nodes: tuple[Any, ...]) -> float:
+    """Return a metric of frames (T, n + 1, 3) of each rod."""
+    from cosseratbench import Trajectory
+
+    across = tuple(np.zeros_like(each[:, 1:]) for each in nodes)  # no metric here reads them
+    times = np.arange(float(len(nodes[0])))
+    return float(experiment.metrics[metric](experiment.scenario, Trajectory(times, nodes, across)))
 
 
 def _cell(value: float, unit: str, seconds: float) -> str:

@@ -169,6 +169,45 @@ def test_a_pinned_rod_spins_with_its_clamped_end(rods: ModuleType) -> None:
     np.testing.assert_allclose(across, expected, atol=1e-9)
 
 
+def test_two_beams_that_cross_push_each_other_apart(rods: ModuleType) -> None:
+    # Both sag alike; pins that are too close by 1e-5 m bend each beam by half of that.
+    crossing = importlib.import_module("_cosserat_crossing")
+    ends = [-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]
+    low = Rod(along(*np.transpose(ends)), 0.02, Condition.PINNED, Condition.PINNED)
+    turned = np.array([[y, x, z + 0.04 - 1e-5] for x, y, z in ends])
+    high = replace(low, centerline=along(*turned.T), normal=(1.0, 0.0, 0.0))
+    states, force = crossing.crossed(low, high, (0.0, 0.0, -1e-3), 11)
+    area = np.pi * low.radius**2
+    yielding = 1.0 / (48.0 * low.bending) + 1.0 / (4.0 * low.material.shear_modulus * area)
+    assert force == pytest.approx(0.5e-5 / yielding, rel=1e-3)
+    apart = rods.middle(states[1]) - rods.middle(states[0])
+    np.testing.assert_allclose(apart, [0.0, 0.0, 0.04], atol=1e-9)
+    clear = replace(high, centerline=along(*np.transpose(turned + np.array([0.0, 0.0, 1.0]))))
+    with pytest.raises(RuntimeError, match="clear of each other"):
+        crossing.crossed(low, clear, (0.0, 0.0, -1e-3), 11)
+
+
+def test_a_rope_over_a_cylinder_is_held_by_friction(rods: ModuleType) -> None:
+    # 8 cm and 12 cm hang down: a ratio of 1.5, where friction holds e^(0.3 pi) = 2.57 and more.
+    capstan = importlib.import_module("_cosserat_capstan")
+    turn = np.linspace(0.0, np.pi, 61)
+    x = np.concatenate([[-0.051], -0.051 * np.cos(turn), [0.051]])
+    z = np.concatenate([[-0.08], 0.051 * np.sin(turn), [-0.12]])
+    rope = Rod(along(x, 0.0 * x, z), 1e-3, Condition.FREE, Condition.FREE)
+    post = SimpleNamespace(center=(0.0, 0.0, 0.0), radius=0.05, friction=0.3)
+    scenario = SimpleNamespace(rods=(rope,), obstacles=(post,), gravity=(0.0, 0.0, -9.81))
+    laid = capstan.laid(scenario, 40)
+    path = laid.path
+    assert path.stable.all()
+    weight = 1000.0 * np.pi * 1e-6 * rods.shape(rope, 40).length * 9.81
+    # What pushes on the rope is the normal force of each point and friction along the cylinder.
+    normal, tangential = path.contact_forces(0), path.friction_forces(0)
+    up = float(np.sum(normal.force[:, -1]) + np.sum(tangential.force[:, -1]))
+    assert abs(up) == pytest.approx(weight, rel=1e-6)
+    # It stretches by up to 4e-4, and nothing else moves it.
+    assert abs(rods.in_plane(path[-1])[0, 2] - laid.nodes[0, 2]) < 1e-4
+
+
 def test_what_is_not_static_or_not_modelled_is_refused(rods: ModuleType) -> None:
     with pytest.raises(NotImplementedError, match="start of a rod is free"):
         rods.build(replace(twisted(1.0, 1.0), start=Condition.FREE), (0.0, 0.0, 0.0), 5)
