@@ -1,5 +1,6 @@
 //! The corrector of one sub-step: Newton's method from the predicted state.
 
+use super::bent_step::BentStep;
 use super::mixed_newton::{Approach, MixedNewton};
 use super::newton::chord_steps;
 use super::options::{ContinuationOptions, CorrectorOptions, NewtonOptions};
@@ -28,6 +29,7 @@ pub(super) struct Corrector<const D: usize, const P: usize> {
     options: CorrectorOptions,
     newton: NewtonOptions,
     step: Vec<f64>,
+    bent_step: BentStep<D, P>,
     pub mixed: MixedNewton<D, P>,
 }
 
@@ -37,6 +39,7 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             options: options.corrector,
             newton: options.newton,
             step: vec![0.0; model.dof()],
+            bent_step: BentStep::new(model, options.predictor),
             mixed: MixedNewton::new(model, options.mixed, options.newton),
         }
     }
@@ -140,8 +143,8 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
                 return false;
             }
             previous = length;
-            system.advance(&self.step);
-            let before = std::mem::replace(&mut size, system.evaluate());
+            let before = size;
+            size = self.bent_step.advance(system, &mut self.step, before);
             if length <= self.newton.negligible_step && !(size < self.newton.progress * before) {
                 return false;
             }

@@ -14,6 +14,7 @@
 //! [`ContinuationOptions`] has the tolerances and limits of a solve.
 
 mod arc_length;
+mod bent_step;
 mod bordered;
 mod bordered_matrix;
 #[cfg(test)]

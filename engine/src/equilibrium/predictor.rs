@@ -109,6 +109,14 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         limit
     }
 
+    /// Predicts a Newton step from the state evaluated last as if the residual decreased in proportion along
+    /// it. Returns whether contacts change on the way and the tangent stays positive definite.
+    pub fn follow_step<G: LieGroup<D, P>>(&mut self, system: &mut System<G, D, P>, step: &[f64]) -> bool {
+        self.predict(system, step, 1.0, f64::INFINITY);
+        system.swap_factor(&mut self.factor);
+        self.count > 1 && self.branch_end.is_infinite()
+    }
+
     /// Starts the piece that follows the change of a pair; `false` when the branch ends there.
     fn change_contact<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, pair: usize) -> bool {
         let Self { factor: start, pieces, count, updates, contacts, .. } = self;
