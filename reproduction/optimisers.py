@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,11 +64,13 @@ def _comparison(study: Study) -> flexor.MethodComparison:
     def progress(at: ComparisonProgress) -> None:
         study.report_progress(f"comparison of optimisers, search {at.done:,} of {at.total:,}")
 
-    return flexor.compare(
-        model(), SETS, "bending",
-        methods=[name for name in METHODS if name in available()],
-        seeds=range(study.seed, study.seed + study.effort.seeds),
-        budget=study.effort.budget,
-        known={name: optimum(study, name)["value"] for name in SETS},
-        folder=folder, resume=exists, progress=progress,
-    )  # fmt: skip
+    known = {name: optimum(study, name)["value"] for name in SETS}
+    # Most of the time of a search is that of its method, in Python.
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        return flexor.compare(
+            model(), SETS, "bending",
+            methods=[name for name in METHODS if name in available()],
+            seeds=range(study.seed, study.seed + study.effort.seeds),
+            budget=study.effort.budget, known=known,
+            folder=folder, resume=exists, progress=progress, executor=pool,
+        )  # fmt: skip

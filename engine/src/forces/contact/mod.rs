@@ -12,7 +12,7 @@ pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 use pair::KeptForce;
-pub(crate) use round_cone::{Closest, closest, is_far};
+pub(crate) use round_cone::{Closest, PlacedCone};
 pub(crate) use sphere::direction;
 
 use super::differential::{Depth, Differential};

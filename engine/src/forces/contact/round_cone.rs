@@ -24,29 +24,80 @@ pub(crate) struct Closest<const P: usize> {
     pub radius: f64,
 }
 
-/// Minimises ‖p − c(t)‖ − r(t), which is convex in t.
-#[inline]
-pub(crate) fn closest<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], radii: [f64; 2]) -> Closest<P> {
-    let axis = *ends[1] - *ends[0];
-    let from = *p - *ends[0];
-    let taper = radii[1] - radii[0];
-    let squared = axis.dot(&axis);
-    let across_squared = squared - taper * taper;
-    let unbounded = (across_squared > 0.0).then(|| {
-        // The foot of the perpendicular, shifted towards the thicker end.
-        let foot = from.dot(&axis) / squared;
-        foot + taper * (from - axis * foot).norm() / (squared * across_squared).sqrt()
-    });
-    let t = unbounded.unwrap_or(if taper > 0.0 { 1.0 } else { 0.0 }).clamp(0.0, 1.0);
-    let r = from - axis * t;
-    let radius = radii[0] + t * taper;
-    let distance = r.norm();
-    let inside = distance <= 1e-12 * radius;
-    let (normal, distance) = direction(r, distance, radius);
-    let slides = !inside && unbounded == Some(t) && t > 0.0 && t < 1.0;
-    let across = axis - normal * normal.dot(&axis);
-    let slip = if slides { distance / across_squared } else { 0.0 };
-    Closest { t, unbounded, normal, distance, across, slip, radius }
+/// A round cone where it is, with what does not depend on the point near it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedCone<const P: usize> {
+    pub start: Vector<P>,
+    pub axis: Vector<P>,
+    pub radii: [f64; 2],
+    taper: f64,
+    largest: f64,
+    /// ‖axis‖², and its inverse.
+    squared: f64,
+    inverse: f64,
+    /// ‖axis‖² less the taper's square; not positive if one end's sphere contains the other.
+    across_squared: f64,
+    /// The closest point is further towards the thicker end than the foot of the perpendicular, by this
+    /// multiple of the distance from the axis.
+    shift: f64,
+}
+
+impl<const P: usize> PlacedCone<P> {
+    #[inline]
+    pub fn new(ends: [&Vector<P>; 2], radii: [f64; 2]) -> Self {
+        let axis = *ends[1] - *ends[0];
+        let taper = radii[1] - radii[0];
+        let squared = axis.dot(&axis);
+        let across_squared = squared - taper * taper;
+        Self {
+            start: *ends[0],
+            axis,
+            radii,
+            taper,
+            largest: radii[0].max(radii[1]),
+            squared,
+            inverse: 1.0 / squared,
+            across_squared,
+            shift: taper / (squared * across_squared).sqrt(),
+        }
+    }
+
+    /// Whether a point is further than `reach` from the surface, without a root or a division; nearer ones
+    /// may be.
+    #[inline]
+    pub fn is_far(&self, p: &Vector<P>, reach: f64) -> bool {
+        let from = *p - self.start;
+        let (along, squared, limit) = (from.dot(&self.axis), self.squared, (reach + self.largest).powi(2));
+        if along <= 0.0 {
+            from.dot(&from) > limit
+        } else if along >= squared {
+            let beyond = from - self.axis;
+            beyond.dot(&beyond) > limit
+        } else {
+            from.dot(&from) * squared - along * along > limit * squared
+        }
+    }
+
+    /// Minimises ‖p − c(t)‖ − r(t), which is convex in t.
+    #[inline]
+    pub fn closest(&self, p: &Vector<P>) -> Closest<P> {
+        let Self { axis, taper, .. } = *self;
+        let from = *p - self.start;
+        let unbounded = (self.across_squared > 0.0).then(|| {
+            let foot = from.dot(&axis) * self.inverse;
+            foot + self.shift * (from - axis * foot).norm()
+        });
+        let t = unbounded.unwrap_or(if taper > 0.0 { 1.0 } else { 0.0 }).clamp(0.0, 1.0);
+        let r = from - axis * t;
+        let radius = self.radii[0] + t * taper;
+        let distance = r.norm();
+        let inside = distance <= 1e-12 * radius;
+        let (normal, distance) = direction(r, distance, radius);
+        let slides = !inside && unbounded == Some(t) && t > 0.0 && t < 1.0;
+        let across = axis - normal * normal.dot(&axis);
+        let slip = if slides { distance / self.across_squared } else { 0.0 };
+        Closest { t, unbounded, normal, distance, across, slip, radius }
+    }
 }
 
 /// Visits what the first group's spheres touch, or lack less than `margin` of touching: round cones,
@@ -71,10 +122,11 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
             }
             let ends = cone.ends.map(centre);
             let radii = cone.ends.map(|s| at.geometry.radii[s]);
-            if is_far(p, ends, own + radii[0].max(radii[1]) + margin) {
+            let placed = PlacedCone::new(ends, radii);
+            if placed.is_far(p, own + margin) {
                 continue;
             }
-            let found = closest(p, ends, radii);
+            let found = placed.closest(p);
             let reach = own + found.radius;
             if found.distance >= reach + margin {
                 continue;
@@ -106,19 +158,4 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
 #[inline]
 pub(crate) fn counts(contact: &Contact, first: usize, cone: &RoundCone) -> bool {
     !contact.is_self() || cone.ends[0].min(cone.ends[1]) >= first + contact.skip.max(1)
-}
-
-/// Whether a point is further than `reach` from the axis, without a root or a division.
-#[inline]
-pub(crate) fn is_far<const P: usize>(p: &Vector<P>, ends: [&Vector<P>; 2], reach: f64) -> bool {
-    let (axis, from) = (*ends[1] - *ends[0], *p - *ends[0]);
-    let (along, squared, limit) = (from.dot(&axis), axis.dot(&axis), reach * reach);
-    if along <= 0.0 {
-        from.dot(&from) > limit
-    } else if along >= squared {
-        let beyond = *p - *ends[1];
-        beyond.dot(&beyond) > limit
-    } else {
-        from.dot(&from) * squared - along * along > limit * squared
-    }
 }

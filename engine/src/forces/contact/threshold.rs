@@ -2,7 +2,7 @@
 
 use super::super::state::State;
 use super::definition::Contact;
-use super::round_cone::{closest, counts};
+use super::round_cone::{PlacedCone, counts};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::tolerances::SWITCHING_DISTANCE;
@@ -46,7 +46,8 @@ pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let p = at.tree.spheres[first].point;
         for cone in contact.cones.iter().filter(|c| counts(contact, first, c)) {
             let [a, b] = cone.ends.map(|s| at.tree.spheres[s].point);
-            let found = closest(&points[p], [&points[a], &points[b]], cone.ends.map(|s| radii[s]));
+            let placed = PlacedCone::new([&points[a], &points[b]], cone.ends.map(|s| radii[s]));
+            let found = placed.closest(&points[p]);
             let reach = radii[first] + found.radius;
             let gap = found.distance - reach;
             let touched: &[usize] = match found.t {
@@ -59,8 +60,7 @@ pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
             }
             let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
             if gap < 0.0 && found.unbounded.is_some_and(passing) {
-                let axis = points[b] - points[a];
-                if moves(&[p, a, b], &axis) || moves(&[p, a, b], &found.normal) {
+                if moves(&[p, a, b], &placed.axis) || moves(&[p, a, b], &found.normal) {
                     return true;
                 }
             }

@@ -12,7 +12,7 @@ pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
 pub(super) use strip::Strip;
 
-use super::contact::{Closest, ContactSummary, closest, direction, is_far};
+use super::contact::{Closest, ContactSummary, PlacedCone, direction};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -52,15 +52,17 @@ impl Foundations {
         margin: f64,
         mut visit: impl FnMut(ConeCandidate<P>),
     ) {
-        for index in 0..self.0.len() {
-            self.0[index]
-                .weighted
-                .iter()
-                .for_each(|first| self.candidates_at(at, index, *first, margin, &mut visit));
+        for (index, foundation) in self.0.iter().enumerate() {
+            for cone in 0..foundation.cones.len() {
+                let placed = foundation.placed(at, cone);
+                for first in &foundation.weighted {
+                    foundation.candidates_at(at, *first, [index, cone], &placed, margin, &mut visit);
+                }
+            }
         }
     }
 
-    /// Visits all contacts, also at points without weight.
+    /// Visits all contacts point by point, also at points without weight.
     fn for_each_contact<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
@@ -68,56 +70,11 @@ impl Foundations {
     ) {
         for (index, foundation) in self.0.iter().enumerate() {
             let mut visit = |candidate| visit(ConeContact::new(foundation, at.parameters(), &candidate));
-            foundation.first.clone().for_each(|first| self.candidates_at(at, index, first, 0.0, &mut visit));
-        }
-    }
-
-    /// Visits the candidates at one point of the rod.
-    #[inline]
-    fn candidates_at<G: LieGroup<D, P>, const D: usize, const P: usize>(
-        &self,
-        at: &State<G, D, P>,
-        index: usize,
-        first: usize,
-        margin: f64,
-        visit: &mut impl FnMut(ConeCandidate<P>),
-    ) {
-        let foundation = &self.0[index];
-        let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
-        let (p, surface) = (centre(first), at.geometry.radii[first]);
-        let weight = at.parameters()[foundation.length] * foundation.weights[first - foundation.first.start];
-        for (c, cone) in foundation.cones.iter().enumerate() {
-            let ends = cone.ends.map(centre);
-            let radii = cone.ends.map(|end| at.geometry.radii[end]);
-            if is_far(p, ends, surface + radii[0].max(radii[1]) + margin) {
-                continue;
-            }
-            let axis = *ends[1] - *ends[0];
-            let mut visit = |weight, found: Closest<P>| {
-                let depth = surface + found.radius - found.distance;
-                if depth > -margin {
-                    visit(ConeCandidate {
-                        foundation: index,
-                        first,
-                        cone: c,
-                        weight,
-                        surface,
-                        radii,
-                        axis,
-                        depth,
-                        found,
-                    });
+            for first in foundation.first.clone() {
+                for cone in 0..foundation.cones.len() {
+                    let placed = foundation.placed(at, cone);
+                    foundation.candidates_at(at, first, [index, cone], &placed, 0.0, &mut visit);
                 }
-            };
-            visit(weight, closest(p, ends, radii));
-            if cone.joined && weight != 0.0 {
-                let r = *p - *ends[0];
-                let (normal, distance) = direction(r, r.norm(), radii[0]);
-                let (across, radius) = (Vector::ZERO, radii[0]);
-                visit(
-                    -weight,
-                    Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius },
-                );
             }
         }
     }
@@ -317,6 +274,50 @@ impl Foundations {
         let by_width = slope(WIDTH);
         gradient[foundation.half_width + point] += by_width;
         gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[contact.first];
+    }
+}
+
+impl Foundation {
+    fn placed<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        cone: usize,
+    ) -> PlacedCone<P> {
+        let ends = self.cones[cone].ends;
+        let centres = ends.map(|end| at.point(at.tree.spheres[end].point));
+        PlacedCone::new(centres, ends.map(|end| at.geometry.radii[end]))
+    }
+
+    /// Visits the candidates at one point of the rod, for the foundation and the cone of these indices.
+    #[inline]
+    fn candidates_at<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        first: usize,
+        [foundation, cone]: [usize; 2],
+        placed: &PlacedCone<P>,
+        margin: f64,
+        visit: &mut impl FnMut(ConeCandidate<P>),
+    ) {
+        let (p, surface) = (at.point(at.tree.spheres[first].point), at.geometry.radii[first]);
+        if placed.is_far(p, surface + margin) {
+            return;
+        }
+        let weight = at.parameters()[self.length] * self.weights[first - self.first.start];
+        let PlacedCone { axis, radii, .. } = *placed;
+        let mut visit = |weight, found: Closest<P>| {
+            let depth = surface + found.radius - found.distance;
+            if depth > -margin {
+                visit(ConeCandidate { foundation, first, cone, weight, surface, radii, axis, depth, found });
+            }
+        };
+        visit(weight, placed.closest(p));
+        if self.cones[cone].joined && weight != 0.0 {
+            let r = *p - placed.start;
+            let (normal, distance) = direction(r, r.norm(), radii[0]);
+            let (across, radius) = (Vector::ZERO, radii[0]);
+            visit(-weight, Closest { t: 0.0, unbounded: None, normal, distance, across, slip: 0.0, radius });
+        }
     }
 }
 

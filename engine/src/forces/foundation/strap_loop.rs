@@ -1,7 +1,7 @@
 //! Straps that are sewn to a rod and loop around a link, along which they slide without friction:
 //! ½ k (‖p − c(t)‖ − r(t) − S − ℓ₀)₊², with the point c(t) of the link's axis that is closest.
 
-use super::super::contact::closest;
+use super::super::contact::PlacedCone;
 use super::super::differential::Differential;
 use super::super::element::{ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::super::magnitudes::Magnitudes;
@@ -133,10 +133,11 @@ impl StrapLoop {
         let [p, start, stop] = self.spheres.map(|sphere| at.point(at.tree.spheres[sphere].point));
         let radii = [a, b].map(|end| at.geometry.radii[end]);
         let surface = at.geometry.radii[first];
-        let found = closest(p, [start, stop], radii);
+        let placed = PlacedCone::new([start, stop], radii);
+        let found = placed.closest(p);
         let depth = surface + found.radius - found.distance;
         let stretch = -depth - at.parameters()[self.rest_length];
-        let (axis, weight) = (*stop - *start, 1.0);
+        let (axis, weight) = (placed.axis, 1.0);
         let candidate =
             ConeCandidate { foundation: index, first, cone: 0, weight, surface, radii, axis, depth, found };
         (candidate, stretch)
