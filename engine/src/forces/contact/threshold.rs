@@ -59,10 +59,9 @@ pub(crate) fn of_round_cones<G: LieGroup<D, P>, const D: usize, const P: usize>(
                 return true;
             }
             let passing = |t: f64| t.abs().min((t - 1.0).abs()) < SWITCHING_DISTANCE;
-            if gap < 0.0 && found.unbounded.is_some_and(passing) {
-                if moves(&[p, a, b], &placed.axis) || moves(&[p, a, b], &found.normal) {
-                    return true;
-                }
+            let passes = gap < 0.0 && found.unbounded.is_some_and(passing);
+            if passes && (moves(&[p, a, b], &placed.axis) || moves(&[p, a, b], &found.normal)) {
+                return true;
             }
         }
     }
