@@ -194,8 +194,8 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
             "",
             "## All methods",
             "",
-            f"Successes of {len(together.seeds)} searches, and in brackets the median number of "
-            "designs of the successful ones.",
+            f"Successes of {_counted(len(together.seeds))} of each problem, and in brackets the "
+            "median number of designs of the successful ones.",
             "",
             f"| method | {' | '.join(problems)} | all |",
             f"|---|{'--:|' * (len(problems) + 1)}",
@@ -222,6 +222,11 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
         *_best_known_table({name: ours.target(name) for name in problems}),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _counted(searches: int) -> str:
+    """Return a number of searches in words; one alone shows little."""
+    return "one search" if searches == 1 else f"{searches} searches"
 
 
 def _best_known_table(targets: dict[str, float]) -> list[str]:
