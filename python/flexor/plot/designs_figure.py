@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from flexor.plot import planar, spatial
+from flexor.plot.legend import fitting_legend
 from flexor.plot.path_figure import line_handles
 from flexor.plot.scene import Scene, arrow_scale, pressure_scale
 from flexor.plot.solid import draw_solid, largest_pressure, solid_colours
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     from flexor.scene import Scene as SolidScene
 
 AT_REST = "#8A949C"
-
-
-# Of the legend: columns, and characters of a line.
-MOST_COLUMNS, LONGEST = 6, 80
 
 
 @dataclass(frozen=True)
@@ -78,21 +74,9 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                     spatial.draw_scene(axes, Scene(lines=within))
                 spatial.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
             axes.set_title(_title(design))
-        _draw_legend(figure, _handles(designs, planar_model))
+        handles = _handles(designs, planar_model)
+        fitting_legend(figure, handles, "outside upper center", 6, handlelength=1.2)
     return figure
-
-
-def _draw_legend(figure: Figure, handles: list[Artist]) -> None:
-    """Draw a legend above, in as many columns as fit."""
-    for handle in handles:
-        handle.set_label(fill(str(handle.get_label()), LONGEST))
-    for columns in range(MOST_COLUMNS, 0, -1):
-        legend = figure.legend(
-            handles=handles, loc="outside upper center", ncols=columns, handlelength=1.2
-        )
-        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            return
-        legend.remove()
 
 
 def _title(design: Design) -> str:

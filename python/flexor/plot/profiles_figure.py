@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.optimizers import entries
+from flexor.plot.legend import fitting_legend
 from flexor.plot.style import PAGE, style
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def profiles(comparison: MethodComparison, within: float = 0.01) -> Figure:
             axes.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
             axes.grid(True)
         handles, _ = left.get_legend_handles_labels()
-        figure.legend(handles=handles, loc="outside lower center", ncols=5, handlelength=2.2)
+        fitting_legend(figure, handles, "outside lower center", 5, handlelength=2.2)
     return figure
 
 
