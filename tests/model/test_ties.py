@@ -109,6 +109,52 @@ def test_a_four_bar_linkage_turns_as_by_hand(planar: bool) -> None:
     assert len(redundant) == (not planar) and all("redundant: 3 cond" in s for s in redundant)
 
 
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("joint", ['kind = "revolute"', 'kind = "free"'])
+def test_a_joint_of_an_arm_without_load_is_driven(planar: bool, joint: str) -> None:
+    # Nothing but the spring at the arm's own joint acts, and not at all while the arm rests.
+    made = model(
+        link("arm", 0.1, joint='kind = "revolute"\nstiffness = "0.1 N*m/rad"'),
+        link("fore", 0.1, 'parent = "arm"', joint),
+        tie("motor", "hinge", '"arm", at = "tip"', '"fore", at = "base"', 'drive = "rotation"'),
+        planar=planar,
+    )
+    turns = np.radians([0.0, 10.0, 90.0, 170.0])
+    path = solved(made, turns)
+    joints = dict(zip(made.joints, path.joint_angles.T, strict=True))
+    angle = next(name for name in ("fore.theta", "fore.theta_y") if name in joints)
+    np.testing.assert_allclose(joints[angle], turns, atol=1e-9)
+    np.testing.assert_allclose(joints["arm.theta"], 0.0, atol=1e-9)
+    assert path.total_iterations < 100
+    said = [sentence for sentence in path.warnings if 'the joint "free"' in sentence]
+    assert len(said) == ("revolute" in joint)
+
+
+def test_a_crank_that_turns_back_ends_by_arc_length() -> None:
+    # The coupler and the rocker are stretched at 222.6 deg, by hand; the branch closes on itself.
+    made = model(
+        link("crank", 0.04, f"placement = {{ {UP} }}", 'kind = "free"'),
+        link("coupler", 0.1, 'parent = "crank"\nplacement = { rotation = { y = "90 deg" } }'),
+        link(
+            "rocker",
+            0.05,
+            f'placement = {{ x = "12 cm", {UP} }}',
+            'kind = "revolute"\nstiffness = "0.05 N*m/rad"',
+        ),
+        tie("motor", "hinge", "world = {}", '"crank", at = "base"', 'drive = "rotation"'),
+        tie("loop", "hinge", '"coupler", at = "tip"', '"rocker", at = "tip"'),
+    )
+    path = made.equilibrium(np.radians([0.0, 400.0]), follow="arc-length")
+    assert path.status[-1] == "closed-branch" and path.converged[:-1].all()
+    cosine = (0.04**2 + 0.12**2 - 0.15**2) / (2.0 * 0.04 * 0.12)
+    # The crank's angle is measured from the vertical, the base of the rocker lies at 90 degrees.
+    most = np.arccos(cosine) + np.radians(90.0)
+    assert np.nanmax(path.force[:-1]) == pytest.approx(most, rel=1e-6)
+    # It turns back at the other end of its range, too.
+    least = np.radians(90.0) - np.arccos(cosine)
+    assert np.nanmin(path.force[:-1]) == pytest.approx(least, rel=1e-6)
+
+
 def platform(load: str) -> Model:
     """Return three rods of 20 cm, clamped below and with ball joints to a platform."""
     places = [(0.05, 0.0), (-0.025, 0.0433), (-0.025, -0.0433)]

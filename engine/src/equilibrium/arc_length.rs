@@ -18,6 +18,9 @@ use super::vector::norm;
 use crate::lie::LieGroup;
 use crate::tolerances::PARALLEL;
 
+/// Distance from its beginning, by the length of a step, at which a branch is closed.
+const CLOSED: f64 = 1e-5;
+
 /// A point of the branch.
 #[derive(Clone, Debug)]
 struct Point {
@@ -232,7 +235,8 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
     fn follow<S: PathSink<G, D, P>>(&mut self, run: &Run, reports: &mut Reports<S>) -> Result<(), Status> {
         self.system.budget.restart();
         reports.iterations = 0;
-        let mut here = self.first_point();
+        let first = self.first_point();
+        let mut here = first.clone();
         // The step whose load would be the first listed one.
         let begin = run.listed[1] / here.tangent[here.q.len()];
         let mut length = begin;
@@ -265,10 +269,35 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
             self.go_to(&next);
             let stability = stability(self.system);
             reports.report(self.system, Ok(stability));
+            if here.q != first.q && self.passes(&here, &next, length, &first) {
+                return Err(Status::ClosedBranch);
+            }
             length *= (self.options.turn / self.angle(&here, &next)).clamp(0.5, 2.0);
             here = next;
             self.look_ahead(&here)?;
         }
+    }
+
+    /// Whether the branch passes a point between two others, in the direction that it has there.
+    fn passes(&mut self, here: &Point, next: &Point, length: f64, point: &Point) -> bool {
+        let away = self.chord(here, point);
+        let along = weighted_dot(&away, &here.tangent, self.weight);
+        let far = weighted_dot(&away, &away, self.weight).sqrt();
+        if !(0.0..length).contains(&along) || far > self.options.max_reach * length {
+            return false;
+        }
+        let guess = self.cubic(here, next).at(along / length);
+        let Some(found) = self.solve_at(here, along, &guess) else { return false };
+        let gap = self.chord(&found, point);
+        let same = weighted_dot(&gap, &gap, self.weight).sqrt() <= CLOSED * length;
+        self.go_to(next);
+        same && self.angle(&found, point) < std::f64::consts::FRAC_PI_2
+    }
+
+    /// Displacement from one point to another, with that of the multiplier.
+    fn chord(&self, from: &Point, to: &Point) -> Vec<f64> {
+        let moved = from.q.iter().zip(&to.q).zip(self.system.units()).map(|((a, b), u)| (b - a) / u);
+        moved.chain([to.multiplier - from.multiplier]).collect()
     }
 
     /// The point at the beginning of the run, directed towards its end.
@@ -391,7 +420,8 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
         let (mut last, mut found) = (0.0, None);
         for _ in 0..self.options.max_locating {
             let at = (low * f_high - high * f_low) / (f_high - f_low);
-            let point = self.solve_at(here, at, &cubic.at(at / length))?;
+            // At the dead centre itself, to rounding, a driven motion has no rate: what is close has to do.
+            let Some(point) = self.solve_at(here, at, &cubic.at(at / length)) else { break };
             let value = f(&point);
             found = Some(point);
             if value.abs() <= self.options.located || high - low <= self.options.located * length {
@@ -412,8 +442,7 @@ impl<'s, 'm, G: LieGroup<D, P>, const D: usize, const P: usize> ArcLength<'s, 'm
 
     /// The cubic from one point to another with the tangents there.
     fn cubic(&self, from: &Point, to: &Point) -> Cubic {
-        let moved = from.q.iter().zip(&to.q).zip(self.system.units()).map(|((a, b), u)| (b - a) / u);
-        let chord: Vec<f64> = moved.chain([to.multiplier - from.multiplier]).collect();
+        let chord = self.chord(from, to);
         let length = weighted_dot(&chord, &chord, self.weight).sqrt();
         let slope = |p: &Point| p.tangent.iter().map(|t| length * t).collect();
         Cubic { slopes: [slope(from), slope(to)], chord }

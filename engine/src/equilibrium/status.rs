@@ -28,11 +28,13 @@ pub enum Status {
     NotClosed = 10,
     /// Conditions of ties depend on one another here, though not nearby: a singular configuration.
     Singular = 11,
+    /// A branch that is followed by arc length closes on itself and never reaches the load.
+    ClosedBranch = 12,
 }
 
 impl Status {
     /// All statuses, by code.
-    pub const ALL: [Status; 12] = [
+    pub const ALL: [Status; 13] = [
         Status::Converged,
         Status::Unstable,
         Status::IterationLimit,
@@ -45,6 +47,7 @@ impl Status {
         Status::Cancelled,
         Status::NotClosed,
         Status::Singular,
+        Status::ClosedBranch,
     ];
 
     /// The name used in results and records.
@@ -62,6 +65,7 @@ impl Status {
             Status::Cancelled => "cancelled",
             Status::NotClosed => "not-closed",
             Status::Singular => "singular",
+            Status::ClosedBranch => "closed-branch",
         }
     }
 

@@ -139,7 +139,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let units = &self.data().design.units;
         let coupled = |j: &usize| ties.gradients().any(|gradient| gradient[*j] != 0.0);
         let energy = |j: usize| self.magnitudes.coordinates[j].max(units.elastic_force(j)) * self.units()[j];
-        let largest = (0..self.units().len()).filter(coupled).map(energy).fold(0.0, f64::max);
+        // Where nothing acts on what the ties hold, forces there are rounding of what acts elsewhere.
+        let of = &self.model().components.of_coordinate;
+        let largest =
+            |of: &dyn Fn(&usize) -> bool| (0..self.units().len()).filter(of).map(energy).fold(0.0, f64::max);
+        let beside = largest(&|j| of[*j] == of[coordinate]);
+        let largest = largest(&coupled).max(f64::EPSILON * beside);
         largest / self.units()[coordinate]
     }
 
@@ -176,6 +181,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     pub(super) fn penalise(&mut self) {
         let energy = self.unit_energy();
         let places = self.model().forces.ties.penalties();
+        let length = self.longest_body();
         let System { data, unit, .. } = self;
         let Some(ties) = &mut data.ties else { return };
         let elastic = &data.design.units.elastic;
@@ -185,7 +191,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             let held: f64 = squares().zip(elastic).filter(|(_, elastic)| **elastic).map(|(s, _)| s).sum();
             if held > 0.0 { held } else { squares().sum() }
         };
-        let sizes: Vec<f64> = ties.gradients().map(size).collect();
+        // What nothing moves has a gradient of rounding, and no penalty.
+        let model = self.model;
+        let natural = &data.design.units.natural;
+        let moves = |k: usize, gradient: &[f64]| {
+            let zero = DEPENDENT * if model.forces.ties.row(k).1 { 1.0 } else { length };
+            gradient.iter().zip(natural).any(|(g, u)| (g * u).abs() > zero)
+        };
+        let sizes = ties.gradients().enumerate();
+        let sizes: Vec<f64> = sizes.map(|(k, g)| if moves(k, g) { size(g) } else { 0.0 }).collect();
         for (k, (penalty, size)) in ties.numbers(places).iter_mut().zip(sizes).enumerate() {
             let acts = self.model.forces.ties.row(k).0 < self.acting;
             *penalty = if acts && size > 0.0 { PENALTY * energy / size } else { 0.0 };

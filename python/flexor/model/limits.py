@@ -193,4 +193,9 @@ def ties_redundant(path: PathQuantities) -> list[str]:
                 f"ties.{name} is redundant: {count} {what} from other ties or joints, and its "
                 "reactions are one possible choice"
             )
+            if path.model.file.ties[name].drive is not None:
+                found[-1] += (
+                    '; if it drives a joint, give that one\'s body the joint "free" instead, '
+                    "which the tie then holds alone"
+                )
     return found

@@ -64,6 +64,11 @@ MEANINGS = MappingProxyType(
             "may go on in more than one way",
             "stop before it, drive another joint, or guide the linkage past it by another link",
         ),
+        "closed-branch": (
+            "the branch that is followed by arc length came back to where it began, and never "
+            "reaches this load, as where a crank turns back at its dead centres",
+            "list loads between the limit points of the branch",
+        ),
     }
 )
 
