@@ -135,7 +135,7 @@ def line_handles(scenes: Sequence[Scene]) -> list[Artist]:
                 marker=mark.symbol,
                 linestyle="",
                 label=label,
-                **MARK | {"color": mark.colour},
+                **MARK | mark.style,
             )
             for label, mark in marks.items()
         ),

@@ -75,9 +75,7 @@ def draw_scene(
             *(CM * _in_plane(line.points).T), color=line.colour, linewidth=1.0, zorder=depth + 0.4
         )
     for mark in scene.marks:
-        axes.plot(
-            *(CM * _in_plane(mark.point)), mark.symbol, **MARK | {"color": mark.colour}, zorder=60.0
-        )
+        axes.plot(*(CM * _in_plane(mark.point)), mark.symbol, **MARK | mark.style, zorder=60.0)
 
 
 def material_colours(scenes: Sequence[Scene], colour: ColorType = EXOSUIT) -> dict[str, ColorType]:

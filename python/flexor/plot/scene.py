@@ -77,6 +77,12 @@ class Mark:
     label: str  # in the legend
     colour: str = "white"
 
+    @property
+    def style(self) -> dict[str, str | float]:
+        """Keywords of matplotlib in which it differs; points with friction lie close together."""
+        small = {"markersize": 3.5, "markeredgewidth": 0.3} if self.symbol == "o" else {}
+        return {"color": self.colour, **small}
+
 
 @dataclass(frozen=True)
 class ContactArrow:

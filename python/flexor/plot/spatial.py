@@ -39,9 +39,7 @@ def draw_scene(
     for line in scene.lines:
         axes.plot(*(CM * line.points.T), color=line.colour, linewidth=1.2, zorder=10)
     for mark in scene.marks:
-        axes.plot(
-            *(CM * mark.point[:, None]), mark.symbol, **MARK | {"color": mark.colour}, zorder=60.0
-        )
+        axes.plot(*(CM * mark.point[:, None]), mark.symbol, **MARK | mark.style, zorder=60.0)
 
 
 def draw_contact_forces(
