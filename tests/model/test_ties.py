@@ -130,11 +130,11 @@ def test_a_joint_of_an_arm_without_load_is_driven(planar: bool, joint: str) -> N
     assert len(said) == ("revolute" in joint)
 
 
-def test_a_crank_that_turns_back_ends_by_arc_length() -> None:
-    # The coupler and the rocker are stretched at 222.6 deg, by hand; the branch closes on itself.
-    made = model(
+def crank_and_rocker(coupler: float) -> Model:
+    """Return a crank of 4 cm and a sprung rocker of 5 cm, 12 cm apart."""
+    return model(
         link("crank", 0.04, f"placement = {{ {UP} }}", 'kind = "free"'),
-        link("coupler", 0.1, 'parent = "crank"\nplacement = { rotation = { y = "90 deg" } }'),
+        link("coupler", coupler, 'parent = "crank"\nplacement = { rotation = { y = "90 deg" } }'),
         link(
             "rocker",
             0.05,
@@ -144,6 +144,11 @@ def test_a_crank_that_turns_back_ends_by_arc_length() -> None:
         tie("motor", "hinge", "world = {}", '"crank", at = "base"', 'drive = "rotation"'),
         tie("loop", "hinge", '"coupler", at = "tip"', '"rocker", at = "tip"'),
     )
+
+
+def test_a_crank_that_turns_back_ends_by_arc_length() -> None:
+    # The coupler and the rocker are stretched at 222.6 deg, by hand; the branch closes on itself.
+    made = crank_and_rocker(coupler=0.1)
     path = made.equilibrium(np.radians([0.0, 400.0]), follow="arc-length")
     assert path.status[-1] == "closed-branch" and path.converged[:-1].all()
     cosine = (0.04**2 + 0.12**2 - 0.15**2) / (2.0 * 0.04 * 0.12)
@@ -367,6 +372,10 @@ def test_contradictory_ties_are_named() -> None:
     far = tie("far", "pin", '"link", at = "tip"', 'world = { x = "25 cm" }')
     path = model(link("link", 0.2), far).equilibrium([0.0])
     assert path.status[0] == "not-closed" and "ties.far is open by 50" in why_not_closed(path)
+    # Links that are too short, of which one turns freely meanwhile: sqrt(4^2 + 12^2) - 6 - 5 cm.
+    path = crank_and_rocker(coupler=0.06).equilibrium([0.0])
+    assert path.status[0] == "not-closed"
+    assert "ties.loop is open by 16.5 mm" in why_not_closed(path)
 
 
 @pytest.mark.parametrize(

@@ -198,8 +198,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// whatever the load that it was to reach; if it can be there again, the state is the one on the way in which
     /// gaps are largest.
     pub(super) fn why_not_closed(&mut self, status: Status, target: &[f64], from: &[&[f64]]) -> Status {
-        let ended =
-            matches!(status, Status::Stalled | Status::Diverged | Status::IterationLimit | Status::Singular);
+        let ended = matches!(
+            status,
+            Status::Stalled
+                | Status::Diverged
+                | Status::IterationLimit
+                | Status::Unrestrained
+                | Status::Singular
+        );
         if !ended || !self.system.has_ties() {
             return status;
         }

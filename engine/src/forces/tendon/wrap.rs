@@ -41,7 +41,7 @@ pub(super) struct Around<const P: usize> {
     plane: Plane<P>,
     /// +1 where θ is the angle between the ends, −1 where it is what that leaves of a turn.
     sign: f64,
-    way: Way,
+    pub way: Way,
     reduced: Reduced,
     /// Distance along the axis.
     rise: f64,
