@@ -4,6 +4,7 @@ use crate::assembly::Assembly;
 use crate::control::Controls;
 use crate::design::Design;
 use crate::forces::contact::ContactSummary;
+use crate::forces::crossing::{Crossing, Motion};
 use crate::forces::element::{ContactForce, Switch, Velocities};
 use crate::forces::magnitudes::Magnitudes;
 use crate::forces::state::{Law, State};
@@ -349,6 +350,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     ) {
         let at = self.state(model, q, load);
         model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
+    }
+
+    /// Visits what a straight motion of the coordinates leads through, between the states at which these poses
+    /// are; `continues` if another motion follows.
+    pub(crate) fn for_each_crossing(
+        &self,
+        model: &Model<G, D, P>,
+        ends: [&Kinematics<G, D, P>; 2],
+        continues: bool,
+        mut visit: impl FnMut(Crossing),
+    ) {
+        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        let [from, to] = ends.map(|kinematics| State { tree, geometry, kinematics, q: &[], load: &[], law });
+        model.forces.for_each_crossing(&Motion { ends: [&from, &to], continues }, &mut visit);
     }
 
     /// Stores the forces that springs and contacts have after a motion of the points from the state

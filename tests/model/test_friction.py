@@ -255,6 +255,13 @@ def test_friction_balances_the_other_forces() -> None:
     np.testing.assert_allclose(other, work, atol=1e-8 * np.abs(other).max() + 1e-9)
 
 
+@pytest.mark.parametrize("pull", [0.5, 1.0])
+def test_a_strip_that_comes_to_rest_on_a_post_does_not_snap(pull: float) -> None:
+    path = flexor.load("capstan").equilibrium([0.0, pull])
+    assert path.converged.all()
+    assert not path.events
+
+
 def test_a_contact_that_begins_within_a_step_is_resisted_from_there() -> None:
     """A block 1 mm above the floor falls and is pulled in one step."""
     text = SLEDGE.replace('placement = { z = "1 cm" }', 'placement = { z = "11 mm" }')

@@ -382,6 +382,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
             && self.meets_no_branch(h)
+            && self.system.stopped_by_contact(&self.start, &self.moved).is_none()
     }
 
     /// Whether springs without contact make the tangent change fast with the state.

@@ -7,6 +7,7 @@ use super::status::Status;
 use super::system::System;
 use super::vector::{max_norm, norm};
 use crate::lie::LieGroup;
+use crate::tolerances::ZERO_EIGENVALUE;
 
 /// Newton's method with halved steps.
 #[derive(Clone, Debug)]
@@ -14,11 +15,13 @@ pub(super) struct DampedNewton {
     options: DampedNewtonOptions,
     step: Vec<f64>,
     start: Vec<f64>,
+    /// A part of the step.
+    scaled: Vec<f64>,
 }
 
 impl DampedNewton {
     pub fn new(options: DampedNewtonOptions, dof: usize) -> Self {
-        Self { options, step: vec![0.0; dof], start: vec![0.0; dof] }
+        Self { options, step: vec![0.0; dof], start: vec![0.0; dof], scaled: vec![0.0; dof] }
     }
 
     /// An equilibrium near the system's state, a statically stable one if there is any.
@@ -31,7 +34,6 @@ impl DampedNewton {
         let found = self.solve_residual(system, tolerance);
         let lost = match found {
             Status::Converged => system.stability() == Stability::Unstable,
-            Status::Unrestrained => return found,
             _ => true,
         };
         if !lost {
@@ -100,9 +102,14 @@ impl DampedNewton {
             system.advance_from(&self.start, &self.step, fraction);
             let size = system.evaluate();
             if size.is_finite() && norm(system.residual()) < before {
-                return Some(size);
+                self.scaled.iter_mut().zip(&self.step).for_each(|(x, s)| *x = fraction * s);
+                match system.stopped_by_contact(&self.start, &self.scaled) {
+                    None => return Some(size),
+                    Some(part) => fraction *= part.min(0.5),
+                }
+            } else {
+                fraction *= 0.5;
             }
-            fraction *= 0.5;
         }
         system.set_state(&self.start);
         system.evaluate();
@@ -119,6 +126,7 @@ impl DampedNewton {
         let origin = system.state().to_vec();
         let mut size = system.evaluate();
         let mut shift = f64::INFINITY;
+        let mut unrestrained = 0;
         for iteration in 0..self.options.max_relaxation {
             if !size.is_finite() {
                 return Status::Diverged;
@@ -144,6 +152,15 @@ impl DampedNewton {
             if low >= 0.0 && shift < 1e-2 * low {
                 shift = 0.0;
             }
+            // Along a motion without stiffness the force leads on until something stops it.
+            let free = system.is_singular() || !(low.abs() > ZERO_EIGENVALUE);
+            unrestrained = if free { unrestrained + 1 } else { 0 };
+            if unrestrained > self.options.max_free_steps {
+                return Status::Unrestrained;
+            }
+            if free {
+                shift = norm(system.residual()) / self.options.max_step;
+            }
             loop {
                 system.factorise(shift);
                 system.newton_step(&mut self.step);
@@ -155,8 +172,15 @@ impl DampedNewton {
                     return Status::Diverged;
                 }
             }
+            self.start.copy_from_slice(system.state());
             system.advance(&self.step);
             size = system.evaluate();
+            if let Some(part) = system.stopped_by_contact(&self.start, &self.step) {
+                system.advance_from(&self.start, &self.step, part);
+                size = system.evaluate();
+                // The stiffness of the contact holds near the surface only.
+                shift = f64::INFINITY;
+            }
             if system.has_diverged(&origin) {
                 return Status::Unrestrained;
             }

@@ -142,10 +142,63 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         if !self.system.has_friction() {
             return self.follow_to(target, step, sink);
         }
-        let mut events = Deferred::default();
+        let (start, mut events) = (self.step_start(), Deferred::default());
         let status = self.follow_in_parts([from, target], [0.0, 1.0], step, &mut events);
+        if status.is_equilibrium() && events.happen_at(target) {
+            self.locate_events(start, [from, target], step, &mut events);
+        }
         events.release(step, sink);
         status
+    }
+
+    /// Locates an event that settling friction met at the end of a step, by halves of the step: a motion that shorter
+    /// steps make without an event is none. The equilibrium found remains.
+    fn locate_events(
+        &mut self,
+        mut start: StepStart<P>,
+        [from, target]: [&[f64]; 2],
+        step: LoadStep,
+        events: &mut Deferred,
+    ) {
+        let (found, substeps) = (self.step_start(), self.friction_substeps.len());
+        let load = |share: f64| -> Vec<f64> {
+            from.iter().zip(target).map(|(a, b)| (1.0 - share) * a + share * b).collect()
+        };
+        let attempts = [Attempt::Plain, Attempt::Sticking];
+        let (mut begin, mut end) = (0.0, 1.0);
+        let mut located = Some(Deferred::default());
+        for _ in 0..self.options.friction.max_halvings_of_load {
+            let middle = 0.5 * (begin + end);
+            self.go_back(&start);
+            let mut heard = Deferred::default();
+            if !self.try_in_turn(&attempts, &load(middle), step, &mut heard).is_equilibrium() {
+                located = None;
+                break;
+            }
+            if heard.0.is_empty() {
+                self.end_friction_step();
+                (start, begin) = (self.step_start(), middle);
+                if !self.try_in_turn(&attempts, &load(end), step, &mut heard).is_equilibrium() {
+                    located = None;
+                    break;
+                }
+            } else {
+                end = middle;
+            }
+            let none = heard.0.is_empty();
+            located = Some(heard);
+            if none {
+                break;
+            }
+        }
+        self.friction_substeps.truncate(substeps);
+        self.go_back(&found);
+        let (size, tolerance) = (self.system.renew_friction(), self.options.tolerance);
+        let _ = self.system.has_converged(size, tolerance) || self.system.is_balanced(tolerance);
+        if let Some(located) = located {
+            events.0.retain(|(_, [at, ..])| at[..] != target[..at.len()]);
+            events.0.extend(located.0);
+        }
     }
 
     /// Follows the branch in one step or, if friction does not settle, in two, and so on.
@@ -281,6 +334,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
 struct Deferred(Vec<(EventKind, [Vec<f64>; 3])>);
 
 impl Deferred {
+    /// Whether one of them is at a load.
+    fn happen_at(&self, load: &[f64]) -> bool {
+        self.0.iter().any(|(_, [at, ..])| at[..] == load[..at.len()])
+    }
+
     fn release<G, const D: usize, const P: usize>(self, step: LoadStep, sink: &mut impl PathSink<G, D, P>) {
         for (kind, [load, before, after]) in self.0 {
             sink.event(Event { step: step.index, kind, load: &load, before: &before, after: &after });

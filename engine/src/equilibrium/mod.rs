@@ -51,6 +51,7 @@ mod stability;
 mod status;
 mod step_control;
 mod subproblem;
+mod sweep;
 mod system;
 #[cfg(test)]
 mod tests;

@@ -364,6 +364,8 @@ options! {
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
         /// Largest number of implicit steps of the overdamped motion from an unstable state.
         max_relaxation: usize = 1500, Interval::from(0.0).to(1e6);
+        /// Largest number of consecutive steps of this motion without stiffness.
+        max_free_steps: usize = 8, Interval::from(1.0).to(1e6);
         /// Distance from the unstable equilibrium at which this motion starts.
         perturbation: f64 = 1e-3, Interval::above(0.0).to(1.0);
     }

@@ -6,6 +6,7 @@ use super::factor::Factor;
 use super::options::ContinuationOptions;
 use super::projection::Projection;
 use super::stability::Stability;
+use super::sweep::Sweep;
 use super::vector::dot;
 use crate::Data;
 use crate::forces::element::Velocities;
@@ -67,6 +68,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     /// What the reactions found last add to the energy, as the assembly has earlier ones.
     pub(super) reaction_energy: f64,
     pub(super) scratch: Vec<f64>,
+    /// Of a model with bodies that may meet.
+    pub(super) sweep: Option<Box<Sweep<G, D, P>>>,
     /// Of a model with friction.
     pub(super) renewal: Option<Box<RenewalWork<D, P>>>,
 }
@@ -110,6 +113,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             free_residual: vec![],
             reaction_energy: 0.0,
             scratch: vec![],
+            sweep: model.has_solids().then(|| Box::new(Sweep::new(model))),
             renewal: (model.friction_count() > 0).then(|| Box::new(RenewalWork::new(model))),
         };
         if let Some(closed) = system.load.get_mut(model.inputs().len()) {

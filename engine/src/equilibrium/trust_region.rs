@@ -93,6 +93,12 @@ impl TrustRegion {
             self.residual.copy_from_slice(system.residual());
             system.advance(&self.subproblem.step);
             let mut trial_size = system.evaluate();
+            if let Some(part) = system.stopped_by_contact(&self.state, &self.subproblem.step) {
+                system.restore(&self.state, &self.residual);
+                (rejected, unrestrained) = (true, 0);
+                radius = part.min(0.5) * length;
+                continue;
+            }
             let negligible = step.newton && longest <= self.newton.negligible_step;
             if negligible && !(trial_size < self.newton.progress * size) {
                 // The residual is rounding, but larger than that of its terms.

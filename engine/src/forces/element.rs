@@ -1,5 +1,6 @@
 //! The interface between the engine and its forces.
 
+use super::crossing::{Crossing, Motion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
 use super::terms::Terms;
@@ -199,6 +200,14 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         _visit: &mut impl FnMut(Switch<P>),
     ) {
     }
+
+    /// Whether bodies meet others by it.
+    fn has_solids(&self) -> bool {
+        false
+    }
+
+    /// Visits what a motion leads through.
+    fn for_each_crossing(&self, _motion: &Motion<G, D, P>, _visit: &mut impl FnMut(Crossing)) {}
 
     /// Visits the parameters of the stiffnesses of springs and contacts, with their multipliers.
     fn for_each_stiffness(&self, _parameters: &[f64], _visit: &mut impl FnMut(usize, f64)) {}

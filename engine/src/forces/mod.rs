@@ -6,6 +6,7 @@
 
 pub(crate) mod actuator;
 pub(crate) mod contact;
+pub(crate) mod crossing;
 pub(crate) mod differential;
 pub(crate) mod elasticity;
 pub(crate) mod element;

@@ -3,6 +3,7 @@
 use super::description::Description;
 use crate::forces::actuator::Actuators;
 use crate::forces::contact::Contacts;
+use crate::forces::crossing::{Crossing, Motion};
 use crate::forces::elasticity::Elasticity;
 use crate::forces::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use crate::forces::fibres::FibreSections;
@@ -166,6 +167,18 @@ macro_rules! registry {
                 visit: &mut impl FnMut(Switch<P>),
             ) {
                 $(self.$name.for_each_switch(at, &states.$name, margin, visit);)*
+            }
+
+            pub fn have_solids<G: LieGroup<D, P>, const D: usize>(&self) -> bool {
+                false $(|| ForceElement::<G, D, P>::has_solids(&self.$name))*
+            }
+
+            pub fn for_each_crossing<G: LieGroup<D, P>, const D: usize>(
+                &self,
+                motion: &Motion<G, D, P>,
+                visit: &mut impl FnMut(Crossing),
+            ) {
+                $(self.$name.for_each_crossing(motion, visit);)*
             }
 
             pub fn for_each_stiffness<G: LieGroup<D, P>, const D: usize>(

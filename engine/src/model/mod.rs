@@ -130,6 +130,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.forces.have_switches::<G, D>()
     }
 
+    /// Whether there are bodies that may meet others or obstacles.
+    pub(crate) fn has_solids(&self) -> bool {
+        self.forces.have_solids::<G, D>()
+    }
+
     /// Whether there are springs.
     pub(crate) fn has_springs(&self) -> bool {
         self.forces.springs.count() > 0

@@ -12,9 +12,10 @@ pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 use pair::KeptForce;
-pub(crate) use round_cone::{Closest, PlacedCone};
+pub(crate) use round_cone::{Closest, PlacedCone, crossing_of_cone};
 pub(crate) use sphere::direction;
 
+use super::crossing::{Crossing, Motion};
 use super::differential::{Depth, Differential};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -299,6 +300,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     stiffness: k * pair.weight,
                 });
             });
+        }
+    }
+
+    fn has_solids(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
+        let parameters = motion.ends[0].parameters();
+        for contact in self.0.iter().filter(|contact| parameters[contact.stiffness] > 0.0) {
+            if contact.cones.is_empty() {
+                sphere::for_each_crossing(motion, contact, visit);
+            } else {
+                round_cone::for_each_crossing(motion, contact, visit);
+            }
         }
     }
 

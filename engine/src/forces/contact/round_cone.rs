@@ -4,6 +4,7 @@
 //! subtracted, so that a bent chain is touched as one solid. Every term has a
 //! continuous gradient.
 
+use super::super::crossing::{Crossing, Motion};
 use super::super::state::State;
 use super::definition::{Contact, RoundCone};
 use super::pair::ContactPair;
@@ -152,6 +153,51 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
             }
         }
     }
+}
+
+/// Visits the spheres of the first group that a motion leads through a round cone.
+pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    contact: &Contact,
+    visit: &mut impl FnMut(Crossing),
+) {
+    for first in contact.first.clone() {
+        if contact.weight(motion.ends[0].parameters(), first) > 0.0 {
+            let cones = contact.cones.iter().filter(|cone| counts(contact, first, cone));
+            cones.filter_map(|cone| crossing_of_cone(motion, first, cone)).for_each(&mut *visit);
+        }
+    }
+}
+
+/// The crossing of a round cone by a sphere, if a motion leads through it.
+pub(crate) fn crossing_of_cone<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    sphere: usize,
+    cone: &RoundCone,
+) -> Option<Crossing> {
+    let (spheres, radii) = (&motion.ends[0].tree.spheres, &motion.ends[0].geometry.radii);
+    let radii_of_cone = cone.ends.map(|end| radii[end]);
+    let thickness = radii[sphere] + radii_of_cone[0].max(radii_of_cone[1]);
+    // Of the sphere and of the second end, relative to the first end.
+    let [before, after] = motion.ends.map(|at| {
+        let [p, a, b] = [sphere, cone.ends[0], cone.ends[1]].map(|s| *at.point(spheres[s].point));
+        [p - a, b - a]
+    });
+    let reach = radii[sphere] + (after[0] - before[0]).norm() + (after[1] - before[1]).norm();
+    if PlacedCone::new([&Vector::ZERO, &before[1]], radii_of_cone).is_far(&before[0], reach) {
+        return None;
+    }
+    let moves = Motion::<G, D, P>::moves_enough;
+    let ways = [[before[0], after[0]], [before[0] - before[1], after[0] - after[1]]];
+    if !ways.iter().any(|way| moves(thickness, way)) {
+        return None;
+    }
+    let place = |share: f64, i: usize| before[i] + (after[i] - before[i]) * share;
+    motion.crossing_along(thickness, |share| {
+        let cone = PlacedCone::new([&Vector::ZERO, &place(share, 1)], radii_of_cone);
+        let found = cone.closest(&place(share, 0));
+        (radii[sphere] + found.radius - found.distance, found.normal)
+    })
 }
 
 /// Whether a sphere and a round cone form a pair: in self-contact, only if the cone is far enough ahead.

@@ -1,5 +1,6 @@
 //! Contact between spheres (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
+use super::super::crossing::{Crossing, Motion};
 use super::super::state::State;
 use super::definition::Contact;
 use super::enclosure::{self, Ball};
@@ -53,6 +54,37 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     visit(ContactPair::of_spheres(pair, normal, reach, distance, 1.0));
                 }
             }
+        }
+    }
+}
+
+/// Visits the pairs of spheres that a motion leads through each other.
+pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    contact: &Contact,
+    visit: &mut impl FnMut(Crossing),
+) {
+    let ends = motion.ends;
+    let (spheres, radii) = (&ends[0].tree.spheres, &ends[0].geometry.radii);
+    for first in contact.first.clone() {
+        let own = ends.map(|at| *at.point(spheres[first].point));
+        let ahead = if contact.is_self() { first + contact.skip.max(1) } else { contact.second.start };
+        for second in ahead..contact.second.end {
+            let point = spheres[second].point;
+            let [before, after] = [own[0] - *ends[0].point(point), own[1] - *ends[1].point(point)];
+            let moved = after - before;
+            let (thickness, along) = (radii[first] + radii[second], -before.dot(&moved));
+            // Too far aside, or still far away at the end.
+            let aside = before.dot(&before) * moved.dot(&moved) - along * along;
+            let far = thickness * thickness * moved.dot(&moved);
+            if along <= 0.0 || aside > far || along > moved.dot(&moved) && !motion.continues {
+                continue;
+            }
+            let found = motion.crossing(thickness, [before, after], |place| {
+                let (normal, distance) = direction(*place, place.norm(), thickness);
+                (thickness - distance, normal)
+            });
+            found.into_iter().for_each(&mut *visit);
         }
     }
 }

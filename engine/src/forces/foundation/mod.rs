@@ -12,7 +12,8 @@ pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
 pub(super) use strip::Strip;
 
-use super::contact::{Closest, ContactSummary, PlacedCone, direction};
+use super::contact::{Closest, ContactSummary, PlacedCone, crossing_of_cone, direction};
+use super::crossing::{Crossing, Motion};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -387,6 +388,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 stiffness: contact.stiffness(),
             });
         });
+    }
+
+    fn has_solids(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
+        for foundation in &self.0 {
+            for first in &foundation.weighted {
+                let cones = foundation.cones.iter();
+                cones.filter_map(|cone| crossing_of_cone(motion, *first, cone)).for_each(&mut *visit);
+            }
+        }
     }
 
     fn add_residual(

@@ -15,6 +15,7 @@ pub use definition::ObstacleDescription;
 pub use skin::ObstacleSkinDescription;
 pub use surface::SurfaceDescription;
 
+use super::crossing::{Crossing, Motion};
 use super::differential::{Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -550,6 +551,33 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 stiffness: expected.stiffness,
             });
         });
+    }
+
+    fn has_solids(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
+        let ends = motion.ends;
+        let (p, units) = (ends[0].parameters(), std::array::from_fn(Vector::unit));
+        for obstacle in &self.0 {
+            let axes = ends.map(|at| obstacle.world_axes(at));
+            for each in &obstacle.spheres {
+                let radius = ends[0].geometry.radii[each.sphere];
+                let [before, after] = [0, 1].map(|i| obstacle.place(ends[i], &axes[i], each.sphere));
+                for surface in &obstacle.surfaces {
+                    let Some(thickness) = surface.thickness(p).map(|own| own + radius) else { continue };
+                    let near = surface.distance(p, &before) < radius + (after - before).norm();
+                    if near {
+                        let found = motion.crossing(thickness, [before, after], |place| {
+                            let depth = radius - surface.distance(p, place);
+                            (depth, surface.slopes(p, &units, place).normal)
+                        });
+                        found.into_iter().for_each(&mut *visit);
+                    }
+                }
+            }
+        }
     }
 
     fn at_threshold(&self, at: &State<G, D, P>, moves: &impl Fn(&[usize], &Vector<P>) -> bool) -> bool {

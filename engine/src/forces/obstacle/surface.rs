@@ -128,6 +128,17 @@ impl<const P: usize> Surface<P> {
         })
     }
 
+    /// How deep what lies behind the surface is at most; `None` where it has no other side.
+    pub fn thickness(&self, parameters: &[f64]) -> Option<f64> {
+        match self {
+            Self::Rounded { endless, half, radius, side } if *side > 0.0 => {
+                let halves = (0..P).filter(|i| !endless[*i]).map(|i| parameters[half + i]);
+                Some(parameters[*radius] + halves.fold(f64::INFINITY, f64::min))
+            }
+            _ => None,
+        }
+    }
+
     /// Whether its parameters are physically meaningful.
     pub fn is_admissible(&self, parameters: &[f64]) -> bool {
         match self {

@@ -1,0 +1,97 @@
+//! Steps of a search that lead through a body are shortened, so that contact is met and not passed over.
+//!
+//! A step leads through a body if a sphere enters it on one side and is beyond its middle at the end
+//! ([`Crossing`]), and if the forces along the step oppose it somewhere in between: otherwise contact is too weak
+//! to stop the motion, and the descent goes through.
+
+use super::system::System;
+use super::vector::dot;
+use crate::forces::crossing::Crossing;
+use crate::kinematics::Kinematics;
+use crate::lie::LieGroup;
+use crate::model::Model;
+
+/// Rotation [rad] over which points are taken to move along straight lines.
+const STRAIGHT: f64 = 0.7;
+/// Largest number of pieces of a step.
+const MAX_PIECES: f64 = 64.0;
+/// Places between meeting a body and its middle at which forces are evaluated.
+const PLACES: usize = 3;
+
+/// A workspace.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep<G, const D: usize, const P: usize> {
+    poses: [Kinematics<G, D, P>; 2],
+    crossings: Vec<Crossing>,
+    state: Vec<f64>,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<G, D, P> {
+    pub fn new(model: &Model<G, D, P>) -> Self {
+        let poses = [Kinematics::new(&model.tree), Kinematics::new(&model.tree)];
+        Self { poses, crossings: vec![], state: vec![0.0; model.dof()] }
+    }
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
+    /// The part of a dimensionless step from `start` after which it has met a body that it leads through
+    /// against the forces; `None`, with the state at its end, if there is none.
+    pub(super) fn stopped_by_contact(&mut self, start: &[f64], step: &[f64]) -> Option<f64> {
+        let mut sweep = self.sweep.take()?;
+        self.find_crossings(&mut sweep, start, step);
+        let mut stopped = None;
+        if !sweep.crossings.is_empty() {
+            sweep.crossings.sort_by(|a, b| a.met.total_cmp(&b.met));
+            sweep.state.copy_from_slice(self.state());
+            stopped = sweep.crossings.iter().find(|at| self.opposes(start, step, at)).map(|at| at.met);
+            self.set_state(&sweep.state);
+            self.evaluate();
+        }
+        self.sweep = Some(sweep);
+        stopped
+    }
+
+    fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
+        let Sweep { poses, crossings, state } = sweep;
+        crossings.clear();
+        let (model, geometry) = (self.model(), &self.data.design.geometry);
+        let pieces = (self.rotation(step) / STRAIGHT).ceil().clamp(1.0, MAX_PIECES);
+        let share = 1.0 / pieces;
+        poses[0].update(&model.tree, geometry, start);
+        for piece in 0..pieces as usize {
+            let begin = piece as f64 * share;
+            for ((q, t), (s, u)) in state.iter_mut().zip(start).zip(step.iter().zip(self.units())) {
+                *q = t + (begin + share) * s * u;
+            }
+            poses[1].update(&model.tree, geometry, state);
+            let continues = piece + 1 < pieces as usize;
+            self.data.for_each_crossing(model, [&poses[0], &poses[1]], continues, |at| {
+                let [met, deepest] = [at.met, at.deepest].map(|part| begin + part * share);
+                crossings.push(Crossing { met, deepest });
+            });
+            poses.swap(0, 1);
+        }
+    }
+
+    /// A bound on the rotation of any frame over a dimensionless step [rad].
+    fn rotation(&self, step: &[f64]) -> f64 {
+        let model = self.model();
+        let size = |i: usize| (step[i] * self.units()[i]).abs();
+        let joints = model.joints.iter().filter(|joint| joint.joint.angular).map(|joint| size(joint.dof));
+        let rods = model.rods.iter().map(|rod| {
+            let angles = rod.dofs.clone().zip(&rod.angular).filter(|(_, angular)| **angular);
+            angles.map(|(dof, _)| size(dof)).fold(0.0, f64::max)
+        });
+        joints.sum::<f64>() + rods.sum::<f64>()
+    }
+
+    /// Whether forces oppose a step on the way into a body.
+    fn opposes(&mut self, start: &[f64], step: &[f64], crossing: &Crossing) -> bool {
+        (0..=PLACES).any(|place| {
+            let part = place as f64 / PLACES as f64;
+            self.advance_from(start, step, crossing.met + part * (crossing.deepest - crossing.met));
+            self.evaluate();
+            dot(self.residual(), step) > 0.0
+        })
+    }
+}

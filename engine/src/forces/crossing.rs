@@ -1,0 +1,133 @@
+//! Whether a straight motion of the coordinates leads a sphere through a solid: in on one side and out on another.
+//!
+//! A descent on the energy sees contact only at the ends of its steps. A step that is longer than a body is thick
+//! may end behind it, at a lower energy, with a barrier in between.
+
+use super::state::State;
+use crate::lie::LieGroup;
+use crate::linalg::Vector;
+
+/// Cosine of the angle between the normals at both ends of a motion, above which the sphere stays on its side.
+const SAME_SIDE: f64 = 0.2;
+/// Smallest depth of a crossing, as a fraction of the thickness.
+const DEEP: f64 = 0.3;
+/// Depth at which a sphere has met the solid, likewise.
+const MET: f64 = 0.1;
+/// Motion of a sphere relative to the solid that cannot lead to its other side, likewise.
+const SHORT: f64 = 0.05;
+/// Places that are compared before the deepest one is refined, and steps of refinement.
+const PLACES: usize = 8;
+const REFINEMENTS: usize = 40;
+
+/// A part of a motion that leads into a solid, as fractions of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    /// Where the sphere has met the solid.
+    pub met: f64,
+    /// Where it is deepest.
+    pub deepest: f64,
+}
+
+/// A motion of all points along straight lines.
+#[derive(Debug)]
+pub(crate) struct Motion<'a, G, const D: usize, const P: usize> {
+    /// The states at its ends.
+    pub ends: [&'a State<'a, G, D, P>; 2],
+    /// Whether another such motion follows.
+    pub continues: bool,
+}
+
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> Motion<'_, G, D, P> {
+    /// Whether a sphere that moves so, relative to a solid, may come to its other side.
+    pub fn moves_enough(thickness: f64, [before, after]: &[Vector<P>; 2]) -> bool {
+        let moved = *after - *before;
+        moved.dot(&moved) > (SHORT * thickness).powi(2)
+    }
+
+    /// The crossing of a solid by a sphere that moves so relative to it; `at` is the depth at a place and the
+    /// normal there, `thickness` the depth from which the nearest surface is that of the other side.
+    pub fn crossing(
+        &self,
+        thickness: f64,
+        way: [Vector<P>; 2],
+        at: impl Fn(&Vector<P>) -> (f64, Vector<P>),
+    ) -> Option<Crossing> {
+        if !Self::moves_enough(thickness, &way) {
+            return None;
+        }
+        self.crossing_along(thickness, |share| at(&(way[0] + (way[1] - way[0]) * share)))
+    }
+
+    /// The same with depth and normal by the part of the way.
+    pub fn crossing_along(&self, thickness: f64, at: impl Fn(f64) -> (f64, Vector<P>)) -> Option<Crossing> {
+        crossing(thickness, self.continues, at)
+    }
+}
+
+/// `continues`: the motion goes on, so that it also leads through what it is deep in at its end.
+fn crossing<const P: usize>(
+    thickness: f64,
+    continues: bool,
+    at: impl Fn(f64) -> (f64, Vector<P>),
+) -> Option<Crossing> {
+    let (before, normal) = at(0.0);
+    let (after, other) = at(1.0);
+    let inside = continues && after > DEEP * thickness;
+    if normal.dot(&other) > SAME_SIDE && !inside {
+        return None;
+    }
+    let depth = |share: f64| at(share).0;
+    let share = |place: usize| place as f64 / PLACES as f64;
+    let nearest = (0..=PLACES).max_by(|a, b| depth(share(*a)).total_cmp(&depth(share(*b))))?;
+    // By golden section: the distance from a convex solid is convex along a straight line.
+    let (mut low, mut high) = (share(nearest.saturating_sub(1)), share((nearest + 1).min(PLACES)));
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    for _ in 0..REFINEMENTS {
+        let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
+        if depth(a) > depth(b) { high = b } else { low = a }
+    }
+    let deepest = 0.5 * (low + high);
+    if !(depth(deepest) > DEEP * thickness) {
+        return None;
+    }
+    let outside = before.max(0.0);
+    let target = (outside + MET * (thickness - outside).max(0.0)).min(depth(deepest));
+    let (mut apart, mut met) = (0.0, deepest);
+    for _ in 0..REFINEMENTS {
+        let middle = 0.5 * (apart + met);
+        if depth(middle) < target { apart = middle } else { met = middle }
+    }
+    Some(Crossing { met, deepest })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sphere that passes a unit circle at a distance `aside` from its middle, from `from` to `to`.
+    fn passing(aside: f64, from: f64, to: f64) -> Option<Crossing> {
+        crossing(1.0, false, |share| {
+            let place = Vector([from + share * (to - from), aside]);
+            (1.0 - place.norm(), place * (1.0 / place.norm()))
+        })
+    }
+
+    #[test]
+    fn a_motion_through_a_solid_meets_it_at_its_surface() {
+        // At the depth 0.1, which is 0.9 from the middle.
+        for (from, to) in [(-2.0, 3.0), (-2000.0, 1e6)] {
+            let found = passing(1e-3, from, to).unwrap();
+            let place = |share: f64| from + share * (to - from);
+            let off = 1e-9 * (to - from);
+            assert!((place(found.met) + (0.81f64 - 1e-6).sqrt()).abs() < off, "{found:?}");
+            assert!(place(found.deepest).abs() < 1e-3 + off, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_grazes_a_solid_or_stays_on_its_side_does_not_cross_it() {
+        assert_eq!(passing(0.8, -2.0, 2.0), None);
+        assert_eq!(passing(0.1, -2.0, -0.5), None);
+        assert_eq!(passing(0.1, -1.0, -30.0), None);
+    }
+}
