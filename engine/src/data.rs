@@ -366,6 +366,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.for_each_crossing(&Motion { ends: [&from, &to], continues }, &mut visit);
     }
 
+    /// The largest motion of the ends of a spring between two states, relative to its rest length.
+    pub(crate) fn spring_motion(&self, model: &Model<G, D, P>, states: [&[f64]; 2]) -> f64 {
+        if !model.has_springs() {
+            return 0.0;
+        }
+        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        let poses = states.map(|q| {
+            let mut kinematics = Kinematics::new(tree);
+            kinematics.update(tree, geometry, q);
+            kinematics
+        });
+        let [before, after] =
+            [0, 1].map(|i| State { tree, geometry, kinematics: &poses[i], q: states[i], load: &[], law });
+        model.forces.springs.largest_motion([&before, &after])
+    }
+
     /// Stores the forces that springs and contacts have after a motion of the points from the state
     /// evaluated last, with distances to first order.
     pub(crate) fn keep_forces(&mut self, model: &Model<G, D, P>, motion: &Velocities<D, P>) {

@@ -13,6 +13,10 @@ use crate::strain::gauss_legendre;
 const WORK_POINTS: usize = 12;
 /// Quadrature points of [`Continuation::crosses_a_barrier`].
 const BARRIER_POINTS: usize = 6;
+/// Part of the distance to a critical load over which it is approached before it is extrapolated again.
+const APPROACH: f64 = 0.9;
+/// Largest number of Newton steps to an equilibrium on the way.
+const REFINEMENTS: usize = 8;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// Goes from the equilibrium in `start`, at `from`, from which the smallest sub-step, to `failed`, could
@@ -75,13 +79,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         // As the state at `from` is approximate, the limit point may lie before it.
         let lambda = (at + self.options.locate.beyond * self.span()).max(from).min(1.0);
         self.find_stable_at(lambda, self.tangent_reuse_at(lambda, step))?;
-        let moved = max_norm(&self.moved) > self.options.jump.min_displacement;
-        if moved && self.releases_energy(lambda - at) {
+        if self.moves_noticeably() && self.releases_energy(lambda - at) {
             self.report(EventKind::Snap, at, lambda, step, sink);
             return Ok(lambda);
         }
         control.record_negligible_jump();
         self.jump(from, next, step, sink)
+    }
+
+    /// Whether the displacement from `start` is that of a jump: of the coordinates or, as beside long bodies, of the
+    /// ends of a spring.
+    fn moves_noticeably(&self) -> bool {
+        let least = self.options.jump.min_displacement;
+        let states = [&self.start[..], self.system.state()];
+        max_norm(&self.moved) > least || self.system.data().spring_motion(self.system.model(), states) > least
     }
 
     /// Goes from the state in `start`, at `from`, to a stable equilibrium at `next`.
@@ -206,15 +217,64 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let found = self.system.state().to_vec();
         self.system.set_load_between(&self.start_load, &self.rate, from);
         self.system.set_state(&self.start);
-        let distance = self.critical.find(&mut self.system, &self.velocity[0], &self.rate, h);
+        let at = self.critical_load(from, h).map_or(lambda, |at| at.min(lambda));
         self.restore_at(&found, lambda);
-        let at = distance.map_or(lambda, |distance| (from + distance).min(lambda));
         let kind = if self.displacement_is_constant(at, from, lambda) {
             EventKind::Snap
         } else {
             EventKind::Bifurcation
         };
         Some((kind, at))
+    }
+
+    /// λ of the loss of stability ahead of the current equilibrium, near `from`, within `h`: extrapolated from there,
+    /// and again from closer by. Overwrites state and load.
+    fn critical_load(&mut self, from: f64, h: f64) -> Option<f64> {
+        let mut velocity = self.velocity[0].clone();
+        let mut distance = self.critical.find(&mut self.system, &velocity, &self.rate, h)?;
+        let mut at = from;
+        for _ in 0..self.options.critical.approaches {
+            let near = APPROACH * distance;
+            let place: Vec<f64> = velocity.iter().map(|v| v * near).collect();
+            let start = if at == from { self.start.clone() } else { self.work.clone() };
+            self.system.advance_from(&start, &place, 1.0);
+            self.system.set_load_between(&self.start_load, &self.rate, at + near);
+            if !self.refine_equilibrium() {
+                break;
+            }
+            self.work.copy_from_slice(self.system.state());
+            self.system.velocity(&self.rate, &mut velocity);
+            let Some(again) = self.critical.find(&mut self.system, &velocity, &self.rate, h - near) else {
+                break;
+            };
+            // Far from where it was expected, another mode was found.
+            if !((again + near - distance).abs() < (1.0 - APPROACH) * distance) {
+                break;
+            }
+            (at, distance) = (at + near, again);
+        }
+        Some(at + distance)
+    }
+
+    /// Newton's method for the equilibrium nearby; `false` if it does not lead to a stable one.
+    fn refine_equilibrium(&mut self) -> bool {
+        let mut step = vec![0.0; self.start.len()];
+        let mut last = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            self.system.evaluate();
+            self.system.evaluate_tangent();
+            if !self.system.factorise(0.0) || self.system.is_singular() {
+                return false;
+            }
+            self.system.newton_step(&mut step);
+            let length = max_norm(&step);
+            if !(length < 0.5 * last) {
+                break;
+            }
+            last = length;
+            self.system.advance(&step);
+        }
+        last < self.options.newton.small_step
     }
 
     /// Goes to a nearby equilibrium at `lambda` instead of the one found, where there is one: from an

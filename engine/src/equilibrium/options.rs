@@ -295,6 +295,8 @@ options! {
     pub struct CriticalOptions {
         /// Number of chord steps to the equilibrium from which the search starts.
         refinements: usize = 3, Interval::from(0.0).to(100.0);
+        /// How often the load is extrapolated again from closer by.
+        approaches: usize = 2, Interval::from(0.0).to(10.0);
         /// Number of inverse iterations for the eigenvector of the lowest eigenvalue.
         inverse_iterations: usize = 8, Interval::from(1.0).to(1000.0);
         /// Number of iterations for the eigenvector of the eigenvalue that vanishes first.

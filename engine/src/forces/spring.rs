@@ -115,6 +115,19 @@ impl Springs {
         self.0.iter().map(|spring| parameters[spring.rest_length]).fold(0.0, f64::max)
     }
 
+    /// The largest motion of the ends of a spring relative to one another, as a fraction of its rest length.
+    pub fn largest_motion<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        [before, after]: [&State<G, D, P>; 2],
+    ) -> f64 {
+        let motion = |spring: &Spring| {
+            let [first, second] = spring.ends;
+            let between = |at: &State<G, D, P>| *at.point(second) - *at.point(first);
+            (between(after) - between(before)).norm() / after.parameters()[spring.rest_length]
+        };
+        self.0.iter().map(motion).filter(|motion| motion.is_finite()).fold(0.0, f64::max)
+    }
+
     /// Adds a multiple of the change of the tension of one spring; a slack strap has none.
     pub fn add_tension<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
