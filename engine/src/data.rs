@@ -15,6 +15,9 @@ use crate::model::Model;
 use crate::ties::TieConditions;
 use crate::tree::Shape;
 
+/// Part of the natural unit of a coordinate over which motions are differenced.
+const DIFFERENCE: f64 = 1e-6;
+
 /// A reusable workspace; evaluating and solving allocate no memory.
 #[derive(Clone, Debug)]
 pub struct Data<G, const D: usize, const P: usize> {
@@ -364,6 +367,29 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
         let [from, to] = ends.map(|kinematics| State { tree, geometry, kinematics, q: &[], load: &[], law });
         model.forces.for_each_crossing(&Motion { ends: [&from, &to], continues }, &mut visit);
+    }
+
+    /// By how much each coordinate without elasticity moves until it has moved the ends of a spring as far as the
+    /// spring is long at rest or in the state `q`; infinite for others.
+    pub(crate) fn spring_reach(&self, model: &Model<G, D, P>, q: &[f64]) -> Vec<f64> {
+        let mut reach = vec![f64::INFINITY; q.len()];
+        if !model.has_springs() {
+            return reach;
+        }
+        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        let mut moved = q.to_vec();
+        let mut poses = [Kinematics::new(tree), Kinematics::new(tree)];
+        poses[0].update(tree, geometry, q);
+        for (i, reach) in reach.iter_mut().enumerate().filter(|(i, _)| !self.design.units.elastic[*i]) {
+            let step = DIFFERENCE * self.design.units.natural[i];
+            moved[i] += step;
+            poses[1].update(tree, geometry, &moved);
+            moved[i] = q[i];
+            let [before, after] =
+                [0, 1].map(|i| State { tree, geometry, kinematics: &poses[i], q, load: &[], law });
+            *reach = step / model.forces.springs.largest_turn([&before, &after]);
+        }
+        reach
     }
 
     /// The largest motion of the ends of a spring between two states, relative to its rest length.

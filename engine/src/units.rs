@@ -35,6 +35,9 @@ pub(crate) struct Units {
     in_loops: bool,
     /// One radian, a strain of one, or for a translation the length of the longest of these bodies.
     pub natural: Vec<f64>,
+    /// Unit of a coordinate without elasticity: the natural one or, if that is shorter, the motion by which it
+    /// moves the ends of a spring as far as the spring is long.
+    local: Vec<f64>,
     kind: Vec<Kind>,
     /// Diagonal elastic stiffness of each coordinate; without elasticity, force by natural unit.
     pub stiffness: Vec<f64>,
@@ -60,6 +63,7 @@ impl Units {
             all_elastic: false,
             in_loops: model.tie_count() > 0,
             natural: vec![1.0; n],
+            local: vec![1.0; n],
             kind,
             stiffness: vec![0.0; n],
         }
@@ -97,6 +101,7 @@ impl Units {
             }
         }
         self.all_elastic = self.elastic.iter().all(|elastic| *elastic);
+        self.local.copy_from_slice(&self.natural);
         self.set_scale(model);
     }
 
@@ -116,13 +121,18 @@ impl Units {
     }
 
     /// Sets the stiffness of coordinates without elasticity to the force per natural unit, or where there
-    /// is none to the curvature, which in the presence of a stiff spring says little about large motions.
+    /// is none to the curvature, which in the presence of a stiff spring says little about large motions. By
+    /// `reach` a coordinate moves the ends of a spring as far as the spring is long.
     pub fn measure<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
         curvature: &[f64],
         force: &[f64],
+        reach: &[f64],
     ) {
+        for (local, (natural, reach)) in self.local.iter_mut().zip(self.natural.iter().zip(reach)) {
+            *local = natural.min(*reach);
+        }
         for i in (0..self.stiffness.len()).filter(|i| !self.elastic[*i]) {
             let by_force = force[i] / self.natural[i];
             self.stiffness[i] = if by_force > 0.0 { by_force } else { curvature[i] };
@@ -153,8 +163,8 @@ impl Units {
                 self.own_energy[i] = self.energy;
             }
             let by_stiffness = (self.own_energy[i] / self.energy).sqrt() / self.stiffness[i].sqrt();
-            let natural = self.natural[i] / self.energy.sqrt();
-            self.scale[i] = if self.elastic[i] { by_stiffness } else { natural };
+            let local = self.local[i] / self.energy.sqrt();
+            self.scale[i] = if self.elastic[i] { by_stiffness } else { local };
         }
     }
 

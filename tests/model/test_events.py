@@ -224,3 +224,55 @@ def test_what_another_input_is_held_at_changes_no_bit() -> None:
         assert np.array_equal(paths[0]["q"][..., own], other["q"][..., own])
         for key in ("design", "step", "kind"):
             assert np.array_equal(paths[0]["events"][key], other["events"][key])
+
+
+TRUSS = """
+name = "truss"
+planar = true
+[bodies.mast]
+kind = "link"
+length = "300 m"
+radius = "1 m"
+{mast}
+{node}
+[springs.l]
+stiffness = "1000 N/m"
+rest_length = "0.10198039027185571 m"
+first = {{ body = "{body}", at = "tip" }}
+second = {{ world = {{ x = "-10 cm" }} }}
+[springs.r]
+stiffness = "1000 N/m"
+rest_length = "0.10198039027185571 m"
+first = {{ body = "{body}", at = "tip" }}
+second = {{ world = {{ x = "10 cm" }} }}
+[wrenches.push]
+body = "{body}"
+at = "tip"
+force = {{ z = "-1 N" }}
+input = true
+"""
+SLIDE = """
+[bodies.node]
+kind = "link"
+parent = "mast"
+length = "1 mm"
+radius = "1 mm"
+placement = { x = "-1 mm", z = "2 cm" }
+joint = { kind = "prismatic", axis = "z" }
+"""
+
+
+@pytest.mark.parametrize("steps", [2, 20])
+@pytest.mark.parametrize("part", ["slide", "hinge"])
+def test_a_small_truss_on_a_long_body_snaps(part: str, steps: int) -> None:
+    slides = part == "slide"
+    mast = 'placement = { x = "-300 m" }'
+    if not slides:
+        mast = 'placement = { x = "-300 m", z = "2 cm" }\njoint = { kind = "revolute", axis = "y" }'
+    text = TRUSS.format(mast=mast, node=SLIDE if slides else "", body="node" if slides else "mast")
+    path = Model(parse(text)).equilibrium(np.linspace(0.0, 40.0, steps))
+    z = np.linspace(0.0, 0.02, 200_001)
+    limit = (2000.0 * (np.hypot(0.1, 0.02) / np.hypot(0.1, z) - 1.0) * z).max()
+    assert path.converged.all()
+    assert kinds(path) == ["snap"]
+    assert path.events[0].force == pytest.approx(limit, rel=1e-6)

@@ -217,7 +217,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
                 force[i] = force[i].max(self.magnitudes.coordinates[i]);
             }
         }
-        self.data.design.units.measure(self.model, &curvature, &force);
+        let reach = self.data.spring_reach(self.model, &self.q);
+        self.data.design.units.measure(self.model, &curvature, &force, &reach);
         self.set_units();
     }
 
