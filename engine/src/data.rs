@@ -387,12 +387,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             moved[i] = q[i];
             let [before, after] =
                 [0, 1].map(|i| State { tree, geometry, kinematics: &poses[i], q, load: &[], law });
-            *reach = step / model.forces.springs.largest_turn([&before, &after]);
+            *reach = step / model.forces.springs.largest_motion([&before, &after]);
         }
         reach
     }
 
-    /// The largest motion of the ends of a spring between two states, relative to its rest length.
+    /// The largest motion of the ends of a spring between two states, relative to its length.
     pub(crate) fn spring_motion(&self, model: &Model<G, D, P>, states: [&[f64]; 2]) -> f64 {
         if !model.has_springs() {
             return 0.0;

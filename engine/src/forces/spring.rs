@@ -115,31 +115,20 @@ impl Springs {
         self.0.iter().map(|spring| parameters[spring.rest_length]).fold(0.0, f64::max)
     }
 
-    /// The largest motion of the ends of a spring relative to one another, as a fraction of its rest length.
+    /// The largest motion of the ends of a spring relative to one another, as a fraction of its length at rest or
+    /// before, whichever is larger. A pin, whose length at rest is zero, has no length to compare with.
     pub fn largest_motion<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         [before, after]: [&State<G, D, P>; 2],
     ) -> f64 {
-        let motion = |spring: &Spring| {
-            let [first, second] = spring.ends;
-            let between = |at: &State<G, D, P>| *at.point(second) - *at.point(first);
-            (between(after) - between(before)).norm() / after.parameters()[spring.rest_length]
-        };
-        self.0.iter().map(motion).filter(|motion| motion.is_finite()).fold(0.0, f64::max)
-    }
-
-    /// The same as a fraction of its length at rest or before, whichever is larger.
-    pub fn largest_turn<G: LieGroup<D, P>, const D: usize, const P: usize>(
-        &self,
-        [before, after]: [&State<G, D, P>; 2],
-    ) -> f64 {
+        let long = self.0.iter().filter(|spring| after.parameters()[spring.rest_length] > 0.0);
         let motion = |spring: &Spring| {
             let [first, second] = spring.ends;
             let between = |at: &State<G, D, P>| *at.point(second) - *at.point(first);
             let length = after.parameters()[spring.rest_length].max(between(before).norm());
             (between(after) - between(before)).norm() / length
         };
-        self.0.iter().map(motion).filter(|motion| motion.is_finite()).fold(0.0, f64::max)
+        long.map(motion).fold(0.0, f64::max)
     }
 
     /// Adds a multiple of the change of the tension of one spring; a slack strap has none.
