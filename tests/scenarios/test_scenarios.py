@@ -116,7 +116,7 @@ def test_few_designs_are_enough_where_each_is_many_paths(
     model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As good as what a pattern search with small steps finds, with fewer designs."""
-    words = {"subject_to": ["overlap <= 1.4 mm"], "tolerance": TOLERANCE, "samples": 16}
+    words = {"subject_to": ["overlap <= 1.4 mm"], "tolerance": TOLERANCE, "samples": 4}
     few = flexor.optimize(model, VARIED, AIM, **words)
     one = flexor.optimize(model, VARIED, AIM, executor=flexor.study.Threads(1), **words)
     for each, other in zip(few.records, one.records, strict=True):
