@@ -24,6 +24,8 @@ fn check_differences<const P: usize>(e: &Ends<P>) -> Result<(), TestCaseError> {
     let across = |x: Vector<P>| e.axis.map_or(x, |axis| x - axis * axis.dot(&x)).norm();
     let off = e.ends.map(|x| across(x) - R).into_iter().fold(f64::INFINITY, f64::min);
     let h = (0.005 * off).min(1e-6);
+    // Directions to an end that close to the surface are rounded more.
+    let blurred = 4.0 * f64::EPSILON * R / (off * h);
     let rounded = 1e-8f64.max(4.0 * f64::EPSILON * around.length / h);
     // Where the path lets go, or changes to the other side, it has no derivative.
     let same = |there: &Around<P>| there.way == around.way;
@@ -53,7 +55,7 @@ fn check_differences<const P: usize>(e: &Ends<P>) -> Result<(), TestCaseError> {
                         _ => curvature.hessian[1].0[k][l],
                     };
                     let error = (column[i][l] - exact).abs();
-                    prop_assert!(error < 1e-6 * scale, "{i}{end} {l}{k}: {} {exact}", column[i][l]);
+                    prop_assert!(error < 1e-6 * scale + blurred, "{i}{end} {l}{k}: {} {exact}", column[i][l]);
                 }
             }
         }
@@ -68,7 +70,7 @@ fn check_differences<const P: usize>(e: &Ends<P>) -> Result<(), TestCaseError> {
     prop_assert!((slope - around.by_radius).abs() < rounded, "{slope} {}", around.by_radius);
     for i in 0..2 {
         let error = (turned[i] - curvature.gradient_by_radius[i]).norm();
-        prop_assert!(error < 1e-6 * scale, "{:?} {:?}", turned, curvature.gradient_by_radius);
+        prop_assert!(error < 1e-6 * scale + blurred, "{:?} {:?}", turned, curvature.gradient_by_radius);
     }
     Ok(())
 }
