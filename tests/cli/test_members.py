@@ -13,7 +13,7 @@ import flexor
 from flexor.cli.app import main
 from flexor.errors import InputError
 from flexor.study import Study
-from flexor.study.served import served
+from flexor.study.wearers_served import served
 
 VARY = ["--vary", "exosuit.section.wall=1.5 mm:3 mm", "--maximise", "range-of-motion"]
 COARSE = [

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from flexor.arguments import check_callable
 from flexor.arrays import Array
 from flexor.design.custom import STEP
-from flexor.design.given import variables_in_si
 from flexor.design.load_variables import load_variable
 from flexor.design.parameter_set import UNITS
 from flexor.design.profiles import control_points
+from flexor.design.stated_variables import variables_in_si
 from flexor.design.variables import NAME, Variables
 from flexor.errors import InputError
 from flexor.model.geometry import SlotValues

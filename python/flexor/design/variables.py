@@ -18,7 +18,7 @@ from flexor.design.fields import keys_of, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
-from flexor.design.recall import recalled
+from flexor.design.slot_map_cache import cached
 from flexor.design.span_map import is_span
 from flexor.design.strap_places import check_place, is_place, with_moving_straps
 from flexor.errors import InputError
@@ -208,7 +208,7 @@ class Variables(ParameterSet):
         lower, upper = self.lower[chosen], self.upper[chosen]
         text = model.file.to_toml()
         question = (model.digest, text, tuple(keys), lower.tobytes(), upper.tobytes())
-        return recalled(question, lambda: field_map(model, keys, labels, lower, upper))
+        return cached(question, lambda: field_map(model, keys, labels, lower, upper))
 
     def _refitted(self, model: Structure, keys: list[tuple[str, ...]]) -> FieldMap | None:
         """Return the map of another model with other numbers: models differ in values only."""

@@ -19,7 +19,7 @@ from flexor.model.follow import follow as follow_loads
 from flexor.model.follow import follow_branch
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.loads import Forces, loads
-from flexor.model.passed import warn_about_passages
+from flexor.model.obstacle_passages import warn_about_passages
 from flexor.model.reading import parse
 from flexor.model.results import Path, Paths
 from flexor.model.schema import ModelFile

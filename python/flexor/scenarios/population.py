@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.design.fields import keys_of, value_of
-from flexor.design.given import fields_of
+from flexor.design.stated_variables import fields_of
 from flexor.errors import InputError, unknown
 from flexor.model.quantity import Unit, infer_quantity
 from flexor.scenarios.scenario import Scenario

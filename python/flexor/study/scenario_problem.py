@@ -34,8 +34,8 @@ from flexor.scenarios import (
 )
 from flexor.scenarios.scenario import Given
 from flexor.scenarios.tolerance import samples
+from flexor.study.limb_batch import LimbBatch, limb_batch
 from flexor.study.problem import FloatArray, Problem
-from flexor.study.together import Together, together
 
 if TYPE_CHECKING:
     from flexor.model import Model
@@ -160,7 +160,7 @@ class ScenarioProblem(Problem):
     def with_corners(self, corners: FloatArray) -> ScenarioProblem:
         """Return the problem with other errors for which constraints have to hold."""
         made = replace(self, corners=np.asarray(corners, dtype=np.float64))
-        for name in ("models", "cases", "_extra", "_values", "_extended", "_together"):
+        for name in ("models", "cases", "_extra", "_values", "_extended", "_limb_batch"):
             made.__dict__[name] = getattr(self, name)  # models and maps stay
         return made
 
@@ -239,8 +239,8 @@ class ScenarioProblem(Problem):
             Of each scenario: n e paths, those of the first design first.
         """
         placed = [self._placed(designs, errors, index) for index in range(len(self.cases))]
-        if self._together is not None:
-            return self._together.evaluate(placed, threads, gradient)
+        if self._limb_batch is not None:
+            return self._limb_batch.evaluate(placed, threads, gradient)
         work = [
             partial(case.evaluate, each, gradient=gradient)
             for case, each in zip(self.cases, placed, strict=True)
@@ -248,9 +248,9 @@ class ScenarioProblem(Problem):
         return _all_of(work, threads)
 
     @cached_property
-    def _together(self) -> Together | None:
+    def _limb_batch(self) -> LimbBatch | None:
         """All cases as one problem, if they are of one model but for its parameters."""
-        return together(self.cases, self.scenarios)
+        return limb_batch(self.cases, self.scenarios)
 
     def path_of(self, design: FloatArray, error: FloatArray, scenario: int = 0) -> Path:
         """Follow the path of a design (k,) with an error (m,) in one of the scenarios."""

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeInt, model_v
 
 from flexor.constraints import Constraint, constraint
 from flexor.design import ParameterSet, parameter_set
-from flexor.design.given import recorded_variables
+from flexor.design.stated_variables import recorded_variables
 from flexor.design.variables import NAME as FIELDS
 from flexor.errors import InputError, shortened
 from flexor.model.loads import loads

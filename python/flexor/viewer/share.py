@@ -137,7 +137,7 @@ def share_page(source: Model | Study, origin: str = "") -> str:
         As `shared_designs`, or if the file that says whom a size serves is damaged.
     """
     from flexor.study import Study
-    from flexor.study.served import served
+    from flexor.study.wearers_served import served
 
     study = source if isinstance(source, Study) else None
     size = None if study is None else served(study)

@@ -62,8 +62,8 @@ class _Cases(ParameterSet):
 
 
 @dataclass(frozen=True, eq=False)
-class Together:
-    """Cases as one problem of one model; made by `together`."""
+class LimbBatch:
+    """Cases as one problem of one model; made by `limb_batch`."""
 
     problem: Problem  # of the first model; the last parameter is which case
 
@@ -83,7 +83,7 @@ class Together:
         return [found[first:last] for first, last in pairwise(ends)]
 
 
-def together(cases: Sequence[Problem], scenarios: Sequence[Scenario]) -> Together | None:
+def limb_batch(cases: Sequence[Problem], scenarios: Sequence[Scenario]) -> LimbBatch | None:
     """Return cases as one problem.
 
     None where their models differ in more than what the engine has as parameters, or one has
@@ -121,7 +121,7 @@ def together(cases: Sequence[Problem], scenarios: Sequence[Scenario]) -> Togethe
         own=every[:, indices],
         place=np.searchsorted(indices, slots),
     )
-    return Together(replace(first, parameters=made))
+    return LimbBatch(replace(first, parameters=made))
 
 
 def _of_the_limb(scenario: Scenario, model: Model) -> bool:

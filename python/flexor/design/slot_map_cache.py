@@ -17,7 +17,7 @@ _known: dict[Hashable, object] = {}
 _lock = Lock()
 
 
-def recalled(question: Hashable, find: Callable[[], Found]) -> Found:
+def cached(question: Hashable, find: Callable[[], Found]) -> Found:
     """Return the answer to a question, found now if it is not among those of late.
 
     Parameters

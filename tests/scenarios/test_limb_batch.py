@@ -27,8 +27,8 @@ def test_one_batch_has_the_results_of_each_model(nominal: Problem, tolerance) ->
     """Bit by bit: values, constraints and all derivatives."""
     stated = Uncertainty(tolerance=tolerance, samples=2 if tolerance else 0, wearers=4)
     batch, apart = (ScenarioProblem.over(nominal, stated, seed=3) for _ in range(2))
-    assert batch._together is not None
-    apart.__dict__["_together"] = None
+    assert batch._limb_batch is not None
+    apart.__dict__["_limb_batch"] = None
     designs = np.array([[0.1, 2e-3], [0.093, 2.7e-3]])
     mine, theirs = (each.evaluate(designs, gradient=True) for each in (batch, apart))
     assert np.isfinite(theirs.value).all()
@@ -60,4 +60,4 @@ def test_other_differences_are_evaluated_one_by_one(changes) -> None:
     model = flexor.load("pneumatic-finger")
     nominal = Problem.of(model, {"exosuit.length": BOUNDS["exosuit.length"]}, "maximise bending")
     people = [Scenario("plain"), Scenario("other", 1.0, changes)]
-    assert ScenarioProblem.over(nominal, Uncertainty(people))._together is None
+    assert ScenarioProblem.over(nominal, Uncertainty(people))._limb_batch is None
