@@ -35,6 +35,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         }
     }
 
+    /// Takes over where frames and points are.
+    pub fn copy_places(&mut self, other: &Self)
+    where
+        G: Copy,
+    {
+        self.pose.copy_from_slice(&other.pose);
+        self.points.copy_from_slice(&other.points);
+    }
+
     /// Computes all poses at the state `q`.
     pub fn update(&mut self, tree: &Tree<G, D, P>, geometry: &Geometry<G, D, P>, q: &[f64]) {
         tree.coordinate_blocks.gather(q, &mut self.coordinates);

@@ -21,7 +21,10 @@ const PLACES: usize = 3;
 /// A workspace.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<G, const D: usize, const P: usize> {
+    /// The first is that of `start`.
     poses: [Kinematics<G, D, P>; 2],
+    /// Not a number where it is not known.
+    start: Vec<f64>,
     crossings: Vec<Crossing>,
     state: Vec<f64>,
 }
@@ -29,13 +32,22 @@ pub(super) struct Sweep<G, const D: usize, const P: usize> {
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
         let poses = [Kinematics::new(&model.tree), Kinematics::new(&model.tree)];
-        Self { poses, crossings: vec![], state: vec![0.0; model.dof()] }
+        Self { poses, start: vec![f64::NAN; model.dof()], crossings: vec![], state: vec![0.0; model.dof()] }
     }
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
-    /// The part of a dimensionless step from `start` after which it has met a body that it leads through
-    /// against the forces; `None`, with the state at its end, if there is none.
+    /// Keeps where everything is in the state evaluated last, from which steps will start.
+    pub(super) fn start_sweeps(&mut self) {
+        if let Some(mut sweep) = self.sweep.take() {
+            sweep.poses[0].copy_places(&self.data.kinematics);
+            sweep.start.copy_from_slice(self.state());
+            self.sweep = Some(sweep);
+        }
+    }
+
+    /// The part of a dimensionless step from `start` to the state evaluated last after which it has met a body
+    /// that it leads through against the forces; `None`, with the state at its end, if there is none.
     pub(super) fn stopped_by_contact(&mut self, start: &[f64], step: &[f64]) -> Option<f64> {
         let mut sweep = self.sweep.take()?;
         self.find_crossings(&mut sweep, start, step);
@@ -52,12 +64,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     }
 
     fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
-        let Sweep { poses, crossings, state } = sweep;
+        let Sweep { poses, start: known, crossings, state } = sweep;
         crossings.clear();
         let (model, geometry) = (self.model(), &self.data.design.geometry);
+        if known != start {
+            poses[0].update(&model.tree, geometry, start);
+            known.copy_from_slice(start);
+        }
         let pieces = (self.rotation(step) / STRAIGHT).ceil().clamp(1.0, MAX_PIECES);
+        if pieces == 1.0 {
+            let ends = [&poses[0], &self.data.kinematics];
+            self.data.for_each_crossing(model, ends, false, |at| crossings.push(at));
+            return;
+        }
+        known.fill(f64::NAN);
         let share = 1.0 / pieces;
-        poses[0].update(&model.tree, geometry, start);
         for piece in 0..pieces as usize {
             let begin = piece as f64 * share;
             for ((q, t), (s, u)) in state.iter_mut().zip(start).zip(step.iter().zip(self.units())) {

@@ -65,6 +65,7 @@ impl TrustRegion {
             return Status::Diverged;
         }
         system.evaluate_tangent();
+        system.start_sweeps();
         let mut energy = system.data().energy();
         let (mut rejected, mut unrestrained, mut stiff) = (false, 0, false);
         let status = loop {
@@ -148,6 +149,7 @@ impl TrustRegion {
             }
             energy = system.data().energy();
             system.evaluate_tangent();
+            system.start_sweeps();
         };
         if rejected {
             system.evaluate();

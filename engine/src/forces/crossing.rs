@@ -8,7 +8,7 @@ use crate::lie::LieGroup;
 use crate::linalg::Vector;
 
 /// Cosine of the angle between the normals at both ends of a motion, above which the sphere stays on its side.
-const SAME_SIDE: f64 = 0.2;
+pub(crate) const SAME_SIDE: f64 = 0.2;
 /// Smallest depth of a crossing, as a fraction of the thickness.
 const DEEP: f64 = 0.3;
 /// Depth at which a sphere has met the solid, likewise.

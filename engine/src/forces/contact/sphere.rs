@@ -58,6 +58,17 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
+/// Spheres of a group that are compared with another sphere together.
+#[derive(Clone, Copy)]
+struct Block<const P: usize> {
+    /// Around their surfaces before the motion.
+    ball: (Vector<P>, f64),
+    /// The longest way of one of them.
+    way: f64,
+}
+
+const BLOCKS: usize = 8;
+
 /// Visits the pairs of spheres that a motion leads through each other.
 pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usize>(
     motion: &Motion<G, D, P>,
@@ -66,25 +77,50 @@ pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usiz
 ) {
     let ends = motion.ends;
     let (spheres, radii) = (&ends[0].tree.spheres, &ends[0].geometry.radii);
+    let places = |sphere: usize| ends.map(|at| *at.point(spheres[sphere].point));
+    let size = contact.second.len().div_ceil(BLOCKS).max(1);
+    let range = |block: usize| {
+        let start = contact.second.start + block * size;
+        start..(start + size).min(contact.second.end)
+    };
+    let blocks: [Block<P>; BLOCKS] = std::array::from_fn(|block| {
+        let mut around = Block { ball: (Vector::ZERO, 0.0), way: 0.0 };
+        for sphere in range(block) {
+            let [before, after] = places(sphere);
+            if sphere == range(block).start {
+                around.ball.0 = before;
+            }
+            around.ball.1 = around.ball.1.max((before - around.ball.0).norm() + radii[sphere]);
+            around.way = around.way.max((after - before).norm());
+        }
+        around
+    });
     for first in contact.first.clone() {
-        let own = ends.map(|at| *at.point(spheres[first].point));
+        let own = places(first);
+        let reach = radii[first] + (own[1] - own[0]).norm();
         let ahead = if contact.is_self() { first + contact.skip.max(1) } else { contact.second.start };
-        for second in ahead..contact.second.end {
-            let point = spheres[second].point;
-            let [before, after] = [own[0] - *ends[0].point(point), own[1] - *ends[1].point(point)];
-            let moved = after - before;
-            let (thickness, along) = (radii[first] + radii[second], -before.dot(&moved));
-            // Too far aside, or still far away at the end.
-            let aside = before.dot(&before) * moved.dot(&moved) - along * along;
-            let far = thickness * thickness * moved.dot(&moved);
-            if along <= 0.0 || aside > far || along > moved.dot(&moved) && !motion.continues {
+        for (block, Block { ball, way }) in blocks.iter().enumerate() {
+            let (apart, near) = (own[0] - ball.0, reach + ball.1 + way);
+            if apart.dot(&apart) > near * near {
                 continue;
             }
-            let found = motion.crossing(thickness, [before, after], |place| {
-                let (normal, distance) = direction(*place, place.norm(), thickness);
-                (thickness - distance, normal)
-            });
-            found.into_iter().for_each(&mut *visit);
+            for second in range(block).start.max(ahead)..range(block).end {
+                let other = places(second);
+                let [before, after] = [own[0] - other[0], own[1] - other[1]];
+                let moved = after - before;
+                let (thickness, along) = (radii[first] + radii[second], -before.dot(&moved));
+                // Too far aside, or still far away at the end.
+                let aside = before.dot(&before) * moved.dot(&moved) - along * along;
+                let far = thickness * thickness * moved.dot(&moved);
+                if along <= 0.0 || aside > far || along > moved.dot(&moved) && !motion.continues {
+                    continue;
+                }
+                let found = motion.crossing(thickness, [before, after], |place| {
+                    let (normal, distance) = direction(*place, place.norm(), thickness);
+                    (thickness - distance, normal)
+                });
+                found.into_iter().for_each(&mut *visit);
+            }
         }
     }
 }
