@@ -355,6 +355,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.for_each_switch(&at, &self.assembly.forces, margin, &mut visit);
     }
 
+    /// Whether a motion in which bodies turn by less than half a turn may lead one through another, between the
+    /// states at which these poses are.
+    pub(crate) fn may_cross(&self, model: &Model<G, D, P>, ends: [&Kinematics<G, D, P>; 2]) -> bool {
+        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        let [from, to] = ends.map(|kinematics| State { tree, geometry, kinematics, q: &[], load: &[], law });
+        model.forces.may_cross(&Motion { ends: [&from, &to], continues: false })
+    }
+
     /// Visits what a straight motion of the coordinates leads through, between the states at which these poses
     /// are; `continues` if another motion follows.
     pub(crate) fn for_each_crossing(

@@ -4,7 +4,6 @@
 use super::options::PredictorOptions;
 use super::point_motion::PointMotion;
 use super::system::System;
-use crate::forces::crossing::SAME_SIDE;
 use crate::forces::element::Switch;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -18,8 +17,6 @@ struct Pair<const P: usize> {
     /// Rate of the overlap.
     rate: f64,
     touching: bool,
-    /// Whether the first point is on the side to which the normal points, as with solids, not with straps.
-    solid: bool,
     /// Whether it has changed already; a first-order prediction changes each pair once at most.
     changed: bool,
 }
@@ -73,8 +70,7 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
                 return;
             }
             let touching = switch.depth > 0.0;
-            let solid = switch.normal.dot(&apart(&switch, &data.kinematics.points)) > 0.0;
-            self.pairs.push(Pair { switch, rate, touching, solid, changed: false });
+            self.pairs.push(Pair { switch, rate, touching, changed: false });
         });
     }
 
@@ -104,17 +100,6 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         for pair in &mut self.pairs {
             pair.rate = pair.switch.rate::<G, D>(&self.motion.velocities());
         }
-    }
-
-    /// Whether one of the pairs is no longer on the same side in the state evaluated last; for an obstacle that
-    /// is not known.
-    pub fn may_be_passed<G: LieGroup<D, P>>(&self, system: &System<G, D, P>) -> bool {
-        let places = &system.data().kinematics.points;
-        self.pairs.iter().any(|Pair { switch, solid, .. }| {
-            let apart = apart(switch, places);
-            let obstacle = switch.own.is_some() || switch.carrier.is_some();
-            obstacle || *solid && switch.normal.dot(&apart) <= SAME_SIDE * apart.norm()
-        })
     }
 
     /// Opens or closes a pair. Returns the stiffness that this adds to the tangent, negative where it
@@ -153,10 +138,4 @@ impl<const D: usize, const P: usize> ContactChanges<D, P> {
         gradient.iter_mut().zip(&data.design.units.scale).for_each(|(g, s)| *g *= s);
         stiffness
     }
-}
-
-/// From the other body's point to the first one.
-fn apart<const P: usize>(switch: &Switch<P>, places: &[Vector<P>]) -> Vector<P> {
-    let Switch { points: [p, a, b], t, .. } = switch;
-    places[*p] - (places[*a] * (1.0 - t) + places[*b] * *t)
 }

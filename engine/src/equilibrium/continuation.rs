@@ -230,6 +230,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 return status;
             }
             self.start.copy_from_slice(self.system.state());
+            self.system.start_sweeps();
             let ahead = (control.target() - lambda).min(self.longest_passage());
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
             let to_end = self.predictor.branch_end();
@@ -387,7 +388,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// Whether the motion to the current equilibrium leads through a body against the forces.
     fn passes_body(&mut self) -> bool {
-        self.predictor.may_pass_body(&self.system)
+        self.system.may_have_crossed(&self.start, &self.moved)
             && self.system.stopped_by_contact(&self.start, &self.moved).is_some()
     }
 

@@ -201,11 +201,6 @@ impl<const D: usize, const P: usize> Predictor<D, P> {
         }
     }
 
-    /// Whether a contact ahead may lie behind the state evaluated last.
-    pub fn may_pass_body<G: LieGroup<D, P>>(&self, system: &System<G, D, P>) -> bool {
-        self.contacts.may_be_passed(system)
-    }
-
     /// Discards the curvature.
     pub fn forget_curvature(&mut self) {
         self.curvature.fill(0.0);

@@ -63,6 +63,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         stopped
     }
 
+    /// Whether a step from `start` to the state evaluated last may lead through a body. Less than half a turn leads
+    /// to another side of it.
+    pub(super) fn may_have_crossed(&self, start: &[f64], step: &[f64]) -> bool {
+        let Some(sweep) = &self.sweep else { return false };
+        self.rotation(step) > std::f64::consts::PI
+            || sweep.start != start
+            || self.data.may_cross(self.model(), [&sweep.poses[0], &self.data.kinematics])
+    }
+
     fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
         let Sweep { poses, start: known, crossings, state } = sweep;
         crossings.clear();

@@ -206,6 +206,11 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         false
     }
 
+    /// Whether a motion in which bodies turn by less than half a turn may lead one through another.
+    fn may_cross(&self, _motion: &Motion<G, D, P>) -> bool {
+        self.has_solids()
+    }
+
     /// Visits what a motion leads through.
     fn for_each_crossing(&self, _motion: &Motion<G, D, P>, _visit: &mut impl FnMut(Crossing)) {}
 

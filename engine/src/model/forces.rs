@@ -173,6 +173,10 @@ macro_rules! registry {
                 false $(|| ForceElement::<G, D, P>::has_solids(&self.$name))*
             }
 
+            pub fn may_cross<G: LieGroup<D, P>, const D: usize>(&self, motion: &Motion<G, D, P>) -> bool {
+                false $(|| self.$name.may_cross(motion))*
+            }
+
             pub fn for_each_crossing<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 motion: &Motion<G, D, P>,

@@ -307,6 +307,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
+    fn may_cross(&self, motion: &Motion<G, D, P>) -> bool {
+        self.0.iter().any(|contact| !contact.cones.is_empty() || sphere::may_cross(motion, contact))
+    }
+
     fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
         let parameters = motion.ends[0].parameters();
         for contact in self.0.iter().filter(|contact| parameters[contact.stiffness] > 0.0) {

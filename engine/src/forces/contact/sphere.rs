@@ -1,12 +1,13 @@
 //! Contact between spheres (8): d = R_f + R(X) − ‖r_c‖ > 0.
 
-use super::super::crossing::{Crossing, Motion};
+use super::super::crossing::{Crossing, Motion, SAME_SIDE};
 use super::super::state::State;
 use super::definition::Contact;
 use super::enclosure::{self, Ball};
 use super::pair::ContactPair;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use std::ops::Range;
 
 /// Visits the pairs of spheres of a contact whose gap is below `margin`, in the order of the first
 /// group.
@@ -69,32 +70,79 @@ struct Block<const P: usize> {
 
 const BLOCKS: usize = 8;
 
-/// Visits the pairs of spheres that a motion leads through each other.
-pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// The spheres of the second group that a block consists of.
+fn block_range(contact: &Contact, block: usize) -> Range<usize> {
+    let size = contact.second.len().div_ceil(BLOCKS).max(1);
+    let start = contact.second.start + block * size;
+    start..(start + size).min(contact.second.end)
+}
+
+fn places_at_ends<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    sphere: usize,
+) -> [Vector<P>; 2] {
+    motion.ends.map(|at| *at.point(at.tree.spheres[sphere].point))
+}
+
+fn blocks<G: LieGroup<D, P>, const D: usize, const P: usize>(
     motion: &Motion<G, D, P>,
     contact: &Contact,
-    visit: &mut impl FnMut(Crossing),
-) {
-    let ends = motion.ends;
-    let (spheres, radii) = (&ends[0].tree.spheres, &ends[0].geometry.radii);
-    let places = |sphere: usize| ends.map(|at| *at.point(spheres[sphere].point));
-    let size = contact.second.len().div_ceil(BLOCKS).max(1);
-    let range = |block: usize| {
-        let start = contact.second.start + block * size;
-        start..(start + size).min(contact.second.end)
-    };
-    let blocks: [Block<P>; BLOCKS] = std::array::from_fn(|block| {
+) -> [Block<P>; BLOCKS] {
+    let radii = &motion.ends[0].geometry.radii;
+    std::array::from_fn(|block| {
+        let range = block_range(contact, block);
         let mut around = Block { ball: (Vector::ZERO, 0.0), way: 0.0 };
-        for sphere in range(block) {
-            let [before, after] = places(sphere);
-            if sphere == range(block).start {
+        for sphere in range.clone() {
+            let [before, after] = places_at_ends(motion, sphere);
+            if sphere == range.start {
                 around.ball.0 = before;
             }
             around.ball.1 = around.ball.1.max((before - around.ball.0).norm() + radii[sphere]);
             around.way = around.way.max((after - before).norm());
         }
         around
-    });
+    })
+}
+
+/// Whether a sphere of the first group is on another side of one of the second after a motion.
+pub(crate) fn may_cross<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    contact: &Contact,
+) -> bool {
+    let blocks = blocks(motion, contact);
+    contact.first.clone().any(|first| {
+        let own = places_at_ends(motion, first);
+        let way = (own[1] - own[0]).norm();
+        let ahead = if contact.is_self() { first + contact.skip.max(1) } else { contact.second.start };
+        blocks.iter().enumerate().any(|(block, around)| {
+            // Spheres further apart than they move stay on their sides, up to the angle of `SAME_SIDE`.
+            let (apart, near) = (own[0] - around.ball.0, around.ball.1 + TURNING * (way + around.way));
+            let range = block_range(contact, block);
+            apart.dot(&apart) <= near * near
+                && (range.start.max(ahead)..range.end).any(|second| {
+                    let other = places_at_ends(motion, second);
+                    let [before, after] = [own[0] - other[0], own[1] - other[1]];
+                    let along = before.dot(&after);
+                    let both = before.dot(&before) * after.dot(&after);
+                    along <= 0.0 || along * along <= SAME_SIDE * SAME_SIDE * both
+                })
+        })
+    })
+}
+
+/// 1/√(1 − `SAME_SIDE`²), rounded up.
+const TURNING: f64 = 1.03;
+
+/// Visits the pairs of spheres that a motion leads through each other.
+pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    motion: &Motion<G, D, P>,
+    contact: &Contact,
+    visit: &mut impl FnMut(Crossing),
+) {
+    let radii = &motion.ends[0].geometry.radii;
+    let places = |sphere: usize| places_at_ends(motion, sphere);
+    let range = |block: usize| block_range(contact, block);
+    let blocks = blocks(motion, contact);
     for first in contact.first.clone() {
         let own = places(first);
         let reach = radii[first] + (own[1] - own[0]).norm();
