@@ -344,3 +344,32 @@ def test_a_small_budget_of_auto_is_not_spent_on_its_sample() -> None:
     function = Bowl(3)
     found = minimum("auto", function, budget=Budget(evaluations=60))
     assert found.value == pytest.approx(1.0, abs=1e-6)
+
+
+class Ripples:
+    """A quadratic function with minimum 0 at `place`, and so many wells that few recur."""
+
+    def __init__(self, k: int) -> None:
+        self.place = np.linspace(0.3, -0.7, k)
+        self.asked: list[np.ndarray] = []
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        self.asked.append(x)
+        away = x - self.place
+        return np.asarray((away**2 + 0.2 * (1.0 - np.cos(12.0 * away))).sum(axis=1))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_auto_goes_across_wells_where_sqp_ends_in_different_ones(seed: int) -> None:
+    lower, upper = box(6)
+    whole, part = Ripples(6), Ripples(6)
+    auto = optimizers.method("auto")
+    found = auto.minimize(whole, lower, upper, seed=seed, budget=Budget(evaluations=2000))
+    # The next well is 2π/12 away along one axis, at a height of 0.256.
+    assert found.value < 0.25
+    assert np.abs(found.design - whole.place).max() < np.pi / 12.0
+    # A smaller budget cuts the search short and changes nothing before: it can be resumed.
+    auto.minimize(part, lower, upper, seed=seed, budget=Budget(evaluations=1500))
+    begun = np.concatenate(part.asked)
+    assert len(begun) > 1400
+    np.testing.assert_array_equal(begun, np.concatenate(whole.asked)[: len(begun)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
@@ -41,8 +42,20 @@ SAME = 1e-3
 COARSE = 2e-3
 # Searches by SQP side by side, whose designs are evaluated together.
 AT_ONCE = 4
-# Least number of searches after which the optima are all known.
-LEAST = 6
+# Least number of searches after which the optima are all known, and after which they are too many:
+# more than this share of the searches ended in a different one. Then one CMA-ES with this step, a
+# share of the ranges, has the evaluations that are left.
+LEAST, LEAST_MANY, MANY, STEP = 6, 5, 0.5, 0.2
+# Below this share of the evaluations there is nothing left for further stages.
+LITTLE = 0.1
+
+
+class Optima(Enum):
+    """What searches from the sample tell about the local optima."""
+
+    ALL_KNOWN = "probably no others"
+    MANY = "hardly any was found twice"
+    UNKNOWN = "neither"
 
 
 @dataclass(frozen=True)
@@ -52,7 +65,9 @@ class Auto(Method):
     A Sobol sample of the box, its faces and edges is followed by SLSQP from its best designs, apart
     from each other, with the constraints. If so many searches found so few optima that probably
     there are no others (the stopping rule of Boender and Rinnooy Kan 1987), a pattern search
-    refines the best, and that is the end. Otherwise, as where snaps divide the landscape, follow
+    refines the best, and that is the end. If more than half of them ended in different optima,
+    further ones tell little, and one CMA-ES (Hansen) from the best goes on until it converges or
+    the evaluations end. Where some are left, as where snaps divide the landscape, follow
     variations of the best designs, a pattern search with many starts in parallel, differential
     evolution, CMA-ES with small steps, which follows discontinuities where polls along the axes
     stall, SLSQP from the best, and the refinement. These stages see ranks: feasible designs before
@@ -115,8 +130,19 @@ class Auto(Method):
             for start in known.best(BEST + 1, 0.0):
                 self._descend(run, known, start)
             return self._refine(run, known, most)
-        if self._descents(run, known, int(DESCENTS * most)):
-            return self._refine(run, known, most)
+        optima = self._descents(run, known, int(DESCENTS * most))
+        if optima is Optima.UNKNOWN:
+            self._explore(run, known, most)
+        elif optima is Optima.MANY:
+            left, best = most - run.function.evaluations, known.best(1, 0.0)
+            run_stage(run, known, CmaEs(step=STEP, restarts=0), best, left, "CMA-ES")
+            left = most - run.function.evaluations
+            if left > LITTLE * most:
+                self._explore(run, known, int(left / (1.0 - SAMPLE - DESCENTS)))
+        return self._refine(run, known, most)
+
+    def _explore(self, run: Run, known: Known, most: int) -> None:
+        """Run the global stages with their shares of so many evaluations."""
         vary_best(run, known, int(VARIATION * most), BATCH)
         starting = max(4, int(PATTERN * most) // (30 * run.size))
         pattern = PatternSearch(initial_mesh=0.1, tolerance=2e-3)
@@ -132,12 +158,11 @@ class Auto(Method):
             )
         for start in known.best(BEST, NEAR):
             self._descend(run, known, start)
-        return self._refine(run, known, most)
 
-    def _descents(self, run: Run, known: Known, budget: int) -> bool:
-        """Run SLSQP from the best designs; return whether the optima are probably all known.
+    def _descents(self, run: Run, known: Known, budget: int) -> Optima:
+        """Run SLSQP from the best designs; return what their ends tell about the optima.
 
-        After w different optima of n searches that ended in one that is so if
+        After w different optima of n searches that ended in one they are probably all known if
         w (n - 1) / (n - w - 2), which estimates their number, is below w + ½.
         """
         begun, ends = run.function.evaluations, list[float]()
@@ -167,8 +192,10 @@ class Auto(Method):
                     ends.append(float(value[0]))
                 n, w = len(ends), _different(ends, SAME * spread)
                 if n >= LEAST and n > w + 2 and w * (n - 1) / (n - w - 2) <= w + 0.5:
-                    return True
-        return False
+                    return Optima.ALL_KNOWN
+                if n >= LEAST_MANY and w > MANY * n:
+                    return Optima.MANY
+        return Optima.UNKNOWN
 
     def _descend(self, run: Run, known: Known, start: FloatArray) -> FloatArray:
         """Run SLSQP from a point (k,); return where it ends (k,)."""
