@@ -382,14 +382,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
-            && !self.passes_body()
+            && self.system.stopped_by_contact(&self.start, &self.moved).is_none()
             && self.meets_no_branch(h)
-    }
-
-    /// Whether the motion to the current equilibrium leads through a body against the forces.
-    fn passes_body(&mut self) -> bool {
-        self.system.may_have_crossed(&self.start, &self.moved)
-            && self.system.stopped_by_contact(&self.start, &self.moved).is_some()
     }
 
     /// Whether springs without contact make the tangent change fast with the state.

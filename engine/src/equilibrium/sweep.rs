@@ -49,6 +49,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// The part of a dimensionless step from `start` to the state evaluated last after which it has met a body
     /// that it leads through against the forces; `None`, with the state at its end, if there is none.
     pub(super) fn stopped_by_contact(&mut self, start: &[f64], step: &[f64]) -> Option<f64> {
+        if !self.may_have_crossed(start, step) {
+            return None;
+        }
         let mut sweep = self.sweep.take()?;
         self.find_crossings(&mut sweep, start, step);
         let mut stopped = None;
@@ -65,7 +68,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
 
     /// Whether a step from `start` to the state evaluated last may lead through a body. Less than half a turn leads
     /// to another side of it.
-    pub(super) fn may_have_crossed(&self, start: &[f64], step: &[f64]) -> bool {
+    fn may_have_crossed(&self, start: &[f64], step: &[f64]) -> bool {
         let Some(sweep) = &self.sweep else { return false };
         self.rotation(step) > std::f64::consts::PI
             || sweep.start != start
