@@ -184,9 +184,7 @@ def page(ours: MethodComparison, rivals: MethodComparison | None) -> str:
     if resisting:
         lines += [
             "",
-            f"Fewer than {100 * WANTED:.0f} % of the searches succeed on {', '.join(resisting)}. "
-            "Stages of all kinds that [`auto`](searching.md) has were tried there; they end in "
-            "different designs, and still find better ones when the evaluations end.",
+            f"Fewer than {100 * WANTED:.0f} % of the searches succeed on {', '.join(resisting)}.",
         ]
     if rivals is not None:
         together = _together(ours, rivals)

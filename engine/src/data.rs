@@ -165,6 +165,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         State { tree, geometry, kinematics: &self.kinematics, q, load, law: self.law }
     }
 
+    /// What depends on where bodies are only, in these poses.
+    fn placed<'a>(
+        &'a self,
+        model: &'a Model<G, D, P>,
+        kinematics: &'a Kinematics<G, D, P>,
+    ) -> State<'a, G, D, P> {
+        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        State { tree, geometry, kinematics, q: &[], load: &[], law }
+    }
+
     /// Magnitudes of the forces on each coordinate at the state whose tangent was evaluated last, given its
     /// coordinates and load again.
     pub(crate) fn magnitudes(
@@ -358,8 +368,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// Whether a motion in which bodies turn by less than half a turn may lead one through another, between the
     /// states at which these poses are.
     pub(crate) fn may_cross(&self, model: &Model<G, D, P>, ends: [&Kinematics<G, D, P>; 2]) -> bool {
-        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
-        let [from, to] = ends.map(|kinematics| State { tree, geometry, kinematics, q: &[], load: &[], law });
+        let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
         model.forces.may_cross(&Motion { ends: [&from, &to], continues: false })
     }
 
@@ -372,8 +381,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         continues: bool,
         mut visit: impl FnMut(Crossing),
     ) {
-        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
-        let [from, to] = ends.map(|kinematics| State { tree, geometry, kinematics, q: &[], load: &[], law });
+        let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
         model.forces.for_each_crossing(&Motion { ends: [&from, &to], continues }, &mut visit);
     }
 
@@ -384,7 +392,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         if !model.has_springs() {
             return reach;
         }
-        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
+        let (tree, geometry) = (&model.tree, &self.design.geometry);
         let mut moved = q.to_vec();
         let mut poses = [Kinematics::new(tree), Kinematics::new(tree)];
         poses[0].update(tree, geometry, q);
@@ -393,8 +401,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
             moved[i] += step;
             poses[1].update(tree, geometry, &moved);
             moved[i] = q[i];
-            let [before, after] =
-                [0, 1].map(|i| State { tree, geometry, kinematics: &poses[i], q, load: &[], law });
+            let [before, after] = poses.each_ref().map(|kinematics| self.placed(model, kinematics));
             *reach = step / model.forces.springs.largest_motion([&before, &after]);
         }
         reach
@@ -405,14 +412,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         if !model.has_springs() {
             return 0.0;
         }
-        let (tree, geometry, law) = (&model.tree, &self.design.geometry, self.law);
         let poses = states.map(|q| {
-            let mut kinematics = Kinematics::new(tree);
-            kinematics.update(tree, geometry, q);
+            let mut kinematics = Kinematics::new(&model.tree);
+            kinematics.update(&model.tree, &self.design.geometry, q);
             kinematics
         });
-        let [before, after] =
-            [0, 1].map(|i| State { tree, geometry, kinematics: &poses[i], q: states[i], load: &[], law });
+        let [before, after] = poses.each_ref().map(|kinematics| self.placed(model, kinematics));
         model.forces.springs.largest_motion([&before, &after])
     }
 

@@ -7,7 +7,7 @@ use crate::linalg::Vector;
 use std::ops::Range;
 
 /// Number of consecutive spheres that share a ball.
-const BLOCK_SIZE: usize = 8;
+pub(crate) const BLOCK_SIZE: usize = 8;
 /// Number of pairs below which testing each pair is as fast.
 const MIN_PAIRS: usize = 1_000;
 
@@ -20,6 +20,15 @@ pub(crate) struct Ball<const P: usize> {
 
 impl<const P: usize> Ball<P> {
     pub const POINT: Self = Self { centre: Vector::ZERO, radius: 0.0 };
+
+    /// That of spheres, of which there is at least one.
+    #[inline]
+    pub fn around(centres: &[Vector<P>], radii: &[f64]) -> Self {
+        let centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
+        let reach = centres.iter().zip(radii).map(|(each, radius)| (*each - centre).norm() + radius);
+        // A margin for rounding errors.
+        Self { centre, radius: reach.fold(0.0, f64::max) * (1.0 + 1e-12) }
+    }
 }
 
 /// Number of balls of a contact.
@@ -44,11 +53,7 @@ pub(crate) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let centres = contact.second_centres(&at.tree.spheres, &at.kinematics.points).chunks(BLOCK_SIZE);
         let radii = at.geometry.radii[contact.second.clone()].chunks(BLOCK_SIZE);
         for (ball, (centres, radii)) in balls[contact.balls.clone()].iter_mut().zip(centres.zip(radii)) {
-            ball.centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
-            let spheres = centres.iter().zip(radii);
-            let reach = spheres.map(|(centre, radius)| (*centre - ball.centre).norm() + radius);
-            // A margin for rounding errors.
-            ball.radius = reach.fold(0.0, f64::max) * (1.0 + 1e-12);
+            *ball = Ball::around(centres, radii);
         }
     }
 }
