@@ -153,3 +153,16 @@ def test_designs_that_leave_the_plane_are_followed_in_space() -> None:
         found, expected = model.evaluate(slots), space.evaluate(slots)
         check_same(found, expected)
         assert np.abs(found.q[1] - found.q[0]).max() > 1e-6
+
+
+def test_the_offset_of_a_coupling_is_no_vector() -> None:
+    """Two fingers whose inner muscles couple their joints."""
+    parts = "".join(f"[parts.{key}]\nfile = 'finger-two-chambers'\n" for key in "ab")
+    inputs = "close = ['a.knuckle', 'b.knuckle']\nmj = ['a.middle-joint', 'b.middle-joint']\n"
+    model = Model(parse(f"name = 'two'\n{parts}[inputs]\n{inputs}"))
+    assert planes(model) == [True, True]
+    loads = {"knuckle": "0:10:10 kPa", "middle-joint": "0:40:40 kPa"}
+    alone = flexor.load("finger-two-chambers").equilibrium(loads)
+    found = model.equilibrium(dict(zip(("close", "mj"), loads.values(), strict=True)))
+    for half in np.split(found.q, 2, axis=1):
+        np.testing.assert_allclose(half, alone.q, rtol=1e-9, atol=1e-10)

@@ -344,6 +344,21 @@ def test_a_failure_is_that_of_the_part_that_failed(tmp_path: Path) -> None:
     assert np.isnan(paths.q[1]).all()
 
 
+@pytest.mark.parametrize("error", [ValueError("could not broadcast"), TypeError("not a number")])
+def test_a_defect_is_no_error_of_the_input(
+    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = load(written(tmp_path, GLOVE))
+
+    def broken(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("flexor.model.separate.Separate._together", broken)
+    with pytest.raises(type(error)) as found:
+        model.equilibrium()
+    assert not isinstance(found.value, InputError)
+
+
 BAD = {
     "itself": (
         '[parts.a]\nfile = "whole.toml"',

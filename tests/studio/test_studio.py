@@ -178,12 +178,26 @@ def test_bad_requests_are_one_sentence(running) -> None:
         ),
         ("stl", {"values": [2, 10], "loads": [60], "step": 99}, "steps"),
         ("stl", {"values": [2, 10], "loads": [60], "step": float("inf")}, "incomplete"),
+        ("solve", {"values": 2.0, "loads": [60.0]}, "values are 2 finite numbers"),
+        ("landscape", {"values": [2, 10], "loads": [60], "axes": 1, "points": 5}, "incomplete"),
+        ("share", {"designs": [{"title": "a", "values": [2, 10]}]}, "incomplete"),
         ("nothing", {}, 'there is no "nothing"'),
         ("solve", [], "JSON object"),
     ]:
         status, text = ask(running.port, name, body)
         assert status == 400, name
         assert words in json.loads(text)["error"]
+
+
+def test_a_defect_is_not_blamed_on_the_request(running, bench, monkeypatch, capfd) -> None:
+    def broken(*_: object) -> None:
+        raise TypeError("'float' object is not subscriptable")
+
+    monkeypatch.setattr(type(bench), "design", broken)
+    status, text = ask(running.port, "solve", {"values": [2.0, 10.0], "loads": [60.0]})
+    assert status == 500
+    assert json.loads(text)["error"].startswith("a defect of Flexor: TypeError(")
+    assert "Traceback" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -17,12 +16,14 @@ from flexor.errors import InputError
 from flexor.model.chunks import SIZE, chunks
 from flexor.model.controlled import check_controlled
 from flexor.model.derivatives import differentiate, last_step
+from flexor.model.engine_errors import engine_errors
 from flexor.model.events import event_table
 from flexor.model.followed import Followed
 from flexor.model.friction import friction_table, slips
 from flexor.model.geometry import Geometry, SlotValues
 from flexor.model.result_arrays import joinings
 from flexor.model.results import Paths
+from flexor.model.separate import Separate
 from flexor.model.solver import solver_options, useful_threads
 from flexor.model.start import Start
 from flexor.model.structure import Structure
@@ -63,10 +64,9 @@ def follow(
     for chunk in chunks(count):
         if geometry is not None:
             indices, values = _slots(model, geometry[chunk])
-        with _input_errors():
-            own = steps if steps.ndim == 2 else steps[chunk].reshape(-1, steps.shape[-1])
-            listed = steps.shape[-2]
-            found = model.followed.path(indices, values, own, threads, steps=listed, **settings)
+        own = steps if steps.ndim == 2 else steps[chunk].reshape(-1, steps.shape[-1])
+        listed = steps.shape[-2]
+        found = _path(model, indices, values, own, threads, steps=listed, **settings)
         arrays = _arrays(model, found, lead)
         arrays["converged"] = found["status"][:, lead:] == _CONVERGED
         for name, array in arrays.items():
@@ -158,7 +158,7 @@ def follow_branch(
             "the order of the loads: leave it out."
         )
     followed = _from_start(loads, start, options)
-    with _input_errors():
+    with engine_errors():
         branch = model.engine.branch(
             _parameters(model, geometry), followed.loads(loads), **followed.settings
         )
@@ -205,10 +205,10 @@ def _geometry(model: Structure, geometry: Geometry | SlotValues | None) -> dict[
     return {"rod_length": geometry.length, "radius": geometry.radius, "slope": geometry.slope}
 
 
-@contextmanager
-def _input_errors() -> Iterator[None]:
-    """Raise errors of the engine as `InputError`."""
-    try:
-        yield
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{str(error).rstrip('.')}.") from None
+def _path(model: Structure, *arguments: Any, **settings: Any) -> Mapping[str, Any]:
+    """Return the engine's arrays of one chunk of designs; see `flexor._engine.Model.path`."""
+    followed = model.followed
+    if isinstance(followed, Separate):
+        return followed.path(*arguments, **settings)
+    with engine_errors():
+        return followed.path(*arguments, **settings)

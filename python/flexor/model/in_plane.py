@@ -244,7 +244,9 @@ def _stays(body: Json) -> bool:
 def _leaves(value: Any) -> bool:
     """Whether an entry has a place in the world, or an offset out of the plane."""
     if isinstance(value, Mapping):
-        across = any(value.get(key, (0.0, 0.0))[1] for key in ("offset", "surface"))
+        # The offset of a coupling is a number.
+        vectors = (value[key] for key in ("offset", "surface") if key in value)
+        across = any(each[1] for each in vectors if isinstance(each, (list, tuple)))
         return across or "world" in value or any(map(_leaves, value.values()))
     if isinstance(value, (list, tuple)) and value and isinstance(value[0], (Mapping, list)):
         return any(map(_leaves, value))

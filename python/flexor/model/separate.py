@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from flexor import _engine
 from flexor._engine import REGULARITY, STABILITY, STATUS
 from flexor.arrays import Array
+from flexor.model.engine_errors import engine_errors
 from flexor.model.in_plane import InPlane, in_plane, in_space
 from flexor.model.result_arrays import joinings
 
@@ -26,9 +27,12 @@ Found = Mapping[str, Any]
 _NO_ROWS = np.zeros(0, dtype=np.intp)
 _EQUILIBRIA = [STATUS.index("converged"), STATUS.index("unstable")]
 _NOT_REACHED = STATUS.index("not-reached")
+# Groups of outputs that every component has in full: sums, largest values, and those of materials,
+# which all components share. Of any other group each has the rows of its own entries.
+_COMMON = {"tip_force", "max_overlap", "max_contact_pressure", "stretch"}
 # From what is worst to what is best.
 _STABILITY = ("unknown", "unstable", "flutter-undecided", "neutral", "stable")
-_REGULARITY = ("no-equilibrium", "nearly-singular", "contact-threshold")
+_REGULARITY = ("no-equilibrium", "nearly-singular", "contact-threshold", "tied")
 # How what has one row for each entry of its kind is joined.
 _JOININGS = joinings()
 _KINDS = {joining.of for joining in _JOININGS.values() if joining.of}
@@ -113,7 +117,8 @@ class Separate:
             given = dict(settings)
             if start is not None:
                 given["start"] = np.ascontiguousarray(start[each.coordinates])
-            one: Any = engine.path(own, varied, column, threads, steps=steps, **given)
+            with engine_errors():
+                one: Any = engine.path(own, varied, column, threads, steps=steps, **given)
             if engine is not each.engine:
                 one = in_space(one)
             found.append(_repeated(one, count) if once else one)
@@ -294,16 +299,19 @@ def _outputs(
         "obstacles": "obstacles",
         "volume": "pressures",
         "ties": "ties",
+        "tendon_lengths": "tendons",
+        "tendon_tensions": "tendons",
     }
     for group, table in lists.items():
         by_name[group] = _places(_names(described, table), _names(description, table))
     found = np.zeros(_count(engine.outputs), dtype=np.intp)
     for group, (start, stop) in engine.outputs.items():
         first, last = whole.outputs[group]
-        places = by_name.get(group)
-        if places is None:  # the same for every model: largest values, and materials
+        if group in _COMMON:
             found[start:stop] = np.arange(first, last)
-        elif len(places):
+            continue
+        places = by_name[group]
+        if len(places):
             each = (stop - start) // len(places)
             found[start:stop] = (first + each * places[:, None] + np.arange(each)).ravel()
     return found

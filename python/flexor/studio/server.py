@@ -9,6 +9,7 @@ import ipaddress
 import json
 import secrets
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -143,17 +144,22 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._is_allowed():
             return
         name = urlsplit(self.path).path.removeprefix("/api/")
-        answer = _ANSWERS.get(name)
+        read = _ANSWERS.get(name)
         try:
-            if answer is None:
+            if read is None:
                 raise InputError(f'there is no "{name}".')
             request = self._request()
-            found = answer(self.server.bench, request)
+            try:
+                answer = read(request)
+            except (KeyError, TypeError, ValueError, OverflowError) as error:
+                raise InputError(f"the request is incomplete: {error!r}.") from None
+            found = answer(self.server.bench)
         except InputError as error:
             self._send_json(400, {"error": str(error)})
             return
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
-            self._send_json(400, {"error": f"the request is incomplete: {error!r}."})
+        except Exception as error:  # a defect, which is no fault of the request
+            traceback.print_exc()
+            self._send_json(500, {"error": f"a defect of Flexor: {error!r}."})
             return
         if isinstance(found, dict):
             self._send_json(200, found)
@@ -267,18 +273,34 @@ def _first(rows: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     return every()
 
 
-_ANSWERS: dict[str, Callable[[Workbench, Request], Answer]] = {
-    "solve": lambda bench, r: bench.solve(r["values"], r["loads"], r.get("known", ())),
-    "landscape": lambda bench, r: _first(
-        bench.landscape(r["values"], r["loads"], r["axes"], int(r["points"]))
+def _asked(function: Callable[..., Answer], *arguments: Any) -> Callable[[Workbench], Answer]:
+    return lambda bench: function(bench, *arguments)
+
+
+def _landscape(bench: Workbench, *arguments: Any) -> Answer:
+    return _first(bench.landscape(*arguments))
+
+
+def _search(bench: Workbench, *arguments: Any) -> Answer:
+    return _first(search(bench, *arguments))
+
+
+# What a request asks of the workbench. Reading the request raises KeyError, TypeError, ValueError
+# or OverflowError if it is incomplete.
+_ANSWERS: dict[str, Callable[[Request], Callable[[Workbench], Answer]]] = {
+    "solve": lambda r: _asked(
+        Workbench.solve, r["values"], r["loads"], [str(each) for each in r.get("known", ())]
     ),
-    "optimise": lambda bench, r: _first(
-        search(bench, r["values"], r["loads"], str(r["method"]), int(r["budget"]), int(r["seed"]))
+    "landscape": lambda r: _asked(
+        _landscape, r["values"], r["loads"], [int(axis) for axis in r["axes"]], int(r["points"])
     ),
-    "model": lambda bench, r: bench.model_file(r["values"]),
-    "json": lambda bench, r: bench.results(r["values"], r["loads"]),
-    "stl": lambda bench, r: bench.stl(r["values"], r["loads"], int(r["step"])),
-    "share": lambda bench, r: bench.share(
-        [(str(d["title"]), d["values"], d["loads"]) for d in r["designs"]]
+    "optimise": lambda r: _asked(
+        _search, r["values"], r["loads"], str(r["method"]), int(r["budget"]), int(r["seed"])
+    ),
+    "model": lambda r: _asked(Workbench.model_file, r["values"]),
+    "json": lambda r: _asked(Workbench.results, r["values"], r["loads"]),
+    "stl": lambda r: _asked(Workbench.stl, r["values"], r["loads"], int(r["step"])),
+    "share": lambda r: _asked(
+        Workbench.share, [(str(d["title"]), d["values"], d["loads"]) for d in r["designs"]]
     ),
 }

@@ -302,10 +302,10 @@ def _slider(name: str, unit: str, low: float, high: float, start: float) -> dict
 def _numbers(values: Sequence[float], count: int, what: str) -> Array:
     try:
         given = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what} are no numbers.") from None
     if given.shape != (count,) or not np.isfinite(given).all():
-        raise InputError(f"{what} are {count} finite numbers, but got {list(values)!r:.80}.")
+        raise InputError(f"{what} are {count} finite numbers, but got {values!r:.80}.")
     return given
 
 
