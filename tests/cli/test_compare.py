@@ -17,7 +17,7 @@ SMALL = ("compare", "finger", "-p", "L", "-m", "ps,lm", "--seeds", "2", "--budge
 def test_table_files_and_figure(flexor, tmp_path) -> None:
     ran = flexor(*SMALL, "--plot", "also.png")
     assert ran.code == 0
-    assert ran.err == ""
+    assert ran.err in ("", "drawing the profiles …\n")  # said only where it takes long
     for words in ("pattern-search", "levenberg-marquardt", "success", "4 searches of at most 8"):
         assert words in ran.out
     folder = tmp_path / "studies" / "finger-bending-comparison"

@@ -12,7 +12,7 @@ def test_files_figure_and_sentences(flexor, tmp_path) -> None:
     flexor("optimize", "finger", "-p", "R01", "--budget", "10", "--out", "search", "--json")
     ran = flexor(*SMALL, "--study", "search", "--plot", "also.pdf")
     assert ran.code == 0
-    assert ran.err == ""
+    assert ran.err in ("", "drawing the landscape …\n")  # said only where it takes long
     assert "5 × 5 designs in" in ran.out
     assert "Minimum of the grid at R_0 = " in ran.out
     folder = tmp_path / "studies" / "finger-R01-bending-landscape"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ import flexor
 from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.model import Model, load, parse
+from flexor.model.reading import locate
 
 ARM = """
 name = "arm"
@@ -378,11 +381,11 @@ BAD = {
     ),
     "outside": (
         '[parts.a]\nfile = "../arm.toml"',
-        "the file of a part is beside that of the model or in a folder",
+        "the file of a part must be in the folder of the model file, or in one within it",
     ),
     "absolute": (
         '[parts.a]\nfile = "/etc/passwd"',
-        "the file of a part is beside that of the model or in a folder",
+        "the file of a part must be in the folder of the model file, or in one within it",
     ),
     "twice": ('[parts.a]\nfile = "arm.toml"\n[parts.a]\nfile = "arm.toml"', "not valid TOML"),
     "clash": (
@@ -392,7 +395,7 @@ BAD = {
     ),
     "part and body": (
         '[bodies.a]\nkind = "link"\nlength = "1 cm"\nradius = "1 cm"\n[parts.a]\nfile = "arm.toml"',
-        "bodies.a has the name of the part of bodies.a.base",
+        'bodies.a has the same name as the part "a", of which bodies.a.base is: rename one',
     ),
     "a table": (
         '[parts.start]\nfile = "arm.toml"',
@@ -454,6 +457,46 @@ def test_a_ring_of_parts(tmp_path: Path) -> None:
         written(tmp_path, f'name = "{name}"\n[parts.p]\nfile = "{other}.toml"\n', f"{name}.toml")
     with pytest.raises(InputError, match=r"\(one\.toml -> two\.toml -> one\.toml\)"):
         load(tmp_path / "one.toml")
+
+
+HEAVY = 'name = "h"\nplanar = true\n{}\n[parts.a]\nfile = "wrist"\n'
+
+
+def test_gravity_of_a_part_is_left_behind(tmp_path: Path) -> None:
+    with pytest.warns(flexor.ModelWarning, match=r'"wrist.toml" has gravity, which a part leaves'):
+        file = parse(HEAVY.format(""))
+    assert not any(file.gravity.components)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for stated in ("0 m/s^2", "-9.81 m/s^2"):
+            parse(HEAVY.format(f'gravity = {{ z = "{stated}" }}'))
+        # That of a part of a part, too.
+        text = HEAVY.format('gravity = { z = "1 m/s^2" }').replace('"wrist"', '"middle.toml"')
+        written(tmp_path, HEAVY.format(""), "middle.toml")
+        load(written(tmp_path, text))
+
+
+def test_links_are_no_presets(tmp_path: Path) -> None:
+    """A link that leads nowhere or out of the folder, with the name of a preset."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    path = written(folder, 'name = "x"\nplanar = true\n[parts.a]\nfile = "column.toml"\n')
+    assert "a.column" in load(path).body_frames
+    if os.name == "nt":
+        pytest.skip("making links needs a privilege")
+    link, target = folder / "column.toml", tmp_path / "elsewhere.toml"
+    link.symlink_to(target)
+    with pytest.raises(InputError, match=r"column.toml\", which leads to a file that does not"):
+        load(path)
+    target.write_text(ARM)
+    with pytest.raises(InputError, match="which leads out of the folder of the model file"):
+        load(path)
+    examples = tmp_path / "examples"
+    assert locate(examples / "column.toml").name == "column.toml"
+    examples.mkdir()
+    (examples / "column.toml").symlink_to(tmp_path / "nothing")
+    with pytest.raises(InputError, match=r"cannot read the model file .*: no such file"):
+        locate(examples / "column.toml")
 
 
 def test_a_text_without_a_place_has_presets_only() -> None:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli import options
-from flexor.cli.console import err, print_json, say
+from flexor.cli.console import print_json, say
 from flexor.cli.design_problem import stated
 from flexor.cli.folders import carry_out, check_resumable, cluster_at, new_folder, save_figure
-from flexor.cli.progress import ComparisonBar, duration
+from flexor.cli.progress import ComparisonBar, duration, working
 from flexor.cli.table import number, show
 from flexor.cli.values import load_changed, numbers, one_or_assignments
 
@@ -218,7 +218,7 @@ def _keep(result: MethodComparison, place: FilePath, also: FilePath | None) -> l
     for file, rows in tables.items():
         write_text(file, csv_text(rows))
     files = list(tables)
-    with err.status("drawing the profiles"):
+    with working("drawing the profiles", at_once=False):
         figure = plot.profiles(result)
         files += save_figure(figure, place, "profiles", also)
     return files

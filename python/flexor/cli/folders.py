@@ -180,11 +180,24 @@ def interrupted(place: Path, resuming: str, error: BaseException, begun: bool) -
     return LOST if lost else INTERRUPTED
 
 
-def save_figure(figure: Figure, folder: Path, name: str, also: Path | None = None) -> list[Path]:
-    """Write a figure into a folder as PNG and SVG, and to another file; return the files."""
+def save_figure(
+    figure: Figure,
+    folder: Path,
+    name: str,
+    also: Path | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write a figure into a folder as PNG and SVG, and to another file; return the files.
+
+    ``progress`` is called with the name of each file before it is written.
+    """
     from flexor import plot
 
     files = [folder / f"{name}.png", folder / f"{name}.svg", *([] if also is None else [also])]
-    saved = [plot.save(figure, files[0])]
-    figure.set_layout_engine(None)  # it is laid out
-    return [*saved, *(plot.save(figure, file) for file in files[1:])]
+    saved = []
+    for file in files:
+        if progress is not None:
+            progress(file.name)
+        saved.append(plot.save(figure, file))
+        figure.set_layout_engine(None)  # it is laid out
+    return saved

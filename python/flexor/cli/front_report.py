@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-from flexor.cli.console import err, out, say
+from flexor.cli.console import out, say
 from flexor.cli.folders import save_figure
 from flexor.cli.outcome import cost_of
+from flexor.cli.progress import working
 from flexor.cli.table import number, show
 from flexor.study.ineffective import ineffective
 from flexor.study.optimum import optimum_files
@@ -91,10 +92,10 @@ def draw_front(
     if study.folder is not None:
         files.append(front.save(study.folder))
     if len(front) and (also is not None or study.folder is not None):
-        with err.status("drawing the front"):
+        with working("drawing the front", at_once=False) as progress:
             figure = plot.front(study)
             if study.folder is not None:
-                files += save_figure(figure, study.folder, "front", also)
+                files += save_figure(figure, study.folder, "front", also, progress)
             elif also is not None:
                 files.append(plot.save(figure, also))
     if not quiet:

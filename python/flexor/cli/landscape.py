@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexor.cli import options
-from flexor.cli.console import err, print_json, say
+from flexor.cli.console import print_json, say
 from flexor.cli.design_problem import say_unapplied, stated
 from flexor.cli.folders import carry_out, check_resumable, executor_for, new_folder, save_figure
-from flexor.cli.progress import SearchProgress, duration
+from flexor.cli.progress import SearchProgress, duration, working
 from flexor.cli.values import load_changed, numbers, one_or_assignments
 from flexor.errors import InputError
 
@@ -160,7 +160,7 @@ def _keep(result: Landscape, paths: list[SearchPath], also: FilePath | None) -> 
     place = result.study.folder
     assert place is not None
     files = result.save(place)
-    with err.status("drawing the landscape"):
+    with working("drawing the landscape", at_once=False):
         figure = plot.landscape(result, paths)
         files += save_figure(figure, place, "landscape", also)
     return files

@@ -38,8 +38,7 @@ def print_summary(
     """Print start and optimum side by side, the improvement, and the cost."""
     rows = []
     if checked := _has_verdict(best):
-        with working(f"checking the best design, {best.result}") as progress:
-            best.evaluate_verdict(progress)
+        _check(best)
     for line in study.comparison():
         unit = f" / {line.unit}" if line.unit and line.unit != "1" else ""
         rows.append(
@@ -66,6 +65,11 @@ def print_summary(
     say(cost or cost_of(study, seconds, resumed))
     if checked and best.verdict.feasible and not best.verdict.robust:
         say(_search_on(study))
+
+
+def _check(best: Design) -> None:
+    with working(f"checking the best design, {best.result}") as progress:
+        best.evaluate_verdict(progress)
 
 
 def cost_of(study: Study, seconds: float, resumed: bool = False) -> str:
@@ -126,14 +130,17 @@ def draw(
     """
     from flexor import plot
 
-    with working("drawing the designs"):
+    with working("drawing the designs") as progress:
         chosen, model = study.problem.parameters, study.problem.model
         files = [drawn_file(chosen, each.vector, model) for each in (study.start, best)]
         titles = _titles(study, best)
         figure = plot.designs(study.start.path, best.path, titles, (files[0], files[1]))
-        saved = [plot.save(figure, also)] if also is not None else []
+        saved = []
+        if also is not None:
+            progress(also.name)
+            saved.append(plot.save(figure, also))
         if study.folder is not None:
-            saved += save_figure(figure, study.folder, "designs")
+            saved += save_figure(figure, study.folder, "designs", progress=progress)
     if quiet:
         return
     if study.folder is not None:
@@ -160,6 +167,7 @@ def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
     `contact_pressure` along the path in Pa; `models` are model files of the best design. For
     `sensitivity` see `_sensitivity`.
     """
+    _check(best)
     return {
         "objective": study.problem.objective.name,
         "force": float(study.problem.force[-1]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # Seconds between lines if output is not a terminal.
 LINE_EVERY = 30.0
+# Seconds that a part of the work takes before it is named there.
+NOTE_AFTER = 1.5
 
 
 class LiveLine:
@@ -69,15 +72,43 @@ class LiveLine:
         self._bar.update(self._task, description=text, completed=done, total=total, left=left)
 
 
-@contextmanager
-def working(text: str) -> Iterator[Callable[[str], None]]:
-    """Say what is being done, which takes a while: a line that goes away, or one that stays.
+class _Notes:
+    """Notes of parts of the work, each once it has taken a while."""
 
-    Yields a function that says more of how far it is, in terminals only.
+    def __init__(self) -> None:
+        self._timer: threading.Timer | None = None
+
+    def __call__(self, text: str) -> None:
+        self._stop()
+        self._timer = threading.Timer(NOTE_AFTER, note, (f"{text} …",))
+        self._timer.daemon = True
+        self._timer.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+
+@contextmanager
+def working(text: str, at_once: bool = True) -> Iterator[Callable[[str], None]]:
+    """Say what is being done, which takes a while: a line that goes away, or ones that stay.
+
+    Yields a function that says what is done next. Where lines stay, only of what takes long, as of
+    all of it if not ``at_once``.
     """
     if not err.is_interactive:
-        note(f"{text} …")
-        yield lambda _: None
+        with _Notes() as notes:
+            if at_once:
+                note(f"{text} …")
+            else:
+                notes(text)
+            yield lambda more: notes(f"  {more}")
         return
     with err.status(plain(text)) as status:
         yield lambda more: status.update(plain(f"{text}: {more}"))

@@ -111,8 +111,10 @@ def simulate(
             say(f'no load is given: --load {name}="{dimension.example}" applies one')
     if plot is not None and path.converged.any():
         from flexor import plot as figures
+        from flexor.cli.progress import working
 
-        figures.save(figures.path(path), plot)
+        with working("drawing the figure", at_once=False):
+            figures.save(figures.path(path), plot)
         note(f"figure: {plot}")
     elif plot is not None:
         note("no figure: no load step has converged")

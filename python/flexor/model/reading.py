@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import pathlib
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pydantic import ValidationError
 
-from flexor.errors import InputError, shortened, unknown_name
+from flexor.errors import InputError, ModelWarning, shortened, unknown_name
 from flexor.model import composition, variants
 from flexor.model.changes import changed
 from flexor.model.schema import ModelFile
@@ -37,7 +38,8 @@ def locate(model: str | os.PathLike[str]) -> pathlib.Path:
     shipped = presets()
     if text in shipped:
         return _FOLDER / f"{text}.toml"
-    if path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped:
+    known = path.parent.name == "examples" and path.suffix == ".toml" and path.stem in shipped
+    if known and not os.path.lexists(path):
         return _FOLDER / path.name
     if path.suffix == ".toml" or path.exists() or path.name != text:
         kinds = {path.is_dir(): "it is a folder", not path.exists(): "no such file"}
@@ -106,7 +108,20 @@ def check(
     The files of its parts are beside it; where its place is not known they can only be presets.
     """
     parts = _Parts(None) if place is None else _Parts(place.parent, (place.resolve(),))
-    return _checked(document, use, changes or {}, source, parts)
+    file = _checked(document, use, changes or {}, source, parts)
+    if "gravity" not in document and not any(file.gravity.components):
+        _warn_of_gravity(parts, source)
+    return file
+
+
+def _warn_of_gravity(parts: _Parts, source: str) -> None:
+    """Warn that parts have gravity by themselves, which a model does not have from them."""
+    heavy = [key for key, file in parts.known.items() if any(file.gravity.components)]
+    if heavy:
+        names = ", ".join(dict.fromkeys(f'"{pathlib.Path(path).name}"' for path, *_ in heavy))
+        what = f"{names} {'has' if len(heavy) == 1 else 'have'} gravity, which a part leaves behind"
+        how = 'gravity = { z = "-9.81 m/s^2" }, or zero for a model without weight'
+        warnings.warn(f"{source}: {what}: state it in this file, such as {how}.", ModelWarning, 3)
 
 
 def _checked(
@@ -171,12 +186,17 @@ class _Parts:
         inside = not (given.is_absolute() or given.drive or ".." in given.parts or "\\" in name)
         place = f'{source}.file is "{name}"'
         if not inside:
-            tail = "the file of a part is beside that of the model or in a folder there"
+            tail = "the file of a part must be in the folder of the model file, or in one within it"
             raise InputError(f"{place}: {tail}.")
         if self.folder is not None and name.strip():
             path = (self.folder / given).resolve()
-            if path.is_file() and path.is_relative_to(self.folder.resolve()):
+            within = path.is_relative_to(self.folder.resolve())
+            if path.is_file() and within:
                 return path
+            if os.path.lexists(self.folder / given):  # rather than a preset of that name
+                leads = "leads out of the folder of the model file" if not within else "is no file"
+                tail = "leads to a file that does not exist" if not path.exists() else leads
+                raise InputError(f"{place}, which {tail}.")
         stem = given.stem if given.suffix == ".toml" and len(given.parts) == 1 else name
         if stem in presets():
             return _FOLDER / f"{stem}.toml"

@@ -129,9 +129,9 @@ def _on_skin(found: Verdict) -> Iterator[str]:
     if found.pressure is None or found.pressure[0] <= 0.0:
         return
     value, place = found.pressure
-    blood = f"{CAPILLARY / 1e3:.2g} kPa of the blood in the skin of a finger (williams1988)"
-    what = f"the largest contact pressure is {value / 1e3:.3g} kPa, {place}"
-    times = f"{value / CAPILLARY:.2g} times the {blood}, which it can stop while it lasts"
+    blood = f"blood pressure in the skin of a finger, {CAPILLARY / 1e3:.2g} kPa (williams1988)"
+    what = f"the largest contact pressure is {value / 1e3:.3g} kPa ({place})"
+    times = f"{value / CAPILLARY:.2g} times the {blood}: under the load blood may not flow there"
     yield f"{what}, {times if value > CAPILLARY else f'below the {blood}'}."
 
 

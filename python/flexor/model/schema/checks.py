@@ -42,8 +42,8 @@ def check_names(tables: Mapping[str, Iterable[str]]) -> None:
         parts = name.split(".")
         for part in (".".join(parts[:end]) for end in range(1, len(parts))):
             if part in owner:
-                tail = f"has the name of the part of {table}.{name}: rename it"
-                raise field_error(tail, path=f"{owner[part]}.{part}")
+                tail = f'has the same name as the part "{part}", of which {table}.{name} is'
+                raise field_error(f"{tail}: rename one", path=f"{owner[part]}.{part}")
 
 
 def check_tree(bodies: Mapping[str, Body]) -> None:
