@@ -27,6 +27,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let progress = model.forces.ties.progress();
         let first = self.system.state().to_vec();
         self.system.forget_reactions();
+        self.system.neutral.forget();
         self.system.set_load(target);
         self.system.set_openings(0..0);
         self.system.evaluate();
@@ -68,6 +69,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         self.system.acting = ties.end;
+        self.system.neutral.forget();
         let start = self.system.state().to_vec();
         let mut status = self.hold_open(ties.clone(), target);
         if matches!(status, Status::Stalled | Status::Diverged) && ties.start == 0 {

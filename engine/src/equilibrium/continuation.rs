@@ -222,6 +222,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let end_distance = self.options.locate.end_distance * self.span();
         let mut control = StepControl::new(self.options.step, min_step, end_distance);
         // The factor at hand belongs to the equilibrium just found.
+        self.system.find_neutral(&self.rate);
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         self.unstable = false;
         let mut lambda = 0.0;
@@ -304,6 +305,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
 
     /// Restarts prediction and step control at the current equilibrium, on another branch.
     pub(super) fn restart(&mut self, control: &mut StepControl) {
+        if self.system.find_neutral(&self.rate) {
+            self.arrive();
+        }
         self.predictor.forget_curvature();
         control.restart();
         self.swap_ends();

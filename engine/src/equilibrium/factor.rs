@@ -76,6 +76,11 @@ impl<const D: usize> Factor<D> {
         self.projected.as_deref().filter(|_| self.is_projected)
     }
 
+    /// The same, to be changed.
+    pub fn projected_mut(&mut self) -> Option<&mut ProjectedMatrix> {
+        self.projected.as_deref_mut().filter(|_| self.is_projected)
+    }
+
     /// Whether the tangent is the second derivative of a potential.
     pub fn is_symmetric(&self) -> bool {
         self.general.is_none()

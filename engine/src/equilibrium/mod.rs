@@ -33,6 +33,7 @@ mod friction;
 mod general;
 mod jump;
 mod mixed_newton;
+mod neutral;
 mod newton;
 mod option_info;
 mod options;

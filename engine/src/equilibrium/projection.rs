@@ -18,6 +18,7 @@
 //! allow. Conditions whose gradients depend on those before them are redundant: they are left out, and only
 //! have to hold.
 
+use super::neutral::NeutralMotions;
 use super::vector::dot;
 
 /// The factorised gradients of the conditions, dimensionless.
@@ -206,6 +207,41 @@ impl ProjectedMatrix {
                 (rank..n).for_each(|j| self.free[j * n + i] = 0.0);
             }
         }
+    }
+
+    /// Follows neutral motions to this state, whose residual has this size.
+    pub fn follow_neutral(&mut self, neutral: &mut NeutralMotions, size: f64) {
+        if !neutral.is_empty() {
+            self.change_neutral(neutral, |neutral, free, _| neutral.follow(free, size));
+        }
+    }
+
+    /// Finds neutral motions at an equilibrium whose residual has this size; whether some were not known.
+    /// `load_gradient` is the change of the residual with the load.
+    pub fn find_neutral(&mut self, neutral: &mut NeutralMotions, size: f64, load_gradient: &[f64]) -> bool {
+        let mut rates = vec![];
+        self.solve(&mut load_gradient.to_vec(), |b| rates.extend_from_slice(b));
+        self.change_neutral(neutral, |neutral, free, rank| neutral.find(free, size, &rates, rank))
+    }
+
+    /// Changes neutral motions in the basis Q, and the stiffness that they have in the matrices.
+    fn change_neutral<T>(
+        &mut self,
+        neutral: &mut NeutralMotions,
+        change: impl FnOnce(&mut NeutralMotions, &mut [f64], usize) -> T,
+    ) -> T {
+        let Self { projection, n, turned, free, .. } = self;
+        let (n, rank) = (*n, projection.rank());
+        neutral.change_basis(|z| {
+            projection.turn(z);
+            z[..rank].fill(0.0);
+        });
+        let found = change(neutral, free, rank);
+        for i in rank..n {
+            turned[i * n + rank..(i + 1) * n].copy_from_slice(&free[i * n + rank..(i + 1) * n]);
+        }
+        neutral.change_basis(|z| projection.turn_back(z));
+        found
     }
 
     /// T itself, in the dimensionless coordinates.

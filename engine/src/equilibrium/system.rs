@@ -3,6 +3,7 @@
 
 use super::budget::{Budget, Cancel};
 use super::factor::Factor;
+use super::neutral::NeutralMotions;
 use super::options::ContinuationOptions;
 use super::projection::Projection;
 use super::stability::Stability;
@@ -57,6 +58,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     pub(super) projection: Projection,
     /// The conditions that were independent at the last equilibrium of a path; none before the first.
     pub(super) independent: Vec<usize>,
+    /// The neutral motions that are known.
+    pub(super) neutral: NeutralMotions,
     /// Whether ties act by penalties, with the reactions held, in place of exactly.
     pub(super) penalised: bool,
     /// Number of ties, the first ones, that act; all but while they are closed one after another.
@@ -107,6 +110,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             budget,
             projection: Projection::default(),
             independent: vec![],
+            neutral: NeutralMotions::default(),
             penalised: false,
             acting: model.tie_count(),
             weakest: vec![],
@@ -435,6 +439,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.loose.clear();
         if self.is_projected() {
             self.factor.project(&self.data, Some(&self.projection));
+            self.follow_neutral();
             return;
         }
         self.factor.project(&self.data, None);
@@ -552,7 +557,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
         let actual = !self.is_singular() && self.factor.shift() == 0.0;
-        if conservative && actual && self.factor.pivot_ratio() > REGULAR_PIVOTS {
+        let regular = actual && self.factor.pivot_ratio() > REGULAR_PIVOTS;
+        if conservative && regular && !self.has_neutral() {
             return Stability::Stable;
         }
         if conservative && self.is_singular() {
@@ -560,7 +566,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         let found = self.factor.stability(&self.data, ZERO_EIGENVALUE);
         self.factorise(0.0);
-        found
+        if found == Stability::Stable && self.has_neutral() { Stability::Neutral } else { found }
     }
 
     /// Whether the state, whose largest residual is `size`, is an equilibrium: every elastic coordinate is
