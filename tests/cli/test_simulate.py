@@ -212,3 +212,12 @@ def test_friction_in_the_table(flexor):
     counts = re.findall(r" (\d+) of (\d+) ", table)
     assert len(counts) == 5
     assert 0 < int(counts[-1][0]) < int(counts[-1][1])
+
+
+def test_a_joint_that_never_moves_has_no_column(flexor) -> None:
+    ran = flexor("simulate", "glove-thumb", "--load", "0:24:12 kPa")
+    assert "metacarpal.theta_z stays at zero." in ran.out
+    assert "metacarpal.theta_y" in ran.out and ran.out.count("theta_z") == 1
+    # Without a load nothing moves, and all is shown.
+    ran = flexor("simulate", "glove-thumb", "--load", "0 kPa")
+    assert "theta_z" in ran.out and "stays" not in ran.out

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import flexor
 from flexor.errors import InputError
+from flexor.plot import spatial
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.path_figure import MAX_LEGEND_ENTRIES, draw_path
 from flexor.plot.reading import read_scene
@@ -58,12 +61,12 @@ def test_keys_of_a_model_of_any_size_do_not_overlap() -> None:
     figure = draw_path([read_scene(model.equilibrium())], [35.0], planar_model=True)
     figure.draw_without_rendering()
     axes = figure.axes[0]
-    force, pressure = sorted(
+    force, pressure, gravity = sorted(
         (each.get_window_extent() for each in axes.texts), key=lambda b: b.ymin
     )
-    assert pressure.ymin > force.ymax
+    assert pressure.ymin > force.ymax and gravity.ymin > pressure.ymax
     bodies = [axes.transData.transform(each.get_xy())[:, 1].min() for each in axes.patches]
-    assert pressure.ymax < min(bodies)
+    assert gravity.ymax < min(bodies)
 
 
 def test_arrow_ends_where_the_force_acts() -> None:
@@ -178,3 +181,53 @@ def test_the_legend_of_designs_with_many_loads_fits() -> None:
     box = figure.legends[0].get_window_extent()
     assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width
     assert len(figure.legends) == 1
+
+
+def test_a_model_whose_gravity_is_along_z_is_drawn_upside_down() -> None:
+    """So that what falls, falls downwards; an arrow says where gravity acts."""
+    heavy = replace(scene(0.5), gravity=np.array([0.0, 0.0, 9.81]))
+    for each, up in ((heavy, False), (replace(heavy, gravity=-heavy.gravity), True)):
+        figure = draw_path([each], [0.0], planar_model=True)
+        axes = figure.axes[0]
+        bottom, top = axes.get_ylim()
+        assert (bottom < top) == up
+        words = {text.get_text(): text for text in axes.texts}
+        assert words.keys() == {"gravity"}
+        # Below the model.
+        low, high = (100.0 * end[2] for end in each.extent())
+        assert words["gravity"].xy[1] < low if up else words["gravity"].xy[1] > high
+    assert not draw_path([scene(0.5)], [0.0], planar_model=True).axes[0].texts
+
+
+def test_the_legend_says_which_input_its_loads_are_of() -> None:
+    path = flexor.load("finger-two-chambers").equilibrium()
+    legends = flexor.plot.path(path).legends
+    assert legends[0].get_title().get_text() == "middle-joint (knuckle 0 kPa to 20 kPa)"
+    path = flexor.load("pneumatic-finger").equilibrium(["0 kPa"])
+    assert flexor.plot.path(path).legends[0].get_title().get_text() == ""
+
+
+def test_parts_of_one_material_have_one_colour(tmp_path) -> None:
+    text = 'name = "two"\nplanar = true\n'
+    text += "".join(f'[parts.{key}]\nfile = "pneumatic-finger"\n' for key in "ab")
+    path = flexor.model.Model(flexor.model.parse(text)).equilibrium(np.zeros((1, 2)))
+    figure = flexor.plot.designs(path, path)
+    (legend,) = figure.legends
+    words = [each.get_text() for each in legend.get_texts()]
+    assert words[1].startswith("silicone, at ") and words.count("fabric") == 1
+    assert figure.axes[0].get_title() == "start: bends 0° in all (2 limbs)"
+
+
+def test_links_alone_have_the_colour_of_their_load_and_closed_ends() -> None:
+    links = [replace(scene(bend), rods=[], lines=[]) for bend in (0.0, 0.5)]
+    axes = draw_path(links, [0.0, 1.0], planar_model=False).axes[0]
+    surfaces = axes.collections
+    assert len(surfaces) == 6
+    first, last = surfaces[0].get_facecolor(), surfaces[-1].get_facecolor()
+    assert np.abs(first[0, :3] - last[0, :3]).max() > 0.1
+    x, y, z = spatial._round_cone(links[0].links[0])
+    for end in (0, -1):  # each ends in one point
+        assert np.ptp([x[end], y[end], z[end]], axis=1).max() < 1e-12
+    link = links[0].links[0]
+    assert x.min() == pytest.approx(link.base[0] - link.radius_base)
+    assert x.max() == pytest.approx(link.tip[0] + link.radius_tip)

@@ -50,6 +50,7 @@ def synthetic_path(lever: float = 1.0, section: object = "circular"):
     )
     exosuit = Rod.model_validate(rod)
     file = SimpleNamespace(
+        gravity=SimpleNamespace(components=(0.0, 0.0, 0.0)),
         materials={},
         straps={},
         springs={},

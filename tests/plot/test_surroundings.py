@@ -1,10 +1,11 @@
-"""Outlines of obstacles."""
+"""Outlines of obstacles, and guides of tendons."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+import flexor
 from flexor.model import Model, parse
 from flexor.plot.reading import read_scene
 
@@ -62,3 +63,14 @@ def test_an_outline_moves_with_the_body_that_carries_it(shape: str, distance) ->
     local = np.stack([r @ x, r @ z], axis=1)
     np.testing.assert_allclose(distance(local), 0.02, rtol=1e-9)
     np.testing.assert_allclose(np.ptp(local, axis=0), 0.04, rtol=1e-9)
+
+
+def test_guides_are_drawn_where_tendons_pass_bodies() -> None:
+    path = flexor.load("tendon-glove").equilibrium()
+    found = read_scene(path).lines
+    guides = [each for each in found if each.label == "guide of a tendon"]
+    tendon = np.concatenate([each.points for each in found if each.label == "tendon"])
+    assert len(guides) == 5 + 5
+    for each in guides:
+        middle = each.points.mean(axis=0)
+        assert np.linalg.norm(tendon - middle, axis=1).min() < 1e-9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from flexor.model.accuracy import Accuracy
 
 Columns = dict[str, list[str]]  # cells by heading
+_STILL = 1e-6  # [rad or m]
 
 
 def report(path: Path) -> None:
@@ -25,7 +27,8 @@ def report(path: Path) -> None:
     from flexor.model.accuracy import accuracy
 
     known = accuracy(path)
-    columns = _loads(path, known) | _joints(path) | _contacts(path, known)
+    still = _still(path)
+    columns = _loads(path, known) | _joints(path, still) | _contacts(path, known)
     columns |= _friction(path) | _device(path, known)
     columns["state"] = [_state(path, step) for step in range(len(path))]
     if path.events:
@@ -34,6 +37,9 @@ def report(path: Path) -> None:
             for step in range(len(path))
         ]
     show(list(columns), list(zip(*columns.values(), strict=True)), left=0)
+    if still:
+        stays = "stays" if len(still) == 1 else "stay"
+        say(f"{', '.join(path.model.joint_labels[name] for name in still)} {stays} at zero.")
     failed = path.status[~path.converged]
     if len(failed):
         say(explained(failed[0]))
@@ -74,14 +80,23 @@ def _loads(path: Path, known: Accuracy) -> Columns:
     return columns
 
 
-def _joints(path: Path) -> Columns:
+def _still(path: Path) -> list[str]:
+    """Return the coordinates of joints with several that never move while others of these do."""
+    moves = (np.nan_to_num(np.abs(path.joint_angles)).max(axis=0) > _STILL).tolist()
+    bodies = [each["body"] for each in path.model.engine.joints]
+    moving = {body for body, moved in zip(bodies, moves, strict=True) if moved}
+    every = zip(path.model.joints, bodies, moves, strict=True)
+    return [name for name, body, moved in every if not moved and body in moving]
+
+
+def _joints(path: Path, still: Sequence[str]) -> Columns:
     """Return the angles and travels of joints, or the tips of rods where no joint turns."""
     model, columns = path.model, {}
     angular = model.angular_joints
     angles = {
         name: np.degrees(column)
         for name, column in zip(model.joints, path.joint_angles.T, strict=True)
-        if name in angular
+        if name in angular and name not in still
     }
     for name, angle in angles.items():
         columns[f"{model.joint_labels[name]} / °"] = [fixed(x) for x in angle]
@@ -89,7 +104,7 @@ def _joints(path: Path) -> Columns:
     if len(angles) > 1 and len(axes) == 1:
         columns["sum / °"] = [fixed(x) for x in sum(angles.values())]
     for name, column in zip(model.joints, path.joint_angles.T, strict=True):
-        if name not in angular:
+        if name not in angular and name not in still:
             columns[f"{model.joint_labels[name]} / mm"] = [fixed(1e3 * x) for x in column]
     if not angular:
         frames = [path.frames(step) for step in range(len(path))]

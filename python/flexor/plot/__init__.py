@@ -16,11 +16,11 @@ from flexor.errors import InputError
 from flexor.plot.animation import animation
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.front_figure import front
-from flexor.plot.history import read_history, varied_input
+from flexor.plot.history import read_history, stated_inputs, varied_input
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
-from flexor.plot.reading import marked, read_scene
+from flexor.plot.reading import bending, limbs, marked, read_scene
 from flexor.plot.style import save, writable
 from flexor.scene import scene as solid_scene
 
@@ -74,7 +74,13 @@ def path(path: Path) -> Figure:
         # Bodies that hide one another, of which only the ends of the path can be told apart.
         solid, scenes, loads = solid_scene(path), [scenes[0], scenes[-1]], loads[[0, -1]]
     return draw_path(
-        scenes, loads, planar_model=planar_model, history=history, unit=unit, solid=solid
+        scenes,
+        loads,
+        planar_model=planar_model,
+        history=history,
+        unit=unit,
+        inputs=stated_inputs(path, most),
+        solid=solid,
     )
 
 
@@ -99,7 +105,8 @@ def designs(
     -------
     matplotlib.figure.Figure
         One page wide; planar rods are cut lengthwise, arrows are contact forces, and heights below
-        rods the pressure on skins. The titles state the sum of the joint angles at the last load.
+        rods the pressure on skins. The titles state the sum of the joint angles at the last load,
+        and of how many limbs they are if not of one.
     """
     shown = start_path.model.show_loads
     panels = [
@@ -109,7 +116,8 @@ def designs(
             last=read_scene(path, -1, file),
             first_load=shown(path.loads[0]),
             last_load=shown(path.loads[-1]),
-            bending=float(path.joint_angles[-1].sum()) if path.joint_angles.shape[1] else None,
+            bending=bending(path),
+            limbs=limbs(path.model),
             solid=None if path.model.planar else solid_scene(path, file),
         )
         for title, path, file in zip(titles, (start_path, best_path), files, strict=True)

@@ -59,6 +59,7 @@ def animation(path: Path) -> FuncAnimation:
                 planar.frame_axes(axes, scenes)
                 planar.draw_scene(axes, scene, colour=EXOSUIT)
                 planar.draw_contact_forces(axes, scene, cm_per_newton=cm_per_newton)
+                planar.draw_keys(axes, (0.0, 0.0), gravity=scene.gravity)
             else:
                 spatial.frame_axes(axes, scenes)
                 spatial.draw_scene(axes, scene, colour=EXOSUIT)

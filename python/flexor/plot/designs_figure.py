@@ -12,7 +12,7 @@ from flexor.plot.legend import fitting_legend
 from flexor.plot.path_figure import line_handles
 from flexor.plot.scene import Scene, arrow_scale, pressure_scale
 from flexor.plot.solid import draw_solid, largest_pressure, solid_colours
-from flexor.plot.style import CHAMBER, EXOSUIT, FORCE, LINE, PAGE, literal, style
+from flexor.plot.style import CHAMBER, EXOSUIT, FORCE, LINE, PAGE, literal, own_name, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -33,6 +33,7 @@ class Design:
     first_load: str
     last_load: str
     bending: float | None  # sum of the joint angles at the last load [rad]; None without joints
+    limbs: int = 1  # number of chains of joints, over which that is the sum
     solid: SolidScene | None = None  # of a spatial model, with its sections
 
 
@@ -57,7 +58,7 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
                 planar.draw_pressure(axes, design.last, cm_per_pascal=pressures[0])
                 planar.draw_contact_forces(axes, design.last, cm_per_newton=cm_per_newton)
                 if column == 1:
-                    planar.draw_keys(axes, (cm_per_newton, key), pressures)
+                    planar.draw_keys(axes, (cm_per_newton, key), pressures, design.last.gravity)
             else:
                 axes = figure.add_subplot(
                     1, len(designs), column, projection="3d", computed_zorder=False
@@ -83,6 +84,8 @@ def _title(design: Design) -> str:
     if design.bending is None:
         return design.title
     degrees = math.degrees(design.bending)
+    if design.limbs > 1:
+        return f"{design.title}: bends {degrees:.0f}° in all ({design.limbs} limbs)"
     return f"{design.title}: bends {degrees:.0f}° ({design.bending:.2f} rad)"
 
 
@@ -102,11 +105,10 @@ def _handles(designs: Sequence[Design], planar_model: bool) -> list[Artist]:
     if not materials:
         shown = [Patch(facecolor=EXOSUIT, **edge, label=f"at {last}")]
     else:
-        labels = {name: literal(name) for name in materials}
-        labels[next(iter(labels))] += f", at {last}"
+        colours = {literal(own_name(name)): colour for name, colour in materials.items()}
         shown = [
-            Patch(facecolor=colour, **edge, label=labels[name])
-            for name, colour in materials.items()
+            Patch(facecolor=colour, **edge, label=label if i else f"{label}, at {last}")
+            for i, (label, colour) in enumerate(colours.items())
         ]
     pressure = largest_pressure(solids)
     if pressure > 0.0:

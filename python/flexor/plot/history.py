@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from flexor.model import Path
 
 _MOST_ARROWS = 10
+# Inputs whose loads are stated beside that of the legend.
+MOST_STATED = 3
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,22 @@ class History:
 def varied_input(path: Path) -> int:
     """Return which input varies most; 0 without inputs."""
     return int(np.argmax(np.ptp(path.loads, axis=0))) if path.loads.shape[1] else 0
+
+
+def stated_inputs(path: Path, shown: int) -> str:
+    """Return which of several inputs is shown, and the loads of the others."""
+    model = path.model
+    if len(model.inputs) < 2:
+        return ""
+    others = []
+    if len(model.inputs) > MOST_STATED:
+        return f"{model.inputs[shown]}, with {len(model.inputs) - 1} other inputs"
+    for index, name in enumerate(model.inputs):
+        if index != shown:
+            ends = path.loads[[0, -1], index]
+            first, last = (model.show_load(load, index=index) for load in ends)
+            others.append(f"{name} {first if first == last else f'{first} to {last}'}")
+    return f"{model.inputs[shown]} ({', '.join(others)})"
 
 
 def read_history(path: Path) -> History | None:

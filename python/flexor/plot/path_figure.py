@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from flexor.plot import planar, spatial
 from flexor.plot.history import History, draw_history
 from flexor.plot.scene import Scene, arrow_scale, pressure_scale
 from flexor.plot.solid import draw_solid, solid_colours
-from flexor.plot.style import CHAMBER, COLUMN, LINE, MARK, shades, style
+from flexor.plot.style import CHAMBER, COLUMN, LINE, MARK, literal, shades, style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 MAX_LEGEND_ENTRIES = 12
 MAX_LEGEND_COLUMNS = 6
+LONGEST_LINE = 52  # characters
+# Height of a row of a legend [in], and how many there is room for without more.
+ROW, USUAL_ROWS = 0.16, 5
 # Height of the panel [in].
 PANEL = 2.6
 
@@ -35,9 +39,13 @@ def draw_path(
     planar_model: bool,
     history: History | None = None,
     unit: str = "N",
+    inputs: str = "",
     solid: Solid | None = None,
 ) -> Figure:
-    """Draw a model at every load step, to scale; in space, with `solid`, the last with surfaces."""
+    """Draw a model at every load step, to scale; in space, with `solid`, the last with surfaces.
+
+    ``inputs`` says which of several inputs the loads are of, and what the others are.
+    """
     from matplotlib.figure import Figure
 
     colours = [tuple(shade) for shade in shades(len(scenes))]
@@ -59,7 +67,7 @@ def draw_path(
                     planar.draw_outlines(axes, scene, colour=colour, depth=3.0 + step)
             planar.draw_pressure(axes, scenes[-1], cm_per_pascal=pressures[0])
             planar.draw_contact_forces(axes, scenes[-1], cm_per_newton=cm_per_newton)
-            planar.draw_keys(axes, (cm_per_newton, key), pressures)
+            planar.draw_keys(axes, (cm_per_newton, key), pressures, scenes[-1].gravity)
         else:
             space = figure.add_subplot(place, projection="3d", computed_zorder=False)
             spatial.frame_axes(space, scenes)
@@ -79,11 +87,12 @@ def draw_path(
             height = figure.get_figheight()
             grid.set_height_ratios((height, PANEL))
             figure.set_figheight(height + PANEL)
-        _legends(figure, _load_handles(np.asarray(loads), colours, unit), line_handles(scenes))
+        handles = _load_handles(np.asarray(loads), colours, unit)
+        _legends(figure, handles, line_handles(scenes), inputs)
     return figure
 
 
-def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
+def _legends(figure: Figure, loads: list[Artist], lines: list[Artist], title: str) -> None:
     long = max(len(str(load.get_label())) for load in loads) > 5
     most = MAX_LEGEND_COLUMNS - 2 if long else MAX_LEGEND_COLUMNS
     columns = -(-len(loads) // -(-len(loads) // most))
@@ -96,10 +105,16 @@ def _legends(figure: Figure, loads: list[Artist], lines: list[Artist]) -> None:
         handlelength=1.0,
         handletextpad=0.5,
         columnspacing=1.0,
+        title=fill(literal(title), LONGEST_LINE) or None,
+        title_fontsize=7.5,
     )
+    rows = -(-len(loads) // columns)
     if lines:
         # Marks have long labels.
         columns = 2 if all(len(str(line.get_label())) < 25 for line in lines) else 1
+        rows += -(-len(lines) // columns)
+        room = ROW * max(0, rows - USUAL_ROWS)
+        figure.set_figheight(figure.get_figheight() + room)
         figure.legend(handles=lines, loc="outside lower center", ncols=columns, handlelength=1.4)
 
 

@@ -11,7 +11,7 @@ from flexor.arrays import Array
 from flexor.plot.lengthwise import CAVITY
 from flexor.plot.outline import band, capsule
 from flexor.plot.scene import ContactArrow, Scene, enlarged
-from flexor.plot.style import AIR, EXOSUIT, FINGER, FORCE, LAYERS, LINE, MARK
+from flexor.plot.style import AIR, EXOSUIT, FINGER, FORCE, LINE, MARK, material_shades
 from flexor.plot.surroundings import SPRING
 
 if TYPE_CHECKING:
@@ -80,10 +80,10 @@ def draw_scene(
 
 def material_colours(scenes: Sequence[Scene], colour: ColorType = EXOSUIT) -> dict[str, ColorType]:
     """Return the colour of each material and of cavities in rods that are cut lengthwise."""
-    names = dict.fromkeys(each.name for scene in scenes for rod in scene.rods for each in rod.bands)
-    solid = [name for name in names if name != CAVITY]
-    shades = (colour, *LAYERS)
-    found = {name: shades[i % len(shades)] for i, name in enumerate(solid)}
+    names = [each.name for scene in scenes for rod in scene.rods for each in rod.bands]
+    found: dict[str, ColorType] = material_shades(
+        (name for name in names if name != CAVITY), colour
+    )
     return found | {CAVITY: AIR} if CAVITY in names else found
 
 
@@ -141,12 +141,25 @@ def draw_contact_forces(
 
 
 def draw_keys(
-    axes: Axes, forces: tuple[float, float], pressures: tuple[float, float] = (0.0, 0.0)
+    axes: Axes,
+    forces: tuple[float, float],
+    pressures: tuple[float, float] = (0.0, 0.0),
+    gravity: Array | None = None,
 ) -> None:
-    """Draw the keys of contact forces and pressures, each of a scale and a value, at lower left."""
+    """Draw keys at lower left.
+
+    Parameters
+    ----------
+    axes
+        The axes, framed.
+    forces, pressures
+        Scale and value of contact forces and pressures; the value is 0 for no key.
+    gravity : (3,) array, optional
+        Its direction; none for no key.
+    """
     left, right = axes.get_xlim()
-    bottom, _ = axes.get_ylim()
-    height = enlarged(KEY_MARGIN, right - left)
+    bottom, top = axes.get_ylim()
+    height = enlarged(KEY_MARGIN, right - left) * (1.0 if top > bottom else -1.0)
     x, y = left + 0.04 * (right - left), bottom + 0.5 * height
     if forces[1]:
         _draw_force_key(axes, x, y, *forces)
@@ -158,6 +171,25 @@ def draw_keys(
             f"contact pressure {value / 1e3:g} kPa", (x, y), xytext=(4, 0),
             textcoords="offset points", va="center", fontsize=7,
         )  # fmt: skip
+        y += height
+    if gravity is not None and _in_plane(gravity).any():
+        _draw_gravity(axes, x, y, abs(height), gravity)
+
+
+def _draw_gravity(axes: Axes, x: float, y: float, height: float, gravity: Array) -> None:
+    """Draw an arrow along gravity to the right of x, its middle at the height y, in cm."""
+    along = 0.6 * height * _in_plane(gravity) / float(np.linalg.norm(_in_plane(gravity)))
+    middle = np.array([x + abs(0.5 * along[0]), y])
+    tip = np.zeros(3)
+    tip[list(PLANE)] = (middle + 0.5 * along) / CM
+    force = np.zeros(3)
+    force[list(PLANE)] = along
+    arrow = Scene(contact_arrows=[ContactArrow(tip, force)])
+    draw_contact_forces(axes, arrow, cm_per_newton=1.0, colour=LINE)
+    axes.annotate(
+        "gravity", (x + abs(along[0]), y), xytext=(6, 0), textcoords="offset points",
+        va="center", fontsize=7,
+    )  # fmt: skip
 
 
 def _draw_force_key(axes: Axes, x: float, y: float, cm_per_newton: float, force: float) -> None:
@@ -176,17 +208,24 @@ def _draw_force_key(axes: Axes, x: float, y: float, cm_per_newton: float, force:
 
 
 def frame_axes(axes: Axes, scenes: Sequence[Scene], *, keys: int = 0) -> None:
-    """Set equal scales in centimetres and limits that include every scene and some keys."""
+    """Set equal scales in centimetres and limits that include every scene and some keys.
+
+    z points up, or down where gravity acts along it; a model with gravity has a key more.
+    """
+    keys += bool(_in_plane(scenes[0].gravity).any())
+    down = _is_upside_down(scenes[0])
     corners = [scene.extent() for scene in scenes]
     low = CM * np.min([_in_plane(c[0]) for c in corners], axis=0) - MARGIN
     high = CM * np.max([_in_plane(c[1]) for c in corners], axis=0) + MARGIN
     if keys:
         width = max(high[0] - low[0], (high[1] - low[1]) / MAX_ASPECT)
-        low[1] -= keys * enlarged(KEY_MARGIN, width) - MARGIN
+        room = keys * enlarged(KEY_MARGIN, width) - MARGIN
+        low[1], high[1] = (low[1], high[1] + room) if down else (low[1] - room, high[1])
     # A model that is much higher than wide gets room beside it, not a figure of many pages.
     room = max(0.0, (high[1] - low[1]) / MAX_ASPECT - (high[0] - low[0]))
     low[0], high[0] = low[0] - 0.5 * room, high[0] + 0.5 * room
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x / cm", ylabel="z / cm")
+    heights = (high[1], low[1]) if down else (low[1], high[1])
+    axes.set(xlim=(low[0], high[0]), ylim=heights, xlabel="x / cm", ylabel="z / cm")
     axes.set_aspect("equal")
 
 
@@ -194,7 +233,13 @@ def height(axes: Axes, width: float) -> float:
     """Return the height of the axes for a given width, in the same unit."""
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    return width * (top - bottom) / (right - left)
+    return abs(width * (top - bottom) / (right - left))
+
+
+def _is_upside_down(scene: Scene) -> bool:
+    """Whether what is up, against gravity, is rather -z than another direction."""
+    x, z = _in_plane(scene.gravity)
+    return bool(z > abs(x))
 
 
 def _in_plane(vectors: Array) -> Array:

@@ -102,6 +102,7 @@ class Scene:
     contact_arrows: list[ContactArrow] = field(default_factory=list)
     marks: list[Mark] = field(default_factory=list)
     pressures: list[Pressure] = field(default_factory=list)
+    gravity: Array = field(default_factory=lambda: np.zeros(3))  # [m/s²]
 
     def extent(self) -> tuple[Array, Array]:
         """Return the corners of the bounding box of all bodies and lines, each (3,) [m]."""

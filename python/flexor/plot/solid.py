@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.plot.style import EXOSUIT, FINGER, FORCE, LAYERS, STRAP
+from flexor.plot.style import EXOSUIT, FINGER, FORCE, STRAP, material_shades
 from flexor.plot.surroundings import SPRING
 from flexor.scene.pressure import FIELD
 
@@ -28,11 +28,9 @@ _HIDDEN = ("chamber", "line", "obstacle", "tie")
 
 def solid_colours(scenes: list[Scene]) -> dict[str, ColorType]:
     """Return the colour of each material of rods."""
-    names = dict.fromkeys(
+    return material_shades(
         each.part for scene in scenes for each in scene.objects if each.kind == "rod" and each.part
     )
-    shades = (EXOSUIT, *LAYERS)
-    return {name: shades[i % len(shades)] for i, name in enumerate(names)}
 
 
 def largest_pressure(scenes: list[Scene]) -> float:

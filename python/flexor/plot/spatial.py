@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 CM = 100.0
 MARGIN = 0.5  # cm, around the bodies
+ELEVATION, AZIMUTH = 18.0, -62.0  # of the eye [deg]
+# How long x, y and z seem from there; y is at the margin, where perspective shortens it further.
+SEEN = np.array([0.9, 0.35, 0.95])
 
 
 def draw_scene(
@@ -32,9 +35,11 @@ def draw_scene(
             CM * x, CM * y, CM * z, color=colour, alpha=0.8 * opacity, linewidth=0.0, shade=True
         )
     for link in scene.links:
-        x, y, z = _cone(link)
+        x, y, z = _round_cone(link)
+        # Only rods have the colour of the load, where there are any.
+        shown = FINGER if scene.rods else colour
         axes.plot_surface(
-            CM * x, CM * y, CM * z, color=FINGER, alpha=0.8 * opacity, linewidth=0.0, shade=True
+            CM * x, CM * y, CM * z, color=shown, alpha=0.8 * opacity, linewidth=0.0, shade=True
         )
     for line in scene.lines:
         axes.plot(*(CM * line.points.T), color=line.colour, linewidth=1.2, zorder=10)
@@ -63,13 +68,19 @@ def frame_axes(axes: Axes3D, scenes: Sequence[Scene]) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set(xlabel="x / cm", ylabel="y / cm", zlabel="z / cm")
     axes.set_box_aspect(tuple(high - low), zoom=0.82)
-    axes.view_init(elev=18.0, azim=-62.0)
-    # Number of ticks proportional to the side, so that labels do not overlap.
-    for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), high - low, strict=True):
-        axis.set_major_locator(MaxNLocator(max(1, round(6 * size / float(np.max(high - low))))))
+    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    # Number of ticks proportional to the side as it is seen, so that labels do not overlap.
+    sides = (high - low) * SEEN
+    for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), sides, strict=True):
+        count = round(6 * size / float(np.max(sides)))
+        if count > 1:
+            axis.set_major_locator(MaxNLocator(count))
+        else:
+            axis.set_ticks([round(0.5 * sum(axis.get_view_interval()))])
 
 
-def _cone(link: Link) -> tuple[Array, Array, Array]:
+def _round_cone(link: Link) -> tuple[Array, Array, Array]:
+    """Return the surface of a link, whose ends are halves of spheres."""
     axis = link.tip - link.base
     length = float(np.linalg.norm(axis))
     along = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
@@ -78,6 +89,13 @@ def _cone(link: Link) -> tuple[Array, Array, Array]:
     first = np.cross(along, other)
     first /= np.linalg.norm(first)
     second = np.cross(along, first)
-    station = np.linspace(0.0, 1.0, 12)[:, None]
-    radius = link.radius_base + station * (link.radius_tip - link.radius_base)
-    return tube(link.base + station * axis, radius * first, radius * second)
+    angle = np.linspace(0.0, 0.5 * np.pi, 7)
+    share = np.linspace(0.0, 1.0, 12)
+    ends = link.radius_base, link.radius_tip
+    places = np.concatenate(
+        [-ends[0] * np.cos(angle), length * share, length + ends[1] * np.sin(angle)]
+    )
+    radius = np.concatenate(
+        [ends[0] * np.sin(angle), ends[0] + share * (ends[1] - ends[0]), ends[1] * np.cos(angle)]
+    )[:, None]
+    return tube(link.base + places[:, None] * along, radius * first, radius * second)

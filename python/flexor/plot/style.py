@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -28,7 +28,7 @@ FORCE = "#0072B2"
 CHAMBER = "#D55E00"
 STRAP = "#CC79A7"
 AIR = "#BFE3F7"
-LAYERS = ("#6B4F1D", "#B5651D", "#C9B18A")
+LAYERS = ("#6B4F1D", "#B5651D", "#C9B18A", "#F0E442", "#56B4E9", "#7570B3", "#8A949C")
 
 # How places of extremes are marked.
 MARK: dict[str, Any] = {"color": "white", "markeredgecolor": "black", "markersize": 4.5}
@@ -89,6 +89,19 @@ def distinct(count: int) -> list[dict[str, Any]]:
     dashes = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (4, 1.5, 1, 1.5)))
     styles = [{"color": c, "linestyle": dash} for dash in dashes for c in colours]
     return [styles[i % len(styles)] for i in range(count)]
+
+
+def own_name(name: str) -> str:
+    """Return the name of an entry without those of the parts that it belongs to."""
+    return name.rpartition(".")[2]
+
+
+def material_shades(names: Iterable[str], first: Any = EXOSUIT) -> dict[str, Any]:
+    """Return the colour of each material by name, the same for those of several parts."""
+    colours = (first, *LAYERS)
+    names = list(dict.fromkeys(names))
+    order = list(dict.fromkeys(map(own_name, names)))
+    return {name: colours[order.index(own_name(name)) % len(colours)] for name in names}
 
 
 def literal(text: str) -> str:

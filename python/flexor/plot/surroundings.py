@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexor.arrays import Array
 from flexor.model.schema.obstacle import HalfSpace
+from flexor.model.schema.points import Attachment
 from flexor.model.schema.solid import Solid
+from flexor.model.schema.vector import Offset
 from flexor.plot.scene import Line
 from flexor.plot.style import LINE
 from flexor.scene.attachments import place_of
@@ -20,7 +23,8 @@ if TYPE_CHECKING:
     from flexor.model import Path
 
 SPRING, TIE, OBSTACLE = "#009E73", "#CC79A7", LINE
-TENDON, WRAP = "#B2182B", "#9ECAE1"
+TENDON, WRAP, GUIDES = "#B2182B", "#9ECAE1", "#E69F00"
+GUIDE = 1.5e-3  # half the length of the line across a tendon at its guides [m]
 RING = 0.015  # radius of the ring around a tie, as a share of the longest body
 
 
@@ -40,12 +44,14 @@ def springs(path: Path, frames: dict[str, Array]) -> list[Line]:
 
 
 def tendons(path: Path, frames: dict[str, Array], step: int) -> list[Line]:
-    """Return a line for each branch of each tendon at a step, and a circle for each wrap."""
+    """Return a line for each branch of each tendon at a step, its guides and a circle a wrap."""
     lines = []
     if names := path.model.tendons:
         found = path.model.engine.tendon_paths(path.parameters, path.q[step])
         for name, branches in zip(names, found, strict=True):
             lines += [Line(name, np.array(branch), "tendon", TENDON) for branch in branches]
+        for name in names:
+            lines += _guides(path, frames, name)
     angle = np.linspace(0.0, 2.0 * np.pi, 49)
     flat = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
     for name, wrap in path.model.file.wraps.items():
@@ -56,6 +62,16 @@ def tendons(path: Path, frames: dict[str, Array], step: int) -> list[Line]:
         points = radius * circle @ pose[:3, :3].T + pose[:3, 3]
         lines.append(Line(name, points, "wrap", WRAP))
     return lines
+
+
+def _guides(path: Path, frames: dict[str, Array], name: str) -> Iterator[Line]:
+    """Yield a short line across a tendon at each point of a body that it passes or ends at."""
+    for stage in path.model.file.tendons[name].path:
+        if isinstance(stage, Attachment) and any(stage.offset.components):
+            point = place_of(path, frames, stage)
+            out = point - place_of(path, frames, stage.model_copy(update={"offset": Offset()}))
+            half = GUIDE * out / np.linalg.norm(out)
+            yield Line(name, np.array([point - half, point + half]), "guide of a tendon", GUIDES)
 
 
 def ties(path: Path, frames: dict[str, Array]) -> list[Line]:
