@@ -9,9 +9,11 @@ import pytest
 
 import flexor
 from flexor.design import variables
-from flexor.design.lowered import Lowered
+from flexor.design.changes_by_part import ChangesByPart
+from flexor.design.lowered import Lowered, parameters_with
 from flexor.design.parts_map import PartsMap
 from flexor.model import Model, parse
+from flexor.study.fragility import numbers
 
 HAND = """
 name = "hand"
@@ -157,3 +159,16 @@ def test_a_loop_slides_off_the_end_of_its_link() -> None:
     lengths = found.values[:, found.indices.tolist().index(column)]
     turns = np.abs(np.diff(lengths, 2))
     assert turns.max() > 100.0 * np.median(turns)
+
+
+def test_every_number_changed_on_its_part_is_that_of_the_whole() -> None:
+    model = hand()
+    changes, found = ChangesByPart(model), 0
+    for keys, value in numbers(model):
+        expected = parameters_with(model, {keys: 1.01 * value})
+        actual = changes.parameters_with(keys, 1.01 * value)
+        assert (actual is None) == (expected is None), keys
+        if expected is not None and actual is not None:
+            np.testing.assert_array_equal(actual, expected, err_msg=".".join(keys))
+            found += not np.array_equal(expected, model.parameters)
+    assert found > 80

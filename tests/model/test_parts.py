@@ -15,6 +15,7 @@ from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.model import Model, load, parse
 from flexor.model.reading import locate
+from flexor.model.separate import Separate
 
 ARM = """
 name = "arm"
@@ -283,6 +284,30 @@ def test_parts_that_are_not_joined_are_followed_by_themselves(tmp_path: Path) ->
     frames_here, frames_alone = found.frames(-1), alone.frames(-1)
     assert frames_here["index.exosuit"] == pytest.approx(frames_alone["exosuit"], abs=1e-12)
     assert set(found.to_dict()["volume"]) == {"index.chamber", "middle.chamber"}
+
+
+def test_designs_of_one_part_are_followed_once_for_the_others(tmp_path: Path) -> None:
+    """With their snaps, and each with the states of the others."""
+    parts = "".join(f'[parts.{key}]\nfile = "truss"\n' for key in "ab")
+    text = f'name = "two"\nplanar = true\n{parts}[inputs]\nload = ["a.push", "b.push"]\n'
+    model = load(written(tmp_path, text))
+    assert isinstance(model.followed, Separate)
+    bounds = {f"{key}.left.stiffness": ("0.8 kN/m", "1.3 kN/m") for key in "ab"}
+    chosen = flexor.design.variables(bounds, model)
+    x = np.array([[1.0, 1.0], [1.1, 1.0], [1.0, 1.1], [1.0, 1.0], [1.1, 1.1]]) * chosen.start
+    slots, valid = chosen.designs(x, model)
+    assert valid.all()
+    found = model.evaluate(slots, "0:0.4:0.1 N")
+    for k in range(len(x)):
+        alone = model.evaluate(slots[k : k + 1], "0:0.4:0.1 N")
+        np.testing.assert_array_equal(found.q[k], alone.q[0])
+        np.testing.assert_array_equal(found.energy[k], alone.energy[0])
+        assert len(found.event_table[k]) >= 1
+        for name in found.event_table[k].dtype.names:
+            np.testing.assert_array_equal(
+                found.event_table[k][name], alone.event_table[0][name], err_msg=name
+            )
+        assert found[k].free.tolist() == alone[0].free.tolist()
 
 
 def test_derivatives_of_separate_parts(tmp_path: Path) -> None:

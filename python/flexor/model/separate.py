@@ -110,10 +110,10 @@ class Separate:
                 planar = each.plane.parameters(own, varied)
                 if planar is not None:
                     engine, (own, varied) = each.plane.engine, planar
-            # What designs have in common is followed once.
-            once = count > 1 and len(loads) == steps and (varied == varied[:1]).all()
-            if once:
-                varied = varied[:1]
+            # Designs that differ in other components only are followed once.
+            of = _distinct(varied) if count > 1 and len(loads) == steps else None
+            if of is not None:
+                varied = varied[np.unique(of, return_index=True)[1]]
             given = dict(settings)
             if start is not None:
                 given["start"] = np.ascontiguousarray(start[each.coordinates])
@@ -121,7 +121,7 @@ class Separate:
                 one: Any = engine.path(own, varied, column, threads, steps=steps, **given)
             if engine is not each.engine:
                 one = in_space(one)
-            found.append(_repeated(one, count) if once else one)
+            found.append(one if of is None else _taken(one, of))
         return self._together(found, loads, count, steps)
 
     def differentiate(
@@ -379,20 +379,35 @@ def _worst(
     return np.asarray(np.take_along_axis(stacked, worst, axis=0)[0])
 
 
-def _repeated(found: Found, count: int) -> dict[str, Any]:
-    """Return the results of one design for each of several that are the same."""
+def _distinct(varied: Array) -> Indices | None:
+    """Return which of the distinct designs each is, in the order of their first; None if all are.
+
+    The designs are (n, k) values.
+    """
+    places: dict[bytes, int] = {}
+    of = [places.setdefault(row.tobytes(), len(places)) for row in varied]
+    return None if len(places) == len(varied) else np.array(of, dtype=np.intp)
+
+
+def _taken(found: Found, of: Indices) -> dict[str, Any]:
+    """Return the results of designs that are some of those that were followed."""
+
+    def of_each(designs: NDArray[Any]) -> tuple[Indices, NDArray[Any]]:
+        """Return which rows belong to the designs, and the design of each."""
+        rows = [np.flatnonzero(designs == design) for design in of]
+        own = np.repeat(np.arange(len(of)), [len(each) for each in rows])
+        return np.concatenate(rows), own.astype(designs.dtype)
+
     made: dict[str, Any] = {}
     for name, array in found.items():
         if name == "events":
-            size = len(array["design"])
-            made[name] = {key: np.concatenate([value] * count) for key, value in array.items()}
-            made[name]["design"] = np.repeat(np.arange(count), size)
+            rows, designs = of_each(array["design"])
+            made[name] = {key: value[rows] for key, value in array.items()} | {"design": designs}
         elif name == "free":
-            rows = np.concatenate([array] * count)
-            rows[:, 0] = np.repeat(np.arange(count), len(array))
-            made[name] = rows
+            rows, designs = of_each(array[:, 0])
+            made[name] = np.column_stack([designs, array[rows, 1:]])
         elif name == "friction":  # without rows
             made[name] = array
         else:
-            made[name] = np.repeat(array, count, axis=0)
+            made[name] = array[of]
     return made

@@ -23,6 +23,8 @@ CM = 100.0
 LIGHT, SHADE = np.array([-0.4, -0.7, 0.6]), 0.55
 # How far straps are drawn towards the eye, since triangles are sorted by their middles [m].
 NEARER = 2e-3
+# Cosine beyond which closed surfaces face away from the eye, also where perspective turns its rays.
+AWAY = -0.2
 _HIDDEN = ("chamber", "line", "obstacle", "tie")
 
 
@@ -81,6 +83,9 @@ def draw_solid(
             pressure = np.nan_to_num(each.fields[FIELD][step])[each.faces].mean(axis=1)
             share = np.clip(pressure / largest, 0.0, 1.0)[:, None]
             colour = (1.0 - share) * colour + share * np.array(to_rgb(FORCE))
+        if each.kind in ("link", "rod"):  # closed, and hidden by their own front
+            facing = _normals(corners) @ eye > AWAY
+            corners, colour = corners[facing], colour[facing]
         triangles.append(corners)
         shown.append(colour * _lightness(corners)[:, None])
     # One collection, in which the nearer hides what is behind it.
@@ -92,6 +97,12 @@ def draw_solid(
 
 def _lightness(corners: Array) -> Array:
     """Return how light triangles (f, 3, 3) are, (f,)."""
+    across = np.abs(_normals(corners) @ LIGHT) / np.linalg.norm(LIGHT)
+    return np.asarray(SHADE + (1.0 - SHADE) * across)
+
+
+def _normals(corners: Array) -> Array:
+    """Return the normals (f, 3) of triangles (f, 3, 3)."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-30)[:, None]
-    return np.asarray(SHADE + (1.0 - SHADE) * np.abs(normal @ LIGHT) / np.linalg.norm(LIGHT))
+    return np.asarray(normal)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from flexor.design import Variables
-from flexor.design.lowered import parameters_with
+from flexor.design.changes_by_part import ChangesByPart
 from flexor.model.geometry import SlotValues
 from flexor.objectives import evaluate_objective
 from flexor.study.problem import FloatArray, Problem
@@ -89,9 +89,9 @@ def _neighbours(problem: Problem, x: FloatArray) -> tuple[Model, list[str], Floa
     if not isinstance(chosen, Variables):
         return problem.model, list(chosen.labels), None
     model = load(problem.model.file, changes=chosen.changes(x))
-    names, rows = [], [model.parameters]
-    for keys, value in _numbers(model):
-        changed = parameters_with(model, {keys: value * (1.0 + SHARE)})
+    names, rows, changes = [], [model.parameters], ChangesByPart(model)
+    for keys, value in numbers(model):
+        changed = changes.parameters_with(keys, value * (1.0 + SHARE))
         if changed is not None and not np.array_equal(changed, model.parameters):
             # The table need not be said where the name of the entry says which.
             names.append(".".join(keys[1:] if len(keys) > 2 else keys))
@@ -99,7 +99,7 @@ def _neighbours(problem: Problem, x: FloatArray) -> tuple[Model, list[str], Floa
     return model, names, np.stack(rows)
 
 
-def _numbers(model: Model) -> Iterator[tuple[tuple[str, ...], float]]:
+def numbers(model: Model) -> Iterator[tuple[tuple[str, ...], float]]:
     """Yield every number of a model's file that is not zero, by its keys."""
     for table in type(model.file).model_fields:
         if table not in _OTHER:
