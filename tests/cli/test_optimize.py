@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import flexor as package
+from flexor.model.limbs import limbs
 from flexor.model.reading import locate
 from flexor.study import Study
 
@@ -311,3 +312,16 @@ def test_bad_scenarios(flexor, option: tuple[str, str], message: str) -> None:
 def test_bad_choices_and_profiles(flexor, options: tuple[str, ...], message: str) -> None:
     vary = ("--vary", "exosuit.length=8 cm:11 cm", "--maximise", "bending")
     assert message in flexor("optimize", "pneumatic-finger", *vary, *options).error
+
+
+def test_the_bending_of_several_limbs_is_said_to_be_a_sum(flexor, tmp_path) -> None:
+    parts = "".join(f'[parts.{key}]\nfile = "finger"\n' for key in "ab")
+    (tmp_path / "two.toml").write_text(f'name = "two"\nplanar = true\n{parts}')
+    loads = "a.chamber=0:1:1 N", "b.chamber=0:1:1 N"
+    given = ("--load", loads[0], "--load", loads[1], "--vary", "a.exosuit.length=9 cm:10 cm")
+    ran = flexor("optimize", "two.toml", *given, "--maximise", "bending", "--budget", "3")
+    assert ran.code == 0, ran.err
+    assert "It is the sum over all joints, of 2 limbs." in ran.out
+    counts = {"glove": 5, "finger": 1, "tendon-arm": 1, "column": 0}
+    for name, count in counts.items():
+        assert limbs(package.load(name)) == count

@@ -16,6 +16,7 @@ from flexor.cli.folders import save_figure
 from flexor.cli.progress import duration, working
 from flexor.cli.table import number, show, with_unit
 from flexor.design.drawn_file import drawn_file
+from flexor.model.limbs import limbs
 from flexor.study.ineffective import ineffective
 from flexor.study.optimum import optimum_files
 from flexor.study.sentences import title, without_effect
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from flexor.study import Design, Sensitivity, Study
 
 
+# Quantities that are sums over joints.
+SUMS = ("bending", "range-of-motion")
 _CAVEATS = {
     "snapped": "The optimum is reached through a snap: sensitivities hold on the final branch.",
     "contact-threshold": "A contact is about to open or close: sensitivities are one-sided.",
@@ -272,7 +275,10 @@ def _improvement(study: Study, best: Design) -> list[str]:
             f"At {force} the {name} bends {_degrees(best.bending)}, "
             f"the {first} {_degrees(start.bending)}{there}{ratio}."
         )
-    return [said, *([f"The {first} breaks {' and '.join(broken)}."] if broken else [])]
+    count = limbs(problem.model) if problem.quantity in SUMS else 1
+    of_all = [f"It is the sum over all joints, of {count} limbs."] if count > 1 else []
+    broke = [f"The {first} breaks {' and '.join(broken)}."] if broken else []
+    return [said, *of_all, *broke]
 
 
 def _broken(design: Design) -> dict[str, str]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.errors import InputError
+from flexor.model.limbs import limbs
 from flexor.plot.animation import animation
 from flexor.plot.designs_figure import Design, draw_designs
 from flexor.plot.front_figure import front
@@ -20,7 +21,7 @@ from flexor.plot.history import read_history, stated_inputs, varied_input
 from flexor.plot.landscape_figure import landscape
 from flexor.plot.path_figure import draw_path
 from flexor.plot.profiles_figure import profiles
-from flexor.plot.reading import bending, limbs, marked, read_scene
+from flexor.plot.reading import bending, marked, read_scene
 from flexor.plot.style import save, writable
 from flexor.scene import scene as solid_scene
 

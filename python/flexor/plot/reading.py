@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from flexor.model import ContactForces, Path
     from flexor.model.schema import ModelFile
     from flexor.model.schema.actuator import Actuator
-    from flexor.model.structure import Structure
 
 # Of each quantity: symbol, side of the body that it is marked on, unit and label.
 MARKS = {
@@ -82,20 +81,6 @@ def bending(path: Path) -> float | None:
     """Return the sum of the joint angles at the last load [rad]; None if no joint turns."""
     turning = [path.model.joints.index(name) for name in path.model.angular_joints]
     return float(path.joint_angles[-1, turning].sum()) if turning else None
-
-
-def limbs(model: Structure) -> int:
-    """Return the number of chains of joints that turn, such as fingers on a hand that is fixed."""
-    bodies = model.file.bodies
-    turning = set(model.angular_joints)
-    carriers = {each["body"] for each in model.engine.joints if each["name"] in turning}
-    first = 0
-    for name in carriers:
-        above = bodies[name].parent
-        while above is not None and above not in carriers:
-            above = bodies[above].parent
-        first += above is None
-    return first
 
 
 def marked(scene: Scene, path: Path, step: int = -1) -> Scene:
