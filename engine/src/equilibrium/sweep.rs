@@ -17,6 +17,8 @@ const STRAIGHT: f64 = 0.7;
 const MAX_PIECES: f64 = 64.0;
 /// Places between meeting a body and its middle at which forces are evaluated.
 const PLACES: usize = 3;
+/// Places nearer to each other than this fraction of the way into a body are one.
+const SAME_PLACE: f64 = 0.2;
 
 /// A workspace.
 #[derive(Clone, Debug)]
@@ -27,12 +29,21 @@ pub(super) struct Sweep<G, const D: usize, const P: usize> {
     start: Vec<f64>,
     crossings: Vec<Crossing>,
     state: Vec<f64>,
+    /// Parts of the step at which forces were evaluated; they did not oppose it.
+    yielding: Vec<f64>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
         let poses = [Kinematics::new(&model.tree), Kinematics::new(&model.tree)];
-        Self { poses, start: vec![f64::NAN; model.dof()], crossings: vec![], state: vec![0.0; model.dof()] }
+        let n = model.dof();
+        Self {
+            poses,
+            start: vec![f64::NAN; n],
+            crossings: vec![],
+            state: vec![0.0; n],
+            yielding: vec![],
+        }
     }
 }
 
@@ -58,7 +69,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         if !sweep.crossings.is_empty() {
             sweep.crossings.sort_by(|a, b| a.met.total_cmp(&b.met));
             sweep.state.copy_from_slice(self.state());
-            stopped = sweep.crossings.iter().find(|at| self.opposes(start, step, at)).map(|at| at.met);
+            let Sweep { crossings, yielding, .. } = &mut *sweep;
+            yielding.clear();
+            stopped = crossings.iter().find(|at| self.opposes(start, step, at, yielding)).map(|at| at.met);
             self.set_state(&sweep.state);
             self.evaluate();
         }
@@ -76,7 +89,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     }
 
     fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
-        let Sweep { poses, start: known, crossings, state } = sweep;
+        let Sweep { poses, start: known, crossings, state, .. } = sweep;
         crossings.clear();
         let (model, geometry) = (self.model(), &self.data.design.geometry);
         if known != start {
@@ -118,13 +131,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         joints.sum::<f64>() + rods.sum::<f64>()
     }
 
-    /// Whether forces oppose a step on the way into a body.
-    fn opposes(&mut self, start: &[f64], step: &[f64], crossing: &Crossing) -> bool {
+    /// Whether forces oppose a step on the way into a body, elsewhere than at places where they are known to yield.
+    fn opposes(
+        &mut self,
+        start: &[f64],
+        step: &[f64],
+        crossing: &Crossing,
+        yielding: &mut Vec<f64>,
+    ) -> bool {
+        let way = crossing.deepest - crossing.met;
         (0..=PLACES).any(|place| {
-            let part = place as f64 / PLACES as f64;
-            self.advance_from(start, step, crossing.met + part * (crossing.deepest - crossing.met));
+            let at = crossing.met + way * place as f64 / PLACES as f64;
+            if yielding.iter().any(|known| (at - known).abs() <= SAME_PLACE * way) {
+                return false;
+            }
+            self.advance_from(start, step, at);
             self.evaluate();
-            dot(self.residual(), step) > 0.0
+            let opposed = dot(self.residual(), step) > 0.0;
+            if !opposed {
+                yielding.push(at);
+            }
+            opposed
         })
     }
 }

@@ -71,10 +71,10 @@ fn any_pair_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     (0..radii.len().div_ceil(BLOCK_SIZE)).any(|k| {
         let block = enclosure::block(radii.len(), k);
         let ball = Ball::around(&from[block.clone()], &radii[block.clone()]);
-        let way = block.clone().map(|i| (to[i] - from[i]).norm()).fold(0.0, f64::max);
+        let way = block.clone().map(|i| longest(to[i] - from[i])).fold(0.0, f64::max);
         contact.first.clone().any(|first| {
             let own = [before, after].map(|at| *at.point(spheres[first].point));
-            let ways = way + (own[1] - own[0]).norm();
+            let ways = way + longest(own[1] - own[0]);
             let near = ball.radius + before.geometry.radii[first] + TURNING * ways;
             let apart = own[0] - ball.centre;
             // A pair of a group with itself counts once.
@@ -85,6 +85,11 @@ fn any_pair_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
                     .any(|i| test([first, contact.second.start + i], [own[0] - from[i], own[1] - to[i]]))
         })
     })
+}
+
+/// An upper bound on the length of a vector, without a root.
+fn longest<const P: usize>(moved: Vector<P>) -> f64 {
+    moved.0.iter().map(|x| x.abs()).sum()
 }
 
 /// Spheres further apart than this multiple of their ways stay on their sides, up to the angle of `SAME_SIDE`:
