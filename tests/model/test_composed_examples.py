@@ -164,3 +164,39 @@ def test_tendons_of_separate_components() -> None:
         for read in (Path.tendon_lengths, Path.tendon_forces):
             np.testing.assert_allclose(read(found)[cable], read(path)[cable], rtol=1e-12)
     check_slopes(found)
+
+
+def test_tendons_of_separate_components_around_one_wrap() -> None:
+    """A post in the world, which is in both; and one on a link is in that of its tendon."""
+    post = """
+[wraps.post]
+kind = "cylinder"
+point = { x = "-1 cm", z = "1 cm" }
+radius = "4 mm"
+
+[wraps.knuckle]
+kind = "sphere"
+point = { body = "two", at = "base" }
+radius = "3 mm"
+"""
+    loads = {"one": "0:0.4:0.2 N", "two": "0:0.2:0.1 N"}
+    file = links(loads, (0, 8)).file.to_toml()
+    document = flexor.model.toml.tables(file, "links")
+    for name in loads:
+        path = document["tendons"][f"{name}-cable"]["path"]
+        path.insert(1, {"wrap": "post", "side": {"world": {"x": "-1 cm", "z": "3 cm"}}})
+    document |= flexor.model.toml.tables(post, "post")
+    side = {"body": "two", "at": "base", "offset": {"z": "2 cm"}}
+    document["tendons"]["two-cable"]["path"][2:2] = [
+        {"world": {"x": "-5 mm", "z": "14 mm"}},
+        {"wrap": "knuckle", "side": side},
+    ]
+    model = Model(ModelFile.model_validate(document))
+    together = Model(model.file)
+    together.__dict__["followed"] = together.engine
+    assert isinstance(model.followed, Separate)
+    assert [len(each.rows["coordinates"]) for each in model.followed.components] == [1, 1]
+    found, expected = model.equilibrium(), together.equilibrium()
+    assert found.converged.all()
+    np.testing.assert_allclose(found.q, expected.q, rtol=1e-8, atol=1e-12)
+    check_slopes(found)

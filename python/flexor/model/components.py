@@ -32,10 +32,11 @@ def components(description: Json) -> list[dict[str, Any]]:
         return []  # what has slipped is numbered by the whole model
     if any("friction" in tendon for tendon in description.get("tendons", ())):
         return []
-    if description.get("wraps"):
-        return []  # tendons name them, and the bodies between them only so
     fixed = _fixed(description)
     groups = {group["name"]: _carriers(group) for group in description.get("spheres", ())}
+    bodies = {body["name"]: "" for body in description["bodies"]}
+    # Tendons name wraps, and so the bodies that carry these.
+    groups |= {each["name"]: _bodies_of(each, bodies, {}) for each in description.get("wraps", ())}
     of = _joined(description, fixed, groups)
     roots = list(dict.fromkeys(of.values()))
     if len(roots) < 2:
@@ -135,6 +136,8 @@ def _part(
     forces: dict[str, list[Any]] = {}
     for table, entry in _forces(description):
         bodies = _bodies_of(entry, dict.fromkeys(by_name, ""), groups)
+        if table == "wraps":
+            continue
         if not (bodies & own or (takes_rest and bodies <= fixed)):
             continue
         if _on_world(table, entry):
@@ -146,6 +149,12 @@ def _part(
             bodies = {body for name in pressing for body in groups[name]}
         forces.setdefault(table, []).append(entry)
         needed |= bodies
+    passed = set(texts(forces.get("tendons", ())))
+    for wrap in description.get("wraps", ()):
+        carriers = groups[wrap["name"]]
+        if wrap["name"] in passed or carriers & own or (takes_rest and carriers <= fixed):
+            forces.setdefault("wraps", []).append(wrap)
+            needed |= carriers
     for name in list(needed):
         above = by_name[name]["parent"]
         while above is not None:
