@@ -114,6 +114,9 @@ def test_designs_that_failed_have_a_reason_and_no_number(chosen: Objective) -> N
         "",
     ]
     assert evaluate_objective(chosen, given).reason[0] == "did not converge at 3 N"
+    status[0, 3] = "invalid-design"
+    reason = evaluate_objective(chosen, replace(given, status=status)).reason[0]
+    assert reason.startswith("cannot exist: a number is not finite, a length, radius or modulus")
     np.testing.assert_array_equal(evaluated.value[:3], np.inf)
     assert evaluated.value[3] == chosen.value(given[np.arange(N) == 3])[0]
     assert np.isnan(evaluated.shown[:3]).all()

@@ -40,8 +40,8 @@ MEANINGS = MappingProxyType(
             "check units; reduce the load, or use more load steps",
         ),
         "invalid-design": (
-            "a number is not finite, a length, radius or modulus is not positive, or a stiffness "
-            "or density is negative",
+            "a number is not finite, a length, radius or modulus is not positive, a stiffness or "
+            "density is negative, or the walls of a section leave no room for its cavity",
             "correct the design, or narrow its bounds",
         ),
         "not-reached": ("an earlier load step failed", "see that step"),

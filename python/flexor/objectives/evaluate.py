@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.model.results import Paths
+from flexor.model.status import MEANINGS
 from flexor.objectives.base import Objective
 
 
@@ -37,10 +38,14 @@ def evaluate_objective(objective: Objective, paths: Paths) -> Paths:
     evaluated: NDArray[np.bool_] = np.asarray(good.all(axis=1))
     for i in map(int, np.flatnonzero(~evaluated)):
         step = int(np.argmin(good[i]))
+        ended = "" if paths.status is None else str(paths.status[i, step])
+        if ended == "invalid-design":
+            reason[i] = f"cannot exist: {MEANINGS[ended][0]}"
+            continue
         status = ""
         if not paths.converged[i, step]:
             failure = "did not converge"
-            status = f" ({paths.status[i, step]})" if paths.status is not None else ""
+            status = f" ({ended})" if ended else ""
         elif not paths.stable[i, step]:
             failure = "is unstable"
         else:
