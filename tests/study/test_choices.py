@@ -86,6 +86,24 @@ def test_the_best_is_that_of_searching_each(model: Model, tmp_path: Path) -> Non
     assert content(resume_choices(tmp_path / "whole")) == content(whole)
 
 
+def test_a_combination_that_cannot_be_searched_does_not_end_the_others(
+    model: Model, tmp_path: Path
+) -> None:
+    """Without gravity and the strap nothing depends on the density and its slack."""
+    given = {"proximal": ["without", "with"]}
+    varied = {"proximal.slack": ("0 mm", "1 mm"), "exosuit.density": ("0 g/cm^3", "2 g/cm^3")}
+    stated: tuple[Any, ...] = (model, varied, AIM, given)
+    found = choices(*stated, budget=60, folder=tmp_path / "s")
+    assert found.combination.name == "with proximal"
+    assert list(found.failed) == ["without proximal"]
+    again = resume_choices(tmp_path / "s")
+    assert content(again) == content(found)
+    assert again.failed == found.failed
+    given = {"exosuit.material": ["silicone", "ecoflex-00-50"]}
+    with pytest.raises(InputError, match=r"^exosuit.material silicone: .* none of the variables"):
+        choices(model, {"exosuit.density": varied["exosuit.density"]}, AIM, given)
+
+
 @pytest.fixture(scope="module")
 def toleranced(model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("choices") / "whole"

@@ -60,7 +60,7 @@ def _as_json(found: Choices, seconds: float, place: Path) -> dict[str, Any]:
         for each in found.tried
     ]
     best = outcome.as_json(found.best, found.best.best, seconds)
-    chosen = {"choices": dict(found.combination.values), "tried": tried}
+    chosen = {"choices": dict(found.combination.values), "tried": tried, "failed": found.failed}
     own = {"folder": place, "evaluations": found.evaluations, "models": optimum_files(place)}
     return {**chosen, **best, **own}
 
@@ -78,6 +78,8 @@ def _print(found: Choices, seconds: float, resumed: bool) -> None:
         rows.append((each.name, f"{each.study.evaluations:,}", str(each.rounds), shown))
     unit = f" / {problem.unit}" if problem.unit else ""
     show(("combination", "designs", "rounds", f"{problem.quantity}{unit}"), rows)
+    for name, why in found.failed.items():
+        say(f"{name} could not be searched: {why}")
     say(f"best of {len(rows)} combinations: {found.combination.name}.")
     outcome.print_summary(best, best.best, seconds, cost=_cost(found, seconds, resumed))
 

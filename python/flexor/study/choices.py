@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
 from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
@@ -77,6 +76,7 @@ class Choices:
     rounds: int
     folder: Path | None
     evaluated: int = 0  # designs in this process, of all in the records
+    failed: Mapping[str, str] = field(default_factory=dict)  # why some could not be searched
     _place: object = None  # keeps a temporary folder
 
     @property
@@ -149,7 +149,7 @@ def choices(
     Raises
     ------
     InputError
-        As `flexor.optimize` and `flexor.design.combinations`.
+        As `flexor.optimize`, if no combination can be searched, and `flexor.design.combinations`.
     """
     model = require_model(model)
     every = combinations(given, model)
@@ -187,36 +187,48 @@ def choices(
     def searched(index: int, evaluations: int) -> Study:
         combination, where = every[index], place / str(index + 1)
         made, varied = stated[index]
-        run = partial(optimize, made, varied, objective, search, folder=where)
-        try:
-            return run(
-                tolerance=without_fields(tolerance or {}, combination.values, model),
-                budget=evaluations,
-                resume=(where / SETTINGS).exists(),
-                progress=progress,
-                executor=executor,
-                **problem,
-            )
-        except InputError as error:
-            raise InputError(f"{combination.name}: {error}") from None
+        return optimize(
+            made,
+            varied,
+            objective,
+            search,
+            folder=where,
+            tolerance=without_fields(tolerance or {}, combination.values, model),
+            budget=evaluations,
+            resume=(where / SETTINGS).exists(),
+            progress=progress,
+            executor=executor,
+            **problem,
+        )
 
-    if resume and (ended := _read(place).get("tried")) is not None:
+    # What could not be searched is tried again.
+    if resume and len(ended := _read(place).get("tried") or ()) >= len(every):
         return _reopened(place, every, stated, objective, ended, rounds)
     left, spent, evaluated = list(range(len(every))), 0, 0
     tried: dict[int, Tried] = {}
+    failed: dict[int, str] = {}
     for number, more in enumerate(share, start=1):
         spent += more
         for index in left:
-            if index in tried:
-                tried[index].study.close()
-            tried[index] = Tried.of(every[index], searched(index, spent), number)
+            if (before := tried.pop(index, None)) is not None:
+                before.study.close()
+            try:
+                tried[index] = Tried.of(every[index], searched(index, spent), number)
+            except InputError as error:
+                failed[index] = str(error)
+                continue
             evaluated += tried[index].study.evaluated
+        left = [index for index in left if index not in failed]
+        if not left:
+            index, why = next(iter(failed.items()))
+            raise InputError(f"{every[index].name}: {why}")
         left.sort(key=lambda i: tried[i].rank)
         left = left[: (len(left) + 1) // 2]
     # What left early was worse with the same number of designs.
     order = sorted(tried, key=lambda index: (-tried[index].rounds, tried[index].rank))
     ordered = tuple(tried[index] for index in order)
-    found = Choices(ordered, rounds, None if kept is not None else place, evaluated, kept)
+    reasons = {every[index].name: why for index, why in failed.items()}
+    found = Choices(ordered, rounds, None if kept is not None else place, evaluated, reasons, kept)
     if kept is None:
         if isfinite(ordered[0].value):
             best = found.best.best
