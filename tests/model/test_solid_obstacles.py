@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
@@ -221,6 +223,63 @@ def test_a_free_link_rests_on_the_floor_of_a_box(planar: bool) -> None:
     sunk = weight / (2.0 * STIFFNESS + (0.0 if planar else 0.01))
     heights = path.frames(-1)["stick"][[0, -1], 2, 3]
     np.testing.assert_allclose(heights, -0.05 + 0.01 - sunk, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("planar", "place", "stiffness", "free"),
+    [
+        (
+            True,
+            'x = "3.8 cm", z = "5.8 cm", rotation = { y = "-1 deg" }',
+            "20 MN/m",
+            ("x", "z"),
+        ),
+        (
+            False,
+            'x = "-1.8 cm", y = "-5 mm", z = "4.7 cm", rotation = { y = "-30 deg" }',
+            "200 kN/m",
+            ("x", "z"),
+        ),
+    ],
+)
+def test_a_free_link_rolls_off_a_stiff_capsule(
+    planar: bool, place: str, stiffness: str, free: tuple[str, ...]
+) -> None:
+    """It leaves the surface and falls on it again, until nothing holds it."""
+    shape = (
+        'axis = [-0.75, 0, -0.66]\nlength = "9 cm"\nradius = "1.2 cm"'
+        if planar
+        else 'axis = "y"\nlength = "9 cm"\nradius = "2.2 cm"'
+    )
+    text = f"""
+    name = "roll"
+    planar = {str(planar).lower()}
+    gravity = {{ z = "-9.81 m/s^2" }}
+
+    [bodies.stick]
+    kind = "link"
+    length = "6 cm"
+    radius = "1 cm"
+    density = "1000 kg/m^3"
+    joint = {{ kind = "free" }}
+    placement = {{ {place} }}
+
+    [spheres.ends]
+    points = [{{ body = "stick", at = "base" }}, {{ body = "stick", at = "tip" }}]
+
+    [obstacles.bar]
+    kind = "capsule"
+    {shape}
+    spheres = ["ends"]
+    stiffness = "{stiffness}"
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Model(parse(text)).equilibrium([0.0])
+    assert path.status.tolist() == ["unrestrained"]
+    assert {f"stick.{axis}" for axis in free} <= set(path.free[0])
+    # Before, 20,000.
+    assert path.iterations[0] < 300
 
 
 def test_a_chain_hangs_over_a_cylinder() -> None:

@@ -45,6 +45,9 @@ impl Subproblem {
         let mut definite = system.factorise(0.0);
         let free = definite && system.pulls_free_motion(tolerance);
         definite &= !free;
+        if free {
+            system.note_free_motion();
+        }
         if definite {
             system.newton_step(&mut self.step);
             if norm(&self.step) <= radius {

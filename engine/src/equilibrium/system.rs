@@ -497,6 +497,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         })
     }
 
+    /// Notes the coordinates of the free motions of the current factor along which a force acts.
+    pub(super) fn note_free_motion(&mut self) {
+        self.diverged = self.free_coordinates();
+    }
+
     /// Free coordinates that the current factor holds fixed.
     pub(super) fn pinned(&self) -> &[usize] {
         self.factor.pinned()

@@ -67,6 +67,8 @@ impl TrustRegion {
         system.evaluate_tangent();
         system.start_sweeps();
         let mut energy = system.data().energy();
+        // What moves without elasticity may leave a contact, and fall on it again.
+        let loose = !system.data().design.units.all_elastic();
         let (mut rejected, mut unrestrained, mut stiff) = (false, 0, false);
         let status = loop {
             if let Some(status) = system.budget.exhausted() {
@@ -114,7 +116,7 @@ impl TrustRegion {
             if stiff && poor {
                 (trial_size, searched) = self.improve(system, step, &mut actual, energy, lost);
             }
-            let accepted = if stiff && step.definite && (searched || lost) {
+            let accepted = if stiff && (searched || step.definite && lost) {
                 actual > 0.0
             } else {
                 self.accepts(step, actual, rounding, trial_size < size)
@@ -134,7 +136,7 @@ impl TrustRegion {
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
             if !searched {
-                radius = self.next_radius(radius, length, ratio);
+                radius = self.next_radius(radius, length, ratio, stiff && loose && step.shift > 0.0);
             }
             let before = std::mem::replace(&mut size, trial_size);
             if step.newton {
@@ -207,7 +209,9 @@ impl TrustRegion {
             *actual = found;
             self.best.copy_from_slice(system.state());
         }
-        let search = step.definite && !(*actual > self.options.poor_ratio * step.decrease);
+        let loose = !system.data().design.units.all_elastic();
+        let descends = step.definite || loose && step.part > 0.0;
+        let search = descends && !(*actual > self.options.poor_ratio * step.decrease);
         if search {
             let mut at = 0.5;
             let mut low = (0.0, dot(&self.residual, &self.subproblem.step));
@@ -257,9 +261,10 @@ impl TrustRegion {
         }
     }
 
-    fn next_radius(&self, radius: f64, length: f64, ratio: f64) -> f64 {
+    /// The radius after an accepted step of this length, which the radius limited or not.
+    fn next_radius(&self, radius: f64, length: f64, ratio: f64, limited: bool) -> f64 {
         let options = &self.options;
-        if ratio > options.good_ratio && length > options.boundary_share * radius {
+        if ratio > options.good_ratio && (limited || length > options.boundary_share * radius) {
             (options.growth * radius).min(options.max_radius)
         } else if ratio < options.poor_ratio {
             options.shrinkage * length
