@@ -280,8 +280,14 @@ def test_a_spatial_arm_is_held_by_its_tendon() -> None:
     assert again.stable.all()
     np.testing.assert_allclose(again.applied[:, 0], path.force, atol=1e-6)
     np.testing.assert_allclose(again.length(cable), path.length(cable), rtol=1e-10)
-    # A cable that is not drawn holds the arm up.
-    assert held.equilibrium([0.0]).applied[0, 0] != 0.0
+    # A cable that is not drawn holds the arm up; one that is let out too far would have to push.
+    assert held.equilibrium([0.0]).applied[0, 0] > 0.0
+    assert again.warnings == []
+    pushed = held.equilibrium(["0 mm", "-10 mm"])
+    assert pushed.applied[1, 0] < 0.0
+    (warning,) = pushed.warnings
+    assert warning.startswith(f'cable "{cable}" has a tension of -')
+    assert warning.endswith("from -10 mm on below 0: a cable can only pull")
 
 
 @pytest.mark.parametrize("length", [1e-3, 1.0, 1e3])
@@ -350,6 +356,14 @@ def test_a_load_that_is_found_already() -> None:
         Model(parse(BALLOON)).equilibrium("0:8:1 mL", follow="arc-length")
     with pytest.raises(InputError, match=r"controlled by its volume: give evaluation"):
         load(EXAMPLE, changes=VOLUME).equilibrium()
+
+
+def test_a_syringe_on_a_tube_that_does_not_stretch() -> None:
+    # A taper is enough for a volume that bending changes by rounding, and 1e18 Pa were found.
+    text = BALLOON.replace("extend_x", "bend_y").replace('"10 mm"', '{ base = "10 mm", tip = "9.7 mm" }')
+    with pytest.raises(InputError, match='which no strain of "tube" changes: let it stretch'):
+        Model(parse(text)).equilibrium("0:1:1 mL")
+    assert Model(parse(text.replace('"volume"', '"pressure"'))).equilibrium("0:1:1 kPa").stable.all()
 
 
 def test_a_wire_on_the_axis_of_a_rod_that_does_not_stretch() -> None:

@@ -75,6 +75,19 @@ def test_forces_and_moments_balance() -> None:
         assert moment == pytest.approx(stiffness * angle, rel=1e-9, abs=1e-9)
 
 
+def test_a_tendon_that_pushes_is_named() -> None:
+    cable = TEXT.split("[tendons.fdp]")[0] + """
+[tendons.fdp]
+kind = "cable"
+path = [{ world = { x = "-2 cm", z = "-1.1 cm" } }, { body = "b", at = 0.4, offset = { z = "-7 mm" } }]
+"""
+    model = Model(parse(cable))
+    assert model.equilibrium([1.0]).warnings == []
+    assert model.equilibrium([1.0, 0.0, -0.5]).warnings == [
+        'tendon "fdp" has a tension of -0.5 N, from -0.5 N on below 0: a cable can only pull'
+    ]
+
+
 def test_observables_are_what_the_path_reports() -> None:
     model = Model(parse(TEXT))
     path = model.equilibrium()

@@ -12,6 +12,7 @@ from flexor.arrays import Array
 from flexor.model.schema import Link, Rod
 
 if TYPE_CHECKING:
+    from flexor.model.path_quantities import PathQuantities
     from flexor.model.results import Path
     from flexor.model.structure import Structure
 
@@ -47,7 +48,7 @@ class Accuracy:
     moment: Array
 
 
-def accuracy(path: Path) -> Accuracy:
+def accuracy(path: PathQuantities) -> Accuracy:
     """Return how exactly a path is known.
 
     Parameters

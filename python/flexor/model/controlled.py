@@ -8,9 +8,12 @@ from flexor.arrays import Array
 from flexor.errors import InputError
 from flexor.model.structure import Structure
 
+# Share of a cavity's volume that strains of about one have to change, for a syringe to move them.
+LEAST_CHANGE = 1e-9
+
 
 def check_controlled(model: Structure, parameters: Array, loads: Array) -> None:
-    """Check that no cavity and no path is asked for that is smaller than nothing.
+    """Check that no cavity and no path is asked for that cannot be.
 
     Parameters
     ----------
@@ -24,9 +27,19 @@ def check_controlled(model: Structure, parameters: Array, loads: Array) -> None:
     Raises
     ------
     InputError
-        If a volume to take out is not in the cavity, or a path is shortened beyond its length.
+        If no strain changes the volume of a cavity, a volume to take out is not in it, or a path is
+        shortened beyond its length.
     """
-    for name, left in _sizes(model, parameters, np.zeros(model.dof)).items():
+    rest = _sizes(model, parameters, np.zeros(model.dof))
+    # A volume is linear in the coordinates (docs/method.md), so that one state without symmetry tells.
+    strained = _sizes(model, parameters, np.sin(1.0 + np.arange(model.dof)))
+    for name, left in rest.items():
+        if name in model.pressures and abs(strained[name] - left) <= LEAST_CHANGE * left:
+            rod = model.file.actuators[name].rod
+            raise InputError(
+                f'"{name}" is controlled by its volume, which no strain of "{rod}" changes: let it '
+                "stretch (extend_x), or control the pressure."
+            )
         index = model.inputs.index(name)
         grows = _sign(model, name)
         least = grows * (grows * loads[:, index]).min()

@@ -1,4 +1,4 @@
-"""Whether materials, skins, straps, cavities, joints and solid rods exceed their limits."""
+"""Whether materials, skins, straps, cables, cavities, joints and solid rods exceed their limits."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor.model.accuracy import accuracy
 from flexor.model.folding import least_stretches
 from flexor.model.hoop import LIMIT, hoop_strains, pressed_composites
 from flexor.model.schema import ModelFile, Rod
@@ -104,6 +105,25 @@ def straps_exceeded(path: PathQuantities) -> list[str]:
             found.append(
                 f'strap "{name}" pulls with {np.nanmax(forces):.4g} N, from {load} on beyond its '
                 f"limit of {limit:.4g} N"
+            )
+    return found
+
+
+def cables_pushed(path: PathQuantities) -> list[str]:
+    """List the cables with a negative tension, a sentence each; see `materials_exceeded`."""
+    file = path.model.file
+    cables = {name: "cable" for name, each in file.actuators.items() if each.kind == "cable"}
+    cables |= {name: "tendon" for name, each in file.tendons.items() if each.kind == "cable"}
+    found = []
+    for name, what in cables.items():
+        tension = path.applied[:, path.model.input_of(name)]
+        if not (tension < 0.0).any():
+            continue
+        pushed = tension < -accuracy(path).force
+        if pushed.any():
+            found.append(
+                f'{what} "{name}" has a tension of {np.nanmin(tension):.4g} N, from '
+                f"{_first_load(path, pushed)} on below 0: a cable can only pull"
             )
     return found
 

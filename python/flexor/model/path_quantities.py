@@ -14,6 +14,7 @@ from flexor.model.extremes import extremes
 from flexor.model.hoop import hoop_strains
 from flexor.model.limits import (
     ballooning_cavities,
+    cables_pushed,
     folded_rods,
     joints_exceeded,
     materials_exceeded,
@@ -119,11 +120,12 @@ class PathQuantities(Results):
 
     @property
     def warnings(self) -> list[str]:
-        """Materials, skins, straps, joints, cavities, rods and ties, a sentence each."""
+        """Materials, skins, straps, cables, joints, cavities, rods and ties, a sentence each."""
         checks = (
             materials_exceeded,
             skins_exceeded,
             straps_exceeded,
+            cables_pushed,
             joints_exceeded,
             ballooning_cavities,
             folded_rods,

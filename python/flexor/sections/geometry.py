@@ -135,14 +135,10 @@ class Geometry:
                     raise InputError(f"{first} and {second} overlap, where S is {1e3 * s:.4g} mm")
         if not solid:
             raise InputError("has no part of material")
-        low, high = (
-            np.array([shape.extent(s) for shape in shapes[:solid]]).T[[0, 2]].min(axis=1),
-            None,
-        )
-        high = np.array([shape.extent(s) for shape in shapes[:solid]]).T[[1, 3]].max(axis=1)
-        for i, shape in enumerate(shapes[solid:], start=solid):
-            extent = np.array(shape.extent(s))
-            if (extent[[0, 2]] < low).any() or (extent[[1, 3]] > high).any():
+        extents = np.array([shape.extent(s) for shape in shapes])
+        low, high = extents[:solid, ::2].min(axis=0), extents[:solid, 1::2].max(axis=0)
+        for i in range(solid, len(shapes)):
+            if (extents[i, ::2] < low).any() or (extents[i, 1::2] > high).any():
                 raise InputError(
                     f"{names[i]} is a cavity outside the section, where S is {1e3 * s:.4g} mm"
                 )
