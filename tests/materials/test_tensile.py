@@ -64,12 +64,21 @@ def test_unloading_and_repeated_strains_are_left_out(tmp_path: Path) -> None:
     assert np.all(np.diff(test.stretch) > 0.0)
 
 
+def test_pounds_per_square_inch(tmp_path: Path) -> None:
+    for unit, factor in (("kPa", 6.894757293168361), ("psi", 1.0)):
+        text = "".join(f"{e},{s * factor!r}\n" for e, s in VALUES)
+        (tmp_path / f"{unit}.csv").write_text(f"strain,stress ({unit})\n{text}")
+    pascals, pounds = (read_test(tmp_path / f"{unit}.csv") for unit in ("kPa", "psi"))
+    np.testing.assert_allclose(pounds.stress, pascals.stress, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("", "no header"),
         ("a,b\n1,2\n", "no header"),
         ("strain,stress\n0,0\n", "a stress with a unit"),
+        ("strain,stress (ksi)\n0,0\n", "one of Pa, kPa, MPa, GPa, N/mm^2 and psi"),
         ("strain (inch),stress (kPa)\n0,0\n", 'unit "inch"'),
         ("stretch (%),stress (kPa)\n0,0\n", 'unit "%"'),
         ("strain,stress (kPa)\n0,0\n0.1,1\n", "2 rows"),

@@ -360,10 +360,14 @@ def test_a_load_that_is_found_already() -> None:
 
 def test_a_syringe_on_a_tube_that_does_not_stretch() -> None:
     # A taper is enough for a volume that bending changes by rounding, and 1e18 Pa were found.
-    text = BALLOON.replace("extend_x", "bend_y").replace('"10 mm"', '{ base = "10 mm", tip = "9.7 mm" }')
+    text = BALLOON.replace("extend_x", "bend_y").replace(
+        '"10 mm"', '{ base = "10 mm", tip = "9.7 mm" }'
+    )
     with pytest.raises(InputError, match='which no strain of "tube" changes: let it stretch'):
         Model(parse(text)).equilibrium("0:1:1 mL")
-    assert Model(parse(text.replace('"volume"', '"pressure"'))).equilibrium("0:1:1 kPa").stable.all()
+    assert (
+        Model(parse(text.replace('"volume"', '"pressure"'))).equilibrium("0:1:1 kPa").stable.all()
+    )
 
 
 def test_a_wire_on_the_axis_of_a_rod_that_does_not_stretch() -> None:

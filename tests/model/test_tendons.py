@@ -76,12 +76,9 @@ def test_forces_and_moments_balance() -> None:
 
 
 def test_a_tendon_that_pushes_is_named() -> None:
-    cable = TEXT.split("[tendons.fdp]")[0] + """
-[tendons.fdp]
-kind = "cable"
-path = [{ world = { x = "-2 cm", z = "-1.1 cm" } }, { body = "b", at = 0.4, offset = { z = "-7 mm" } }]
-"""
-    model = Model(parse(cable))
+    links = TEXT.split("[tendons.fdp]")[0]
+    path = '[{ world = { z = "-1.1 cm" } }, { body = "b", at = 0.4, offset = { z = "-7 mm" } }]'
+    model = Model(parse(f'{links}[tendons.fdp]\nkind = "cable"\npath = {path}\n'))
     assert model.equilibrium([1.0]).warnings == []
     assert model.equilibrium([1.0, 0.0, -0.5]).warnings == [
         'tendon "fdp" has a tension of -0.5 N, from -0.5 N on below 0: a cable can only pull'

@@ -165,8 +165,9 @@ def calibrate_material(
         for fit in fits
     ]
     show(("law", "constants", "E / kPa", "rms", "largest", "predicted", "stable"), rows)
+    specimens = "1 specimen" if curve.specimens == 1 else f"{curve.specimens} specimens"
     say(
-        f"{curve.specimens} specimens, {curve.slack:.1%} of slack removed. rms and largest: "
+        f"{specimens}, {curve.slack:.1%} of slack removed. rms and largest: "
         "deviation from the mean stress; predicted: rms over the scatter, each fifth of the "
         "strains from the others."
     )

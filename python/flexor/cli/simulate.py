@@ -82,7 +82,7 @@ def simulate(
     Every list of the JSON object has one entry per load step; angles are in rad, forces in N.
     """
     built = load_changed(model, variant, changes)
-    forces = one_or_assignments("--force", force, "chamber=0:5:1")
+    forces = one_or_assignments("--load", force, "chamber=0:5:1")
     begin = one_or_assignments("--start", start, "ph_1=20 deg")
     settings = numbers("--solver", solver or [])
     if reach:

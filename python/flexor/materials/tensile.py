@@ -16,7 +16,15 @@ from flexor.arrays import Array
 from flexor.errors import InputError, shortened
 
 _MAX_BYTES = 10_000_000
-_STRESS_UNITS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "n/mm^2": 1e6, "n/mm2": 1e6}
+_STRESS_UNITS = {
+    "pa": 1.0,
+    "kpa": 1e3,
+    "mpa": 1e6,
+    "gpa": 1e9,
+    "n/mm^2": 1e6,
+    "n/mm2": 1e6,
+    "psi": 6894.757293168361,
+}
 _STRAIN_UNITS = {"": 1.0, "-": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01, "percent": 0.01}
 _COLUMNS = (
     'expected a column "strain" or "stretch" and a column "stress" with a unit, such as '
@@ -160,7 +168,7 @@ def _stress_column(cells: Sequence[str], path: Path) -> _Column | None:
             if unit not in _STRESS_UNITS:
                 raise InputError(
                     f'"{path}" has the column "{shortened(cell.strip())}": expected a stress with '
-                    'a unit, such as "stress (kPa)".'
+                    'a unit, such as "stress (kPa)", one of Pa, kPa, MPa, GPa, N/mm^2 and psi.'
                 )
             found.append(_Column(index, _STRESS_UNITS[unit], "true" in name))
     return min(found, key=lambda column: column.true, default=None)

@@ -31,7 +31,7 @@ def check_controlled(model: Structure, parameters: Array, loads: Array) -> None:
         shortened beyond its length.
     """
     rest = _sizes(model, parameters, np.zeros(model.dof))
-    # A volume is linear in the coordinates (docs/method.md), so that one state without symmetry tells.
+    # A volume is linear in the coordinates, so that one state without symmetry tells.
     strained = _sizes(model, parameters, np.sin(1.0 + np.arange(model.dof)))
     for name, left in rest.items():
         if name in model.pressures and abs(strained[name] - left) <= LEAST_CHANGE * left:

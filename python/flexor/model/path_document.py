@@ -85,8 +85,9 @@ def _device_quantities(path: Path) -> dict[str, Any]:
         shown["hoop_strain"] = {name: _plain(strain) for name, strain in hoop.items()}
     if places := path.places():
         shown["places"] = places
-    if path.model.file.materials or path.model.file.straps or path.model.ties:
-        shown["warnings"] = path.warnings
+    warnings = path.warnings
+    if warnings or path.model.file.materials or path.model.file.straps or path.model.ties:
+        shown["warnings"] = warnings
     return shown
 
 
