@@ -13,6 +13,7 @@ from benchmarks._variables import FIELDS
 from flexor.design import variables
 from flexor.errors import InputError
 from flexor.model import Model
+from flexor.model.reading import check
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +49,35 @@ def test_values_of_several_fields_are_those_of_the_changed_file(model: Model) ->
     actual[found.indices] = found.values[0]
     expected = flexor.load(model.file, changes=chosen.changes(x)).parameters
     np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-14)
+
+
+RING = {"shape": "ring", "radius": 0.9, "wall": 0.3}
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        {"kind": "tube", "wall": "1.5 mm"},
+        {"kind": "box", "width": 2.3, "wall": "1.5 mm"},
+        {
+            "kind": "composite",
+            "parts": [RING, {"shape": "disc", "radius": 0.5, "cavity": "bore"}],
+        },
+    ],
+)
+def test_the_radius_of_sections_as_wide_as_it_is(section: dict[str, object]) -> None:
+    """A half-width or roundness in multiples of S has no part in metres that is rounding."""
+    document = flexor.load("pneumatic-finger").file.to_document()
+    document["bodies"]["exosuit"]["section"] = section
+    model = flexor.load(check(document))
+    chosen = variables({"exosuit.radius.tip": ("5.5 mm", "9 mm")}, model)
+    x = np.array([8.3e-3])
+    found, valid = chosen.designs(x[None, :], model)
+    actual = model.parameters.copy()
+    actual[found.indices] = found.values[0]
+    expected = flexor.load(model.file, changes=chosen.changes(x)).parameters
+    assert valid.all()
+    np.testing.assert_allclose(actual, expected, rtol=1e-10, atol=1e-14)
 
 
 def test_a_design_does_not_depend_on_its_neighbours(model: Model) -> None:

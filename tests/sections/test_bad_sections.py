@@ -150,6 +150,7 @@ def test_one_sentence(section: Any, sentence: str) -> None:
         ),
         ("actuators.air.cavity", "bor", 'actuators.air.cavity refers to the unknown cavity "bor"'),
         ("actuators.air.span", [0.5, 0.5], "actuators.air.span is [0.5, 0.5]: it must end after"),
+        ("actuators.air.span", [0.0, 0.5, 1.0], "actuators.air.span has too many entries"),
     ],
 )
 def test_other_tables(path: str, value: Any, sentence: str) -> None:

@@ -27,6 +27,7 @@ _TAILS = {
     "model_attributes_type": "is {input}: expected a table",
     "tuple_type": "is {input}: expected a list",
     "too_short": "has too few entries ({actual_length}): expected at least {min_length}",
+    "too_long": "has too many entries: expected at most {max_length}",
     "missing": "is missing",
 }
 

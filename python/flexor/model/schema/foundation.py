@@ -189,8 +189,12 @@ def underside(rod: Rod, system: BodySystem) -> dict[str, Any]:
     s, x = rod.surface.radius, rod.sample_points
     width, wider = (half_width(rod, system.materials, each, x) for each in (s, 1.001 * s))
     multiple = (wider - width) / (0.001 * s)
+    fixed = width - multiple * s
+    # A width proportional to S has no fixed part, but for rounding, which no design can follow.
+    proportional = np.abs(fixed) < 1e-9 * s
+    multiple = np.where(proportional, width / s, multiple)
     return {
-        "half_width": (width - multiple * s).tolist(),
+        "half_width": np.where(proportional, 0.0, fixed).tolist(),
         "half_width_multiple": multiple.tolist(),
         "roundness": roundness(rod, system.materials),
     }

@@ -357,7 +357,8 @@ def roundness(rod: Rod, materials: Materials) -> float:
     lowest = min((part.shape for part in parts), key=lambda shape: shape.extent(s)[2])
     if isinstance(lowest, sections.Rectangle) or lowest.half:
         return 0.0
-    return s / lowest.outer.at(s)
+    # Of a part that follows S this is the same for all designs, but for rounding.
+    return float(round(s / lowest.outer.at(s), 12))
 
 
 def lower_fibres(name: str, rod: Rod, materials: Materials, planar: bool) -> dict[str, Any]:
