@@ -37,13 +37,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<G, D, P> {
     pub fn new(model: &Model<G, D, P>) -> Self {
         let poses = [Kinematics::new(&model.tree), Kinematics::new(&model.tree)];
         let n = model.dof();
-        Self {
-            poses,
-            start: vec![f64::NAN; n],
-            crossings: vec![],
-            state: vec![0.0; n],
-            yielding: vec![],
-        }
+        Self { poses, start: vec![f64::NAN; n], crossings: vec![], state: vec![0.0; n], yielding: vec![] }
     }
 }
 
@@ -132,13 +126,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     }
 
     /// Whether forces oppose a step on the way into a body, elsewhere than at places where they are known to yield.
-    fn opposes(
-        &mut self,
-        start: &[f64],
-        step: &[f64],
-        crossing: &Crossing,
-        yielding: &mut Vec<f64>,
-    ) -> bool {
+    fn opposes(&mut self, start: &[f64], step: &[f64], crossing: &Crossing, yielding: &mut Vec<f64>) -> bool {
         let way = crossing.deepest - crossing.met;
         (0..=PLACES).any(|place| {
             let at = crossing.met + way * place as f64 / PLACES as f64;
