@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
@@ -10,7 +11,10 @@ from pathlib import Path
 import pytest
 
 import flexor
+from flexor.calibration import read as read_targets
 from flexor.errors import InputError
+from flexor.exchange.xml import read_xml
+from flexor.export.bench import bench
 from flexor.model.toml import MAX_BYTES, MAX_DEPTH, tables
 
 
@@ -172,3 +176,17 @@ def test_arrays_too_large_are_a_memory_error(what: str) -> None:
     done = subprocess.run([sys.executable, "-c", LIMITED, what], capture_output=True, text=True)
     assert done.returncode == 7, done.stderr
     assert done.stderr == ""
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
+def test_pipes_are_refused_not_waited_for(tmp_path: Path) -> None:
+    pipe, model = tmp_path / "pipe", flexor.load("finger")
+    os.mkfifo(pipe)
+    for read in (
+        lambda: model.equilibrium(1.0, start=pipe),
+        lambda: read_targets(pipe),
+        lambda: bench(model, pipe),
+        lambda: read_xml(pipe),
+    ):
+        with pytest.raises(InputError, match='pipe".* it is not a regular file'):
+            read()

@@ -11,6 +11,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, shortened
+from flexor.model.toml import is_special
 
 # Far beyond any limb; what is larger is refused before it takes memory.
 MAX_BYTES, MAX_ELEMENTS, MAX_DEPTH = 20_000_000, 200_000, 100
@@ -72,6 +73,8 @@ def read_xml(path: pathlib.Path) -> Element:
     InputError
         If it cannot be read, is no XML, declares a document type or entities, or is too large.
     """
+    if is_special(path):
+        raise InputError(f'cannot read the file "{path}": it is not a regular file.')
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)

@@ -11,6 +11,7 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
+from flexor.model.toml import is_special
 from flexor.store.files import csv_text, reason
 
 if TYPE_CHECKING:
@@ -149,6 +150,8 @@ def _units(model: Model) -> Array:
 
 def _read(file: FilePath) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the headings, and the rows that are not empty with their line."""
+    if is_special(file):
+        raise InputError(f'"{file}" cannot be read: it is not a regular file.')
     try:
         if file.stat().st_size > _LARGEST:
             raise InputError(f'"{file}" is larger than {_LARGEST // 1_000_000} MB.')

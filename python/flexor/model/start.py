@@ -20,6 +20,7 @@ from flexor.model.controlled import changes
 from flexor.model.friction import read
 from flexor.model.schema import Rod
 from flexor.model.schema.strain import GLOBAL
+from flexor.model.toml import is_special
 from flexor.model.units import ANGLE, LENGTH, Dimension
 from flexor.model.validation import describe
 
@@ -141,6 +142,8 @@ def _value(value: Any, unit: str, path: str) -> float:
 
 
 def _from_file(file: FilePath, model: Structure) -> Start:
+    if is_special(file):
+        raise InputError(f'start is "{file}": it is not a regular file.')
     try:
         found: Any = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:

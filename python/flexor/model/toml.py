@@ -49,9 +49,16 @@ def tables(text: str, source: str) -> dict[str, Any]:
     return document
 
 
+def is_special(path: pathlib.Path) -> bool:
+    """Return whether a file is a pipe or a device, reading which might not end."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
 def read_text(path: pathlib.Path, what: str) -> str:
     """Read a file of at most ``MAX_BYTES`` as UTF-8."""
     cannot = f'cannot read the {what} "{path}"'
+    if is_special(path):
+        raise InputError(f"{cannot}: it is not a regular file.")
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
