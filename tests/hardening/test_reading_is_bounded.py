@@ -188,5 +188,5 @@ def test_pipes_are_refused_not_waited_for(tmp_path: Path) -> None:
         lambda: bench(model, pipe),
         lambda: read_xml(pipe),
     ):
-        with pytest.raises(InputError, match='pipe".* it is not a regular file'):
+        with pytest.raises(InputError, match=r'pipe".* it is not a regular file'):
             read()
