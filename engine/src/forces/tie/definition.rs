@@ -85,7 +85,7 @@ impl<const P: usize> Ties<P> {
         }
         let points = [tree.attach(&field("first"), &tie.first)?, tree.attach(&field("second"), &tie.second)?];
         if is_one_rigid_body(tree, points.map(|point| &tree.points[point])) {
-            return Err(ModelError::new(field("second"), "is fixed to the same rigid body as first"));
+            return Err(ModelError::new(field("second"), "found a place of the same rigid body as first"));
         }
         for point in points {
             tree.keep_jacobian(tree.points[point].frame);

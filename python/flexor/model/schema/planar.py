@@ -5,7 +5,7 @@ from __future__ import annotations
 from flexor.model.schema.body import Body, Rod
 from flexor.model.schema.joint import FixedJoint, FreeJoint, Joint, PrismaticJoint, RevoluteJoint
 from flexor.model.schema.strain import PLANAR_MODES
-from flexor.model.schema.vector import Vector
+from flexor.model.schema.vector import Vector, shown
 from flexor.model.validation import field_error
 
 
@@ -32,11 +32,11 @@ def _check_joint(joint: Joint, path: str) -> None:
     if isinstance(joint, RevoluteJoint):
         if joint.axis[0] != 0.0 or joint.axis[2] != 0.0:
             raise field_error(
-                f"is {list(joint.axis)}: in a planar model it must be y", f"{path}.axis"
+                f"is {shown(joint.axis)}: in a planar model it must be y", f"{path}.axis"
             )
     elif isinstance(joint, PrismaticJoint):
         if joint.axis[1] != 0.0:
-            tail = f"is {list(joint.axis)}: in a planar model it must lie in the x-z plane"
+            tail = f"is {shown(joint.axis)}: in a planar model it must lie in the x-z plane"
             raise field_error(tail, f"{path}.axis")
     else:
         tail = (

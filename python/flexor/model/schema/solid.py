@@ -15,7 +15,7 @@ from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.obstacle import HalfSpace, Obstacle
 from flexor.model.schema.planar import about_y
 from flexor.model.schema.table import Switch, Table, one_of
-from flexor.model.schema.vector import Axis, Rotation, Triple, direction
+from flexor.model.schema.vector import Axis, Rotation, Triple, direction, shown
 from flexor.model.units import NonNegativeLength, PositiveLength
 from flexor.model.validation import field_error
 
@@ -107,7 +107,7 @@ class _Round(Solid):
         x, y, z = self.axis
         if y != 0.0 and (x != 0.0 or z != 0.0):
             tail = "in a planar model it must be y or lie in the x-z plane"
-            raise field_error(f"is {list(self.axis)}: {tail}", f"{path}.axis")
+            raise field_error(f"is {shown(self.axis)}: {tail}", f"{path}.axis")
 
     @property
     def rounded_by(self) -> float:

@@ -12,7 +12,7 @@ from flexor.model.schema.force import Force
 from flexor.model.schema.planar import about_y
 from flexor.model.schema.points import Anchor, Ground
 from flexor.model.schema.table import Choice
-from flexor.model.schema.vector import Axis, Rotation, direction
+from flexor.model.schema.vector import Axis, Rotation, direction, shown
 from flexor.model.units import DISPLACEMENT, ROTATION, Dimension
 from flexor.model.validation import field_error
 
@@ -105,10 +105,10 @@ class Tie(Force):
         turns = self.kind == "hinge" or self.drive == "rotation"
         if turns and (x, z) != (0.0, 0.0):
             raise field_error(
-                f"is {list(self.axis)}: in a planar model it must be y", f"{path}.axis"
+                f"is {shown(self.axis)}: in a planar model it must be y", f"{path}.axis"
             )
         if not turns and y != 0.0:
-            tail = f"is {list(self.axis)}: in a planar model it must lie in the x-z plane"
+            tail = f"is {shown(self.axis)}: in a planar model it must lie in the x-z plane"
             raise field_error(tail, f"{path}.axis")
 
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:

@@ -36,6 +36,12 @@ def direction(axis: Triple) -> list[float]:
     return unit
 
 
+def shown(axis: Triple) -> str:
+    """Return the axis as a file may have it: a name in quotes, or three numbers."""
+    names = [name for name, unit in _AXES.items() if unit == axis]
+    return f'"{names[0]}"' if names else str(list(axis))
+
+
 class Vector(Table):
     """Components along the axes of a frame."""
 

@@ -12,7 +12,7 @@ from flexor.model.schema.obstacle import Place
 from flexor.model.schema.planar import in_plane
 from flexor.model.schema.points import Attachment
 from flexor.model.schema.table import Choice
-from flexor.model.schema.vector import Axis, direction
+from flexor.model.schema.vector import Axis, direction, shown
 from flexor.model.units import PositiveLength
 from flexor.model.validation import field_error
 
@@ -57,7 +57,7 @@ class Wrap(Force):
             in_plane(self.point, f"{path}.point")
         if self.axis is not None and (self.axis[0], self.axis[2]) != (0.0, 0.0):
             raise field_error(
-                f"is {list(self.axis)}: in a planar model it must be y", f"{path}.axis"
+                f"is {shown(self.axis)}: in a planar model it must be y", f"{path}.axis"
             )
 
     def lower(self, name: str, system: BodySystem) -> dict[str, Any]:
