@@ -482,3 +482,60 @@ def test_reactions_are_reported() -> None:
     )
     # Of a planar pin the moment vanishes, and so do all forces out of the plane.
     np.testing.assert_allclose(path.tie_loads[:, 1, [1, 3, 4, 5]], 0.0, atol=1e-15)
+
+
+FOOT = """
+name = "foot"
+planar = {planar}
+{gravity}
+[bodies.foot]
+kind = "link"
+length = "1 cm"
+radius = "2 mm"
+{density}
+joint = {{ {joint} }}
+placement = {{ z = "{height} mm" }}
+[spheres.sole]
+points = [{{ body = "foot", at = "base" }}, {{ body = "foot", at = "tip" }}]
+[obstacles.ground]
+kind = "half-space"
+normal = "z"
+spheres = ["sole"]
+stiffness = "10 kN/m"
+[wrenches.push]
+body = "foot"
+at = "centroid"
+force = {{ z = "-1 N" }}
+input = true
+"""
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("weight", [False, True])
+@pytest.mark.parametrize("gap", [0.0, 0.5, 5.0])
+def test_a_guided_body_falls_on_the_ground_as_one_on_a_joint(
+    planar: bool, weight: bool, gap: float
+) -> None:
+    """Nothing but the ground has stiffness, and steps to it are long and rejected at first."""
+    height = 2.0 + gap
+
+    def foot(joint: str) -> str:
+        return FOOT.format(
+            planar=str(planar).lower(),
+            gravity='gravity = { z = "-9.81 m/s^2" }' if weight else "",
+            density='density = "1000 kg/m^3"' if weight else "",
+            joint=joint,
+            height=height,
+        )
+
+    guide = tie(
+        "guide", "slider", f'world = {{ z = "{height} mm" }}', '"foot", at = "base"', 'axis = "z"'
+    )
+    loads = [0.0, 0.5, 1.0]
+    free = solved(Model(parse(foot('kind = "free"') + guide)), loads)
+    jointed = Model(parse(foot('kind = "prismatic", axis = "z"'))).equilibrium(loads)
+    assert free.stable[1:].all() and jointed.stable[1:].all()
+    np.testing.assert_allclose(
+        free.obstacle_forces()["ground"][1:], jointed.obstacle_forces()["ground"][1:], rtol=1e-8
+    )
+    assert free.iterations.sum() < 200

@@ -69,36 +69,38 @@ impl TrustRegion {
         let mut energy = system.data().energy();
         // What moves without elasticity may leave a contact, and fall on it again.
         let loose = !system.data().design.units.all_elastic();
-        let (mut rejected, mut unrestrained, mut stiff) = (false, 0, false);
-        let status = loop {
+        let (mut unrestrained, mut stiff) = (0, false);
+        loop {
             if let Some(status) = system.budget.exhausted() {
-                break status;
+                return status;
             }
             if size <= tolerance && system.factorise(0.0) && system.has_converged(size, tolerance) {
-                break Status::Converged;
+                return Status::Converged;
             }
-            let Some(step) = self.subproblem.solve(system, radius, tolerance) else { break Status::Diverged };
+            let Some(step) = self.subproblem.solve(system, radius, tolerance) else {
+                return Status::Diverged;
+            };
             let length = norm(&self.subproblem.step);
             let longest = max_norm(&self.subproblem.step);
             if step.definite && longest <= self.newton.small_step {
                 if system.is_balanced(tolerance) {
                     system.factorise(0.0);
-                    break Status::Converged;
+                    return Status::Converged;
                 }
                 if system.is_lost_in_rounding() {
-                    break Status::Stalled;
+                    return Status::Stalled;
                 }
             }
             if radius < self.options.min_radius {
-                break Status::Stalled;
+                return Status::Stalled;
             }
             self.state.copy_from_slice(system.state());
             self.residual.copy_from_slice(system.residual());
             system.advance(&self.subproblem.step);
             let mut trial_size = system.evaluate();
             if let Some(part) = system.stopped_by_contact(&self.state, &self.subproblem.step) {
-                system.restore(&self.state, &self.residual);
-                (rejected, unrestrained) = (true, 0);
+                self.return_from_rejected(system);
+                unrestrained = 0;
                 radius = part.min(0.5) * length;
                 continue;
             }
@@ -106,7 +108,7 @@ impl TrustRegion {
             if negligible && !(trial_size < self.newton.progress * size) {
                 // The residual is rounding, but larger than that of its terms.
                 system.restore(&self.state, &self.residual);
-                break Status::Stalled;
+                return Status::Stalled;
             }
             let rounding = self.options.rounding * (1.0 + energy.abs() / system.unit_energy());
             let lost = step.decrease <= rounding;
@@ -121,10 +123,9 @@ impl TrustRegion {
             } else {
                 self.accepts(step, actual, rounding, trial_size < size)
             };
-            rejected = !(accepted && trial_size.is_finite());
-            if rejected {
+            if !(accepted && trial_size.is_finite()) {
                 // The current tangent is that of the restored state.
-                system.restore(&self.state, &self.residual);
+                self.return_from_rejected(system);
                 stiff |= length < self.options.stiff_radius;
                 radius = self.options.shrinkage * length.min(radius);
                 unrestrained = 0;
@@ -132,7 +133,7 @@ impl TrustRegion {
             }
             unrestrained = if step.free { unrestrained + 1 } else { 0 };
             if unrestrained > self.options.max_free_steps || system.has_diverged(&self.start) {
-                break Status::Unrestrained;
+                return Status::Unrestrained;
             }
             let ratio = if step.decrease > rounding { actual / step.decrease } else { 1.0 };
             if !searched {
@@ -143,20 +144,25 @@ impl TrustRegion {
                 let step = &mut self.subproblem.step;
                 let left = chord_steps(system, &self.newton, step, &mut size, before, tolerance);
                 if left < tangent_reuse && system.has_converged(size, tolerance) {
-                    break Status::Converged;
+                    return Status::Converged;
                 }
                 if !size.is_finite() {
-                    break Status::Diverged;
+                    return Status::Diverged;
                 }
             }
             energy = system.data().energy();
             system.evaluate_tangent();
             system.start_sweeps();
-        };
-        if rejected {
-            system.evaluate();
         }
-        status
+    }
+
+    /// Restores the state before a rejected step, with the forces there, to which residuals are compared.
+    fn return_from_rejected<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        system: &mut System<G, D, P>,
+    ) {
+        system.set_state(&self.state);
+        system.evaluate();
     }
 
     /// Decrease of the energy over the step; where that is lost in rounding, the work of the mean of both
