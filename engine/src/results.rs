@@ -129,7 +129,7 @@ impl PathResults {
         if let Some(reached) = report.reached {
             last(&mut self.applied, reached.len()).copy_from_slice(reached);
         }
-        if found || report.status == Status::NotClosed {
+        if found || matches!(report.status, Status::NotClosed | Status::Stalled) {
             data.tie_gaps(model, last(&mut self.tie_gaps, 2 * model.tie_count()));
         }
         if !found {

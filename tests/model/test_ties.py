@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexor.errors import InputError
-from flexor.model import Model, Path, parse, why_not_closed
+from flexor.model import Model, Path, parse, why_not_closed, why_stalled
 from flexor.model.derivatives import Differential, differentiate, weights
 
 # A round rod: radius 1 mm, E = 1 GPa, nu = 0.3.
@@ -539,3 +541,56 @@ def test_a_guided_body_falls_on_the_ground_as_one_on_a_joint(
         free.obstacle_forces()["ground"][1:], jointed.obstacle_forces()["ground"][1:], rtol=1e-8
     )
     assert free.iterations.sum() < 200
+
+
+def test_a_platform_snaps_as_one_of_its_rods_is_twisted() -> None:
+    """Weak penalties of ties lead from one unstable state to another, and not beyond."""
+
+    def twin(name: str, y: int) -> str:
+        place = f'joint.kind = "free"\nplacement = {{ y = "{y} mm" }}'
+        slender = rod(name, 0.15, place, SPATIAL.replace("quadratic", "linear"), elements=8)
+        return slender.replace('"1 mm"', '"3 mm"').replace("0.3\n", "0.45\n")
+
+    made = model(
+        twin("left", -30),
+        twin("right", 30),
+        link("platform", 0.02, 'placement = { x = "150 mm" }', 'kind = "free"'),
+        tie(
+            "twist",
+            "hinge",
+            'world = { y = "-30 mm" }',
+            '"left", at = "base"',
+            'axis = "x"\ndrive = "rotation"',
+        ),
+        tie(
+            "left_end",
+            "weld",
+            '"left", at = "tip"',
+            '"platform", at = "base", offset = { y = "-30 mm" }',
+        ),
+        tie("clamp", "weld", 'world = { y = "30 mm" }', '"right", at = "base"'),
+        tie(
+            "right_end",
+            "pin",
+            '"right", at = "tip"',
+            '"platform", at = "base", offset = { y = "30 mm" }',
+        ),
+        planar=False,
+    )
+    path = solved(made, "0:900:45 deg")
+    assert path.stable.all()
+    # The path beyond one turn and the snap of it repeats that before.
+    first, second = (float(event.loads[0]) for event in path.events)
+    assert second - first == pytest.approx(2.0 * np.pi, rel=1e-6)
+
+
+def test_a_path_that_stalls_with_an_open_tie_names_it() -> None:
+    path = solved(four_bar(), [0.0, 0.1])
+    status, gaps = path.status.copy(), path.tie_gaps.copy()
+    status[1] = "stalled"
+    stalled = replace(path, status=status)
+    assert why_stalled(stalled).endswith("which is not a stable equilibrium")
+    gaps[1, 1] = 2e-3, 0.0
+    name = path.model.ties[1]
+    said = why_stalled(replace(stalled, tie_gaps=gaps))
+    assert said == f"forces balance, but ties.{name} is open by 2 mm in the last state"

@@ -14,6 +14,12 @@ use super::trust_region::Target;
 use crate::lie::LieGroup;
 use std::ops::Range;
 
+/// Penalties are raised where a minimisation leaves more than this share of the largest gap.
+const SLOW: f64 = 0.25;
+/// Factor by which they are raised, and the largest one in all.
+const RISE: f64 = 10.0;
+const MAX_RISE: f64 = 1e3;
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// A stable equilibrium with all ties closed under a load, from the current state.
     pub(super) fn close_ties(
@@ -119,9 +125,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return Status::Converged;
         }
         let mut status = Status::Stalled;
+        let (mut rise, mut widest) = (1.0, f64::INFINITY);
         for _ in 0..self.options.closing.max_rounds {
             self.system.evaluate();
-            self.system.penalise();
+            self.system.penalise(rise);
             let target = Target { tolerance: rough, tangent_reuse: 1.0 };
             status = self.trust_region.minimize_energy(&mut self.system, radius, target);
             self.system.end_penalties();
@@ -129,9 +136,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 return status;
             }
             let size = self.system.evaluate();
+            let gap = self.system.largest_gap();
             if self.close_exactly(size, tangent_reuse) {
                 return Status::Converged;
             }
+            if gap > SLOW * widest {
+                // Where the structure is unstable but for the ties, weak penalties lead back and forth.
+                rise = (RISE * rise).min(MAX_RISE);
+            }
+            widest = gap;
             if let Some(status) = self.system.budget.exhausted() {
                 return status;
             }

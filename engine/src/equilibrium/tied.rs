@@ -177,8 +177,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Lets ties act by penalties from now on, with the reactions found last.
-    pub(super) fn penalise(&mut self) {
+    /// Lets ties act by penalties from now on, `rise` times the usual ones, with the reactions found last.
+    pub(super) fn penalise(&mut self, rise: f64) {
         let energy = self.unit_energy();
         let places = self.model().forces.ties.penalties();
         let length = self.longest_body();
@@ -202,7 +202,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let sizes: Vec<f64> = sizes.map(|(k, g)| if moves(k, g) { size(g) } else { 0.0 }).collect();
         for (k, (penalty, size)) in ties.numbers(places).iter_mut().zip(sizes).enumerate() {
             let acts = self.model.forces.ties.row(k).0 < self.acting;
-            *penalty = if acts && size > 0.0 { PENALTY * energy / size } else { 0.0 };
+            *penalty = if acts && size > 0.0 { rise * PENALTY * energy / size } else { 0.0 };
         }
         self.penalised = true;
     }

@@ -30,10 +30,12 @@ MEANINGS = MappingProxyType(
             "raise max_iterations, reduce the load, or use a stiffer design",
         ),
         "stalled": (
-            "the energy cannot be reduced further, but forces do not balance: scales too far apart "
-            "for double precision, or normal forces and friction that do not settle",
+            "the energy cannot be reduced further, but forces do not balance, or ties are open: "
+            "scales too far apart for double precision, normal forces and friction that do not "
+            "settle, or a jump of a structure with ties",
             "check units, and reduce differences of many orders of magnitude between stiffnesses; "
-            "with friction, use other load steps or a smaller coefficient",
+            "with friction, use other load steps or a smaller coefficient; with ties, follow the "
+            "path by arc length",
         ),
         "diverged": (
             "the energy is not finite, or no acceptable step was found",
@@ -82,16 +84,22 @@ def explained(status: str) -> str:
 def why_not_closed(path: Path) -> str:
     """Return which tie is open where a path could not be closed, and how far."""
     step = path.status.tolist().index("not-closed")
+    found = _open_ties(path, step, at_least_one=True)
+    return f"{' and '.join(found)}{_reached(path, step)}"
+
+
+def _open_ties(path: Path, step: int, at_least_one: bool = False) -> list[str]:
+    """Return the tie that is open furthest and the one that is turned furthest, with how far."""
     distances, angles = np.asarray(path.tie_gaps[step]).T
     found = []
     longest = max(float(body.length) for body in path.model.file.bodies.values())
     if distances.max() > _CLOSED * longest:
         name = path.model.ties[distances.argmax()]
         found.append(f"ties.{name} is open by {1e3 * distances.max():.3g} mm")
-    if angles.max() > _CLOSED or not found:
+    if angles.max() > _CLOSED or (at_least_one and not found):
         name = path.model.ties[angles.argmax()]
         found.append(f"ties.{name} is turned by {np.degrees(angles.max()):.3g} deg")
-    return f"{' and '.join(found)}{_reached(path, step)}"
+    return found
 
 
 def why_singular(path: Path) -> str:
@@ -113,15 +121,20 @@ def _reached(path: Path, step: int) -> str:
 
 
 def why_stalled(path: Path) -> str:
-    """Return how far forces are from balance where a path stalled, and the largest stiffness."""
+    """Return what is out of balance or open where a path stalled, and the largest stiffness."""
     step = path.status.tolist().index("stalled")
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
     model = path.model
-    if model.frictions and residual <= tolerance:
-        return (
-            "normal forces and friction did not settle: renewed normal forces change the state in "
-            "every round, as where friction presses its own contact"
-        )
+    if residual <= tolerance:
+        opened = _open_ties(path, step) if model.ties else []
+        if opened:
+            return f"forces balance, but {' and '.join(opened)} in the last state"
+        if model.frictions:
+            return (
+                "normal forces and friction did not settle: renewed normal forces change the state "
+                "in every round, as where friction presses its own contact"
+            )
+        return "forces balance in the last state, which is not a stable equilibrium"
     said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
     file, slots = model.file, model.engine.slots
     names = [("contacts", name) for name in file.contacts]
