@@ -543,15 +543,15 @@ def test_a_guided_body_falls_on_the_ground_as_one_on_a_joint(
     assert free.iterations.sum() < 200
 
 
-def test_a_platform_snaps_as_one_of_its_rods_is_twisted() -> None:
-    """Weak penalties of ties lead from one unstable state to another, and not beyond."""
+def twisted_platform(more: str = "") -> Model:
+    """Return a platform on two rods, one of which is twisted at its base."""
 
     def twin(name: str, y: int) -> str:
         place = f'joint.kind = "free"\nplacement = {{ y = "{y} mm" }}'
         slender = rod(name, 0.15, place, SPATIAL.replace("quadratic", "linear"), elements=8)
         return slender.replace('"1 mm"', '"3 mm"').replace("0.3\n", "0.45\n")
 
-    made = model(
+    return model(
         twin("left", -30),
         twin("right", 30),
         link("platform", 0.02, 'placement = { x = "150 mm" }', 'kind = "free"'),
@@ -575,13 +575,32 @@ def test_a_platform_snaps_as_one_of_its_rods_is_twisted() -> None:
             '"right", at = "tip"',
             '"platform", at = "base", offset = { y = "30 mm" }',
         ),
+        more,
         planar=False,
     )
-    path = solved(made, "0:900:45 deg")
+
+
+def test_a_platform_snaps_as_one_of_its_rods_is_twisted() -> None:
+    """Weak penalties of ties lead from one unstable state to another, and not beyond."""
+    path = solved(twisted_platform(), "0:900:45 deg")
     assert path.stable.all()
     # The path beyond one turn and the snap of it repeats that before.
     first, second = (float(event.loads[0]) for event in path.events)
     assert second - first == pytest.approx(2.0 * np.pi, rel=1e-6)
+
+
+def test_a_loaded_platform_snaps_as_one_of_its_rods_is_twisted() -> None:
+    """A moment has no potential: beyond the end of the branch the motion is overdamped."""
+    load = """
+[wrenches.load]
+body = "platform"
+at = "tip"
+force = { x = "15 N", y = "10 N", z = "-15 N" }
+moment = { x = "0.3 N*m", y = "0.6 N*m" }
+"""
+    path = solved(twisted_platform(load), "0:270:45 deg")
+    assert path.stable.all()
+    assert [event.kind for event in path.events] == ["snap"]
 
 
 def test_a_path_that_stalls_with_an_open_tie_names_it() -> None:

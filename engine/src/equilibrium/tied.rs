@@ -118,10 +118,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// The lowest real part of the eigenvalues of the current tangent, and the direction of the lowest real
     /// one if that is negative.
     pub(super) fn lowest_eigenvalue(&self) -> Option<(f64, Option<Vec<f64>>)> {
-        match self.projected_matrix() {
-            Some(matrix) => lowest(&matrix, &vec![1.0; self.state().len()]),
-            None => lowest(self.data().tangent(), &self.data().design.units.scale),
-        }
+        let Some(projected) = self.factor.projected() else {
+            return lowest(self.data().tangent(), &self.data().design.units.scale);
+        };
+        // Beside these eigenvalues, the whole matrix has ones alone.
+        let (low, direction) = lowest(&projected.free, &projected.ones)?;
+        let turned = direction.map(|mut direction| {
+            projected.turn_back(&mut direction);
+            direction
+        });
+        Some((low, turned))
     }
 
     /// Whether the motion that closes the ties at the state evaluated last is below the tolerance.
