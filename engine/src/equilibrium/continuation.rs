@@ -386,7 +386,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
-            && self.system.stopped_by_contact(&self.start, &self.moved).is_none()
+            && self.system.stopped_while_loaded(&self.start, &self.moved, Some((&self.rate, h))).is_none()
             && self.meets_no_branch(h)
     }
 

@@ -11,10 +11,11 @@ use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
-/// Rotation [rad] over which points are taken to move along straight lines.
-const STRAIGHT: f64 = 0.7;
+/// Rotation [rad] over which points are taken to move along straight lines: an arc of this angle is higher than its
+/// chord by a thousandth of its radius.
+const STRAIGHT: f64 = 0.1;
 /// Largest number of pieces of a step.
-const MAX_PIECES: f64 = 64.0;
+const MAX_PIECES: f64 = 256.0;
 /// Places between meeting a body and its middle at which forces are evaluated.
 const PLACES: usize = 3;
 /// Places nearer to each other than this fraction of the way into a body are one.
@@ -54,6 +55,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// The part of a dimensionless step from `start` to the state evaluated last after which it has met a body
     /// that it leads through against the forces; `None`, with the state at its end, if there is none.
     pub(super) fn stopped_by_contact(&mut self, start: &[f64], step: &[f64]) -> Option<f64> {
+        self.stopped_while_loaded(start, step, None)
+    }
+
+    /// The same for a step along which the load changes to its current value at a rate for so long.
+    pub(super) fn stopped_while_loaded(
+        &mut self,
+        start: &[f64],
+        step: &[f64],
+        change: Option<(&[f64], f64)>,
+    ) -> Option<f64> {
         if !self.may_have_crossed(start, step) {
             return None;
         }
@@ -63,9 +74,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         if !sweep.crossings.is_empty() {
             sweep.crossings.sort_by(|a, b| a.met.total_cmp(&b.met));
             sweep.state.copy_from_slice(self.state());
+            let load = self.load().to_vec();
             let Sweep { crossings, yielding, .. } = &mut *sweep;
             yielding.clear();
-            stopped = crossings.iter().find(|at| self.opposes(start, step, at, yielding)).map(|at| at.met);
+            let goes_to = |system: &mut Self, part: f64| {
+                if let Some((rate, h)) = change {
+                    system.set_load_between(&load, rate, (part - 1.0) * h);
+                }
+                system.advance_from(start, step, part);
+                system.evaluate();
+                dot(system.residual(), step) > 0.0
+            };
+            let opposed = |at: &&Crossing| opposes(at, yielding, |part| goes_to(self, part));
+            stopped = crossings.iter().find(opposed).map(|at| at.met);
+            self.set_load(&load);
             self.set_state(&sweep.state);
             self.evaluate();
         }
@@ -124,22 +146,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         });
         joints.sum::<f64>() + rods.sum::<f64>()
     }
+}
 
-    /// Whether forces oppose a step on the way into a body, elsewhere than at places where they are known to yield.
-    fn opposes(&mut self, start: &[f64], step: &[f64], crossing: &Crossing, yielding: &mut Vec<f64>) -> bool {
-        let way = crossing.deepest - crossing.met;
-        (0..=PLACES).any(|place| {
-            let at = crossing.met + way * place as f64 / PLACES as f64;
-            if yielding.iter().any(|known| (at - known).abs() <= SAME_PLACE * way) {
-                return false;
-            }
-            self.advance_from(start, step, at);
-            self.evaluate();
-            let opposed = dot(self.residual(), step) > 0.0;
-            if !opposed {
-                yielding.push(at);
-            }
-            opposed
-        })
-    }
+/// Whether forces oppose a step on the way into a body, elsewhere than at places where they are known to yield.
+fn opposes(crossing: &Crossing, yielding: &mut Vec<f64>, mut opposed_at: impl FnMut(f64) -> bool) -> bool {
+    let way = crossing.deepest - crossing.met;
+    (0..=PLACES).any(|place| {
+        let at = crossing.met + way * place as f64 / PLACES as f64;
+        if yielding.iter().any(|known| (at - known).abs() <= SAME_PLACE * way) {
+            return false;
+        }
+        let opposed = opposed_at(at);
+        if !opposed {
+            yielding.push(at);
+        }
+        opposed
+    })
 }
