@@ -141,3 +141,66 @@ def test_what_nothing_stops_is_unrestrained() -> None:
     text = link(HINGE, FOLLOWER) + place("0.3 m", "-0.3 m", "5 cm")
     path = Model(parse(text)).equilibrium([1.0])
     assert path.status == ["unrestrained"]
+
+
+LEVER = """
+name = "lever"
+planar = true
+[bodies.a]
+kind = "link"
+length = "100 mm"
+radius = "{radius}"
+joint = {{ kind = "revolute"{stiffness} }}
+[spheres.t]
+points = [{{ body = "a", at = "tip" }}]
+[obstacles.o]
+spheres = ["t"]
+stiffness = "1e6 N/m"
+{obstacle}
+[wrenches.w]
+body = "a"
+at = "tip"
+{load}
+input = true
+"""
+
+
+@pytest.mark.parametrize("steps", [[0.0, 2.0], [0.0, 1.0, 2.0], list(np.linspace(0.0, 2.0, 41))])
+def test_a_thin_body_in_the_way_of_a_long_lever_is_met(steps: list[float]) -> None:
+    """Both are a hundredth of the lever thick; it turns by a right angle where nothing stops it."""
+    capsule = '''kind = "capsule"
+point = { x = "71.7 mm", z = "-66.8 mm" }
+radius = "0.5 mm"
+axis = "x"
+length = "30 mm"'''
+    load = 'force = { z = "-1 N" }'
+    text = LEVER.format(radius="0.5 mm", stiffness="", obstacle=capsule, load=load)
+    path = Model(parse(text)).equilibrium(steps)
+    assert path.converged.all()
+    # The tip rests 1 mm above the axis of the capsule, up to 1.4 micrometres of overlap.
+    met = np.arcsin(0.668 - 0.01)
+    assert path.joint_angles[-1, 0] == pytest.approx(met, abs=5e-5)
+
+
+@pytest.mark.parametrize("steps", [[0.6], [0.2, 0.4, 0.6], list(np.linspace(0.0, 0.6, 31))])
+def test_a_stiff_contact_that_is_only_grazed_is_met(steps: list[float]) -> None:
+    """The overlap is at most 0.5 mm of 8 mm; the lever is held 24 degrees before its rest."""
+    sphere = '''kind = "sphere"
+point = { x = "74.8957 mm", z = "-77.1158 mm" }
+radius = "3 mm"'''
+    load = 'moment = { y = "1 N*m" }'
+    stiffness = ', stiffness = "0.5 N*m/rad"'
+    text = LEVER.format(radius="5 mm", stiffness=stiffness, obstacle=sphere, load=load)
+    path = Model(parse(text)).equilibrium(steps)
+    place = np.array([0.0748957, -0.0771158])
+
+    def gap(q: float) -> float:
+        return float(np.hypot(*(0.1 * np.array([np.cos(q), -np.sin(q)]) - place)))
+
+    def moment(q: float) -> float:
+        change = (gap(q + 1e-7) - gap(q - 1e-7)) / 2e-7
+        return 0.5 * q - 1e6 * max(0.008 - gap(q), 0.0) * change - 0.6
+
+    met = brentq(moment, 0.7, 0.79)
+    assert path.converged.all()
+    assert path.joint_angles[-1, 0] == pytest.approx(met, abs=1e-6)
