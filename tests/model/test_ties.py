@@ -613,3 +613,5 @@ def test_a_path_that_stalls_with_an_open_tie_names_it() -> None:
     name = path.model.ties[1]
     said = why_stalled(replace(stalled, tie_gaps=gaps))
     assert said == f"forces balance, but ties.{name} is open by 2 mm in the last state"
+    by_arc_length = replace(stalled, tie_gaps=gaps, followed=None)
+    assert why_stalled(by_arc_length).endswith("no equilibrium was found beyond it")

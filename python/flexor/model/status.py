@@ -126,6 +126,9 @@ def why_stalled(path: Path) -> str:
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
     model = path.model
     if residual <= tolerance:
+        # By arc length the numbers are those of the last state found.
+        if path.followed is None:
+            return "forces balance in the last state found, and no equilibrium was found beyond it"
         opened = _open_ties(path, step) if model.ties else []
         if opened:
             return f"forces balance, but {' and '.join(opened)} in the last state"
