@@ -190,12 +190,10 @@ def test_a_free_link_rests_in_a_bowl() -> None:
     np.testing.assert_allclose(path.contact_forces(-1).force.sum(axis=0)[2], weight, rtol=1e-7)
 
 
-@pytest.mark.parametrize("planar", [True, False])
-def test_a_free_link_rests_on_the_floor_of_a_box(planar: bool) -> None:
-    """In the plane it may slide, which is said; in space a small stiffness keeps it in place."""
-    held = "" if planar else ', stiffness = "1e-4 N*m/rad", linear_stiffness = "0.01 N/m"'
-    text = f"""
-    name = "box"
+def free_link(planar: bool, held: str = "", place: str = "") -> str:
+    """A free link with weight and a sphere at each end, held by the stiffness of its joint."""
+    return f"""
+    name = "stick"
     planar = {str(planar).lower()}
     gravity = {{ z = "-9.81 m/s^2" }}
 
@@ -205,10 +203,18 @@ def test_a_free_link_rests_on_the_floor_of_a_box(planar: bool) -> None:
     radius = "1 cm"
     density = "1000 kg/m^3"
     joint = {{ kind = "free"{held} }}
+    placement = {{ {place} }}
 
     [spheres.ends]
     points = [{{ body = "stick", at = "base" }}, {{ body = "stick", at = "tip" }}]
+"""
 
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_a_free_link_rests_on_the_floor_of_a_box(planar: bool) -> None:
+    """In the plane it may slide, which is said; in space a small stiffness keeps it in place."""
+    held = "" if planar else ', stiffness = "1e-4 N*m/rad", linear_stiffness = "0.01 N/m"'
+    text = f"""{free_link(planar, held)}
     [obstacles.box]
     kind = "box"
     inside = true
@@ -251,22 +257,7 @@ def test_a_free_link_rolls_off_a_stiff_capsule(
         if planar
         else 'axis = "y"\nlength = "9 cm"\nradius = "2.2 cm"'
     )
-    text = f"""
-    name = "roll"
-    planar = {str(planar).lower()}
-    gravity = {{ z = "-9.81 m/s^2" }}
-
-    [bodies.stick]
-    kind = "link"
-    length = "6 cm"
-    radius = "1 cm"
-    density = "1000 kg/m^3"
-    joint = {{ kind = "free" }}
-    placement = {{ {place} }}
-
-    [spheres.ends]
-    points = [{{ body = "stick", at = "base" }}, {{ body = "stick", at = "tip" }}]
-
+    text = f"""{free_link(planar, place=place)}
     [obstacles.bar]
     kind = "capsule"
     {shape}
