@@ -351,6 +351,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         frames
     }
 
+    /// Number of terms that are switched on at the last state evaluated, given its coordinates and load again.
+    pub(crate) fn switched_on(&self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) -> usize {
+        model.forces.on(&self.state(model, q, load), &self.assembly.forces)
+    }
+
     /// Visits the terms that are switched on at the last state evaluated, or are within `margin` of
     /// switching on, given the state's coordinates and load again.
     pub(crate) fn for_each_switch(
@@ -369,20 +374,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// states at which these poses are.
     pub(crate) fn may_cross(&self, model: &Model<G, D, P>, ends: [&Kinematics<G, D, P>; 2]) -> bool {
         let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
-        model.forces.may_cross(&Motion { ends: [&from, &to], continues: false })
+        model.forces.may_cross(&Motion { ends: [&from, &to], last: None })
     }
 
     /// Visits what a straight motion of the coordinates leads through, between the states at which these poses
-    /// are; `continues` if another motion follows.
+    /// are; `last`: where those that follow end.
     pub(crate) fn for_each_crossing(
         &self,
         model: &Model<G, D, P>,
         ends: [&Kinematics<G, D, P>; 2],
-        continues: bool,
+        last: Option<&Kinematics<G, D, P>>,
         mut visit: impl FnMut(Crossing),
     ) {
         let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
-        model.forces.for_each_crossing(&Motion { ends: [&from, &to], continues }, &mut visit);
+        let last = last.map(|kinematics| self.placed(model, kinematics));
+        model.forces.for_each_crossing(&Motion { ends: [&from, &to], last: last.as_ref() }, &mut visit);
     }
 
     /// By how much each coordinate without elasticity moves until it has moved the ends of a spring as far as the

@@ -17,7 +17,7 @@ pub(super) struct CorrectorTolerance {
     /// Largest dimensionless residual.
     pub residual: f64,
     /// The tangent of the last step is reused for the final state if that step reduced the residual to less
-    /// than this fraction.
+    /// than this fraction and no contact changed.
     pub tangent_reuse: f64,
     /// It is reused only if its ratio of pivots is larger: a soft structure may have become unstable.
     pub least_pivots: f64,
@@ -150,7 +150,9 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             }
             let left =
                 chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
-            let reusable = left < tolerance.tangent_reuse && system.pivot_ratio() > tolerance.least_pivots;
+            let reusable = left < tolerance.tangent_reuse
+                && system.pivot_ratio() > tolerance.least_pivots
+                && system.is_near_tangent();
             if reusable && system.has_converged(size, tolerance.residual) {
                 return true;
             }

@@ -77,7 +77,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             let load = self.load().to_vec();
             let Sweep { crossings, yielding, .. } = &mut *sweep;
             yielding.clear();
-            let goes_to = |system: &mut Self, part: f64| {
+            let opposed_at = |system: &mut Self, part: f64| {
                 if let Some((rate, h)) = change {
                     system.set_load_between(&load, rate, (part - 1.0) * h);
                 }
@@ -85,7 +85,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
                 system.evaluate();
                 dot(system.residual(), step) > 0.0
             };
-            let opposed = |at: &&Crossing| opposes(at, yielding, |part| goes_to(self, part));
+            let opposed = |at: &&Crossing| opposes(at, yielding, |part| opposed_at(self, part));
             stopped = crossings.iter().find(opposed).map(|at| at.met);
             self.set_load(&load);
             self.set_state(&sweep.state);
@@ -115,7 +115,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let pieces = (self.rotation(step) / STRAIGHT).ceil().clamp(1.0, MAX_PIECES);
         if pieces == 1.0 {
             let ends = [&poses[0], &self.data.kinematics];
-            self.data.for_each_crossing(model, ends, false, |at| crossings.push(at));
+            self.data.for_each_crossing(model, ends, None, |at| crossings.push(at));
             return;
         }
         known.fill(f64::NAN);
@@ -126,8 +126,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
                 *q = t + (begin + share) * s * u;
             }
             poses[1].update(&model.tree, geometry, state);
-            let continues = piece + 1 < pieces as usize;
-            self.data.for_each_crossing(model, [&poses[0], &poses[1]], continues, |at| {
+            let last = (piece + 1 < pieces as usize).then_some(&self.data.kinematics);
+            self.data.for_each_crossing(model, [&poses[0], &poses[1]], last, |at| {
                 let [met, deepest] = [at.met, at.deepest].map(|part| begin + part * share);
                 crossings.push(Crossing { met, deepest });
             });

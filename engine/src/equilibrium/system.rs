@@ -42,6 +42,8 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     weight: Vec<f64>,
     pub(super) magnitudes: Magnitudes<P>,
     accuracy: Accuracy,
+    /// Number of contacts and slack springs that act where the tangent was evaluated.
+    switched_on: usize,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
     /// Whether forces balance only up to rounding that is a large fraction of them.
@@ -102,6 +104,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             weight: vec![1.0; n],
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
+            switched_on: 0,
             loose: vec![],
             lost_in_rounding: false,
             diverged: vec![],
@@ -436,6 +439,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.budget.count();
+        self.switched_on = self.data.switched_on(self.model, &self.q, &self.load);
         self.loose.clear();
         if self.is_projected() {
             self.factor.project(&self.data, Some(&self.projection));
@@ -446,6 +450,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if !self.data.design.units.all_elastic() {
             self.find_loose_coordinates();
         }
+    }
+
+    /// Whether as many contacts and slack springs act in the state evaluated last as where its tangent was.
+    pub(super) fn is_near_tangent(&self) -> bool {
+        self.data.switched_on(self.model, &self.q, &self.load) == self.switched_on
     }
 
     /// Finds the coordinates whose stiffness is zero to the rounding of its terms.

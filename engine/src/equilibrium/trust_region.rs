@@ -55,6 +55,20 @@ impl TrustRegion {
     pub fn minimize_energy<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
+        radius: f64,
+        target: Target,
+    ) -> Status {
+        let status = self.descend(system, radius, target);
+        if status != Status::Converged {
+            // The last step may have been rejected.
+            system.evaluate();
+        }
+        status
+    }
+
+    fn descend<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
         mut radius: f64,
         target: Target,
     ) -> Status {
@@ -83,6 +97,7 @@ impl TrustRegion {
             let length = norm(&self.subproblem.step);
             let longest = max_norm(&self.subproblem.step);
             if step.definite && longest <= self.newton.small_step {
+                system.evaluate();
                 if system.is_balanced(tolerance) {
                     system.factorise(0.0);
                     return Status::Converged;
@@ -99,7 +114,7 @@ impl TrustRegion {
             system.advance(&self.subproblem.step);
             let mut trial_size = system.evaluate();
             if let Some(part) = system.stopped_by_contact(&self.state, &self.subproblem.step) {
-                self.return_from_rejected(system);
+                self.return_from_rejected(system, loose);
                 unrestrained = 0;
                 radius = part.min(0.5) * length;
                 continue;
@@ -116,7 +131,7 @@ impl TrustRegion {
             let poor = !(actual > self.options.poor_ratio * step.decrease);
             let mut searched = false;
             if stiff && poor {
-                (trial_size, searched) = self.improve(system, step, &mut actual, energy, lost);
+                (trial_size, searched) = self.improve(system, step, &mut actual, energy, [lost, loose]);
             }
             let accepted = if stiff && (searched || step.definite && lost) {
                 actual > 0.0
@@ -125,7 +140,7 @@ impl TrustRegion {
             };
             if !(accepted && trial_size.is_finite()) {
                 // The current tangent is that of the restored state.
-                self.return_from_rejected(system);
+                self.return_from_rejected(system, loose);
                 stiff |= length < self.options.stiff_radius;
                 radius = self.options.shrinkage * length.min(radius);
                 unrestrained = 0;
@@ -143,7 +158,8 @@ impl TrustRegion {
             if step.newton {
                 let step = &mut self.subproblem.step;
                 let left = chord_steps(system, &self.newton, step, &mut size, before, tolerance);
-                if left < tangent_reuse && system.has_converged(size, tolerance) {
+                let reusable = left < tangent_reuse && system.is_near_tangent();
+                if reusable && system.has_converged(size, tolerance) {
                     return Status::Converged;
                 }
                 if !size.is_finite() {
@@ -156,13 +172,17 @@ impl TrustRegion {
         }
     }
 
-    /// Restores the state before a rejected step, with the forces there, to which residuals are compared.
+    /// Restores the state before a rejected step; where some coordinate is not elastic, with the forces there, to
+    /// which residuals are compared.
     fn return_from_rejected<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         system: &mut System<G, D, P>,
+        loose: bool,
     ) {
-        system.set_state(&self.state);
-        system.evaluate();
+        system.restore(&self.state, &self.residual);
+        if loose {
+            system.evaluate();
+        }
     }
 
     /// Decrease of the energy over the step; where that is lost in rounding, the work of the mean of both
@@ -190,7 +210,7 @@ impl TrustRegion {
         step: TrustStep,
         actual: &mut f64,
         energy: f64,
-        lost: bool,
+        [lost, loose]: [bool; 2],
     ) -> (f64, bool) {
         let better = |found: f64, best: f64| found > best || !best.is_finite();
         self.best.copy_from_slice(system.state());
@@ -215,7 +235,6 @@ impl TrustRegion {
             *actual = found;
             self.best.copy_from_slice(system.state());
         }
-        let loose = !system.data().design.units.all_elastic();
         let descends = step.definite || loose && step.part > 0.0;
         let search = descends && !(*actual > self.options.poor_ratio * step.decrease);
         if search {

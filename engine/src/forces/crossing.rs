@@ -33,17 +33,11 @@ pub(crate) struct Crossing {
 pub(crate) struct Motion<'a, G, const D: usize, const P: usize> {
     /// The states at its ends.
     pub ends: [&'a State<'a, G, D, P>; 2],
-    /// Whether another such motion follows.
-    pub continues: bool,
+    /// The state at the end of those that follow.
+    pub last: Option<&'a State<'a, G, D, P>>,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Motion<'_, G, D, P> {
-    /// Whether a sphere that moves so, relative to a solid, may come to its other side.
-    pub fn moves_enough(thickness: f64, [before, after]: &[Vector<P>; 2]) -> bool {
-        let moved = *after - *before;
-        moved.dot(&moved) > (SHORT * thickness).powi(2)
-    }
-
     /// The crossing of a solid by a sphere that moves so relative to it; `at` is the depth at a place and the
     /// normal there, `thickness` the depth from which the nearest surface is that of the other side.
     pub fn crossing(
@@ -51,29 +45,48 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Motion<'_, G, D, P> {
         thickness: f64,
         way: [Vector<P>; 2],
         at: impl Fn(&Vector<P>) -> (f64, Vector<P>),
+        last: impl Fn(&State<G, D, P>) -> Vector<P>,
     ) -> Option<Crossing> {
-        if !Self::moves_enough(thickness, &way) {
+        let change = way[1] - way[0];
+        if !may_change_side(thickness, change.dot(&change)) {
             return None;
         }
-        self.crossing_along(thickness, |share| at(&(way[0] + (way[1] - way[0]) * share)))
+        let along = |share: f64| at(&(way[0] + change * share));
+        self.crossing_along(thickness, change.norm(), along, |end| at(&last(end)).0)
     }
 
-    /// The same with depth and normal by the part of the way.
-    pub fn crossing_along(&self, thickness: f64, at: impl Fn(f64) -> (f64, Vector<P>)) -> Option<Crossing> {
-        crossing(thickness, self.continues, at)
+    /// The same with depth and normal by the part of the way, over which the depth changes by at most `length`, and
+    /// the depth in the last state.
+    pub fn crossing_along(
+        &self,
+        thickness: f64,
+        length: f64,
+        at: impl Fn(f64) -> (f64, Vector<P>),
+        last: impl Fn(&State<G, D, P>) -> f64,
+    ) -> Option<Crossing> {
+        crossing(thickness, length, at, || self.last.map(&last))
     }
 }
 
-/// `continues`: the motion goes on, so that it also leads through what it is deep in at its end.
+/// Whether a sphere may come to the other side of a solid by a motion relative to it of this length, squared.
+pub(crate) fn may_change_side(thickness: f64, squared: f64) -> bool {
+    squared > (SHORT * thickness).powi(2)
+}
+
+/// `last`: the depth where the motion leads if it goes on. It also leads through what it is deep in at its end
+/// and is less deep in there.
 fn crossing<const P: usize>(
     thickness: f64,
-    continues: bool,
+    length: f64,
     at: impl Fn(f64) -> (f64, Vector<P>),
+    last: impl FnOnce() -> Option<f64>,
 ) -> Option<Crossing> {
     let (before, normal) = at(0.0);
     let (after, other) = at(1.0);
-    let inside = continues && after > DEEP * thickness;
-    let outside = before <= 0.0 && after <= 0.0;
+    let deep = DEEP * thickness;
+    let inside = after > deep && last().is_some_and(|left| after - left.max(0.0) > deep);
+    // The depth within is at most half of that at both ends and of the length.
+    let outside = before <= 0.0 && after <= 0.0 && before + after + length > 2.0 * deep;
     if normal.dot(&other) > SAME_SIDE && !inside && !outside {
         return None;
     }
@@ -88,7 +101,7 @@ fn crossing<const P: usize>(
         if depth(a) > depth(b) { high = b } else { low = a }
     }
     let deepest = 0.5 * (low + high);
-    if !(depth(deepest) > DEEP * thickness) {
+    if !(depth(deepest) > deep) {
         return None;
     }
     let shallow = before.max(0.0);
@@ -107,10 +120,11 @@ mod tests {
 
     /// A sphere that passes a unit circle at a distance `aside` from its middle, from `from` to `to`.
     fn passing(aside: f64, from: f64, to: f64) -> Option<Crossing> {
-        crossing(1.0, false, |share| {
+        let along = |share: f64| {
             let place = Vector([from + share * (to - from), aside]);
             (1.0 - place.norm(), place * (1.0 / place.norm()))
-        })
+        };
+        crossing(1.0, (to - from).abs(), along, || None)
     }
 
     #[test]

@@ -191,6 +191,11 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         false
     }
 
+    /// Number of those that are on at the state of the last residual.
+    fn on(&self, _at: &State<G, D, P>, _state: &Self::State) -> usize {
+        0
+    }
+
     /// Visits the terms that are on, or within `margin` of switching on.
     fn for_each_switch(
         &self,

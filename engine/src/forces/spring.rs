@@ -297,6 +297,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
+    fn on(&self, at: &State<G, D, P>, kept: &Vec<Option<Vector<P>>>) -> usize {
+        self.taut(at, kept).count()
+    }
+
     fn has_switches(&self) -> bool {
         self.0.iter().any(|spring| spring.slack)
     }

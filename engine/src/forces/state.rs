@@ -45,6 +45,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> State<'_, G, D, P> {
         &self.kinematics.points[point]
     }
 
+    /// World position of the centre of a sphere.
+    #[inline]
+    pub fn centre(&self, sphere: usize) -> &Vector<P> {
+        self.point(self.tree.spheres[sphere].point)
+    }
+
     /// The frame that carries a point.
     #[inline]
     pub fn frame(&self, point: usize) -> usize {

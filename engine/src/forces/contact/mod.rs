@@ -12,7 +12,7 @@ pub(crate) use definition::{Contact, RoundCone, round_cones};
 pub use definition::{ContactDescription, RoundConeDescription};
 pub(crate) use pair::ContactPair;
 use pair::KeptForce;
-pub(crate) use round_cone::{Closest, PlacedCone, crossing_of_cone};
+pub(crate) use round_cone::{Closest, MovingCone, PlacedCone};
 pub(crate) use sphere::direction;
 
 use super::crossing::{Crossing, Motion};
@@ -307,6 +307,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
+    fn on(&self, _: &State<G, D, P>, state: &ContactState<P>) -> usize {
+        state.pairs.len()
+    }
+
     fn may_cross(&self, motion: &Motion<G, D, P>) -> bool {
         self.0.iter().any(|contact| !contact.cones.is_empty() || sphere::may_cross(motion, contact))
     }
@@ -354,7 +358,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 force,
                 depth: pair.overlap,
                 pressure: None,
-                point: *at.point(at.tree.spheres[pair.first].point) - pair.normal * inward,
+                point: *at.centre(pair.first) - pair.normal * inward,
             });
         }
     }

@@ -4,7 +4,7 @@
 //! subtracted, so that a bent chain is touched as one solid. Every term has a
 //! continuous gradient.
 
-use super::super::crossing::{Crossing, Motion};
+use super::super::crossing::{Crossing, Motion, may_change_side};
 use super::super::state::State;
 use super::definition::{Contact, RoundCone};
 use super::pair::ContactPair;
@@ -110,9 +110,8 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
     margin: f64,
     mut visit: impl FnMut(ContactPair<P>),
 ) {
-    let centre = |sphere: usize| at.point(at.tree.spheres[sphere].point);
     for first in contact.first.clone() {
-        let (p, own) = (centre(first), at.geometry.radii[first]);
+        let (p, own) = (at.centre(first), at.geometry.radii[first]);
         let weight = contact.weight(at.parameters(), first);
         if weight == 0.0 {
             continue;
@@ -121,7 +120,7 @@ pub(crate) fn for_each_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
             if !counts(contact, first, cone) {
                 continue;
             }
-            let ends = cone.ends.map(centre);
+            let ends = cone.ends.map(|end| at.centre(end));
             let radii = cone.ends.map(|s| at.geometry.radii[s]);
             let placed = PlacedCone::new(ends, radii);
             if placed.is_far(p, own + margin) {
@@ -161,43 +160,69 @@ pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usiz
     contact: &Contact,
     visit: &mut impl FnMut(Crossing),
 ) {
-    for first in contact.first.clone() {
-        if contact.weight(motion.ends[0].parameters(), first) > 0.0 {
-            let cones = contact.cones.iter().filter(|cone| counts(contact, first, cone));
-            cones.filter_map(|cone| crossing_of_cone(motion, first, cone)).for_each(&mut *visit);
+    for cone in &contact.cones {
+        let moving = MovingCone::new(motion, cone.ends);
+        for first in contact.first.clone() {
+            if counts(contact, first, cone) && contact.weight(motion.ends[0].parameters(), first) > 0.0 {
+                moving.crossing(first).into_iter().for_each(&mut *visit);
+            }
         }
     }
 }
 
-/// The crossing of a round cone by a sphere, if a motion leads through it.
-pub(crate) fn crossing_of_cone<G: LieGroup<D, P>, const D: usize, const P: usize>(
-    motion: &Motion<G, D, P>,
-    sphere: usize,
-    cone: &RoundCone,
-) -> Option<Crossing> {
-    let (spheres, radii) = (&motion.ends[0].tree.spheres, &motion.ends[0].geometry.radii);
-    let radii_of_cone = cone.ends.map(|end| radii[end]);
-    let thickness = radii[sphere] + radii_of_cone[0].max(radii_of_cone[1]);
-    // Of the sphere and of the second end, relative to the first end.
-    let [before, after] = motion.ends.map(|at| {
-        let [p, a, b] = [sphere, cone.ends[0], cone.ends[1]].map(|s| *at.point(spheres[s].point));
-        [p - a, b - a]
-    });
-    let reach = radii[sphere] + (after[0] - before[0]).norm() + (after[1] - before[1]).norm();
-    if PlacedCone::new([&Vector::ZERO, &before[1]], radii_of_cone).is_far(&before[0], reach) {
-        return None;
+/// A round cone that moves.
+#[derive(Debug)]
+pub(crate) struct MovingCone<'a, G, const D: usize, const P: usize> {
+    motion: &'a Motion<'a, G, D, P>,
+    ends: [usize; 2],
+    start: PlacedCone<P>,
+    /// Of its ends.
+    ways: [Vector<P>; 2],
+}
+
+impl<'a, G: LieGroup<D, P>, const D: usize, const P: usize> MovingCone<'a, G, D, P> {
+    pub fn new(motion: &'a Motion<'a, G, D, P>, ends: [usize; 2]) -> Self {
+        let [from, to] = motion.ends;
+        let [a, b] = ends.map(|end| from.centre(end));
+        let ways = ends.map(|end| *to.centre(end) - *from.centre(end));
+        Self { motion, ends, start: PlacedCone::new([a, b], ends.map(|end| from.geometry.radii[end])), ways }
     }
-    let moves = Motion::<G, D, P>::moves_enough;
-    let ways = [[before[0], after[0]], [before[0] - before[1], after[0] - after[1]]];
-    if !ways.iter().any(|way| moves(thickness, way)) {
-        return None;
+
+    /// Its crossing by a sphere, if the motion leads through it.
+    #[inline]
+    pub fn crossing(&self, sphere: usize) -> Option<Crossing> {
+        let [from, to] = self.motion.ends;
+        let (own, p) = (from.geometry.radii[sphere], from.centre(sphere));
+        let moved = *to.centre(sphere) - *p;
+        let ways = self.ways.map(|way| moved - way);
+        let thickness = own + self.start.largest;
+        // The depth changes by at most the longer of both.
+        let squared = ways[0].dot(&ways[0]).max(ways[1].dot(&ways[1]));
+        if !may_change_side(thickness, squared) {
+            return None;
+        }
+        let length = squared.sqrt();
+        if self.start.is_far(p, own + length) {
+            return None;
+        }
+        let depth = |cone: PlacedCone<P>, p: Vector<P>| {
+            let found = cone.closest(&p);
+            (own + found.radius - found.distance, found.normal)
+        };
+        let along = |share: f64| {
+            // Relative to the first end.
+            let axis = self.start.axis + (self.ways[1] - self.ways[0]) * share;
+            depth(
+                PlacedCone::new([&Vector::ZERO, &axis], self.start.radii),
+                *p - self.start.start + ways[0] * share,
+            )
+        };
+        self.motion.crossing_along(thickness, length, along, |end| {
+            let cone =
+                PlacedCone::new(self.ends.map(|end_of_axis| end.centre(end_of_axis)), self.start.radii);
+            depth(cone, *end.centre(sphere)).0
+        })
     }
-    let place = |share: f64, i: usize| before[i] + (after[i] - before[i]) * share;
-    motion.crossing_along(thickness, |share| {
-        let cone = PlacedCone::new([&Vector::ZERO, &place(share, 1)], radii_of_cone);
-        let found = cone.closest(&place(share, 0));
-        (radii[sphere] + found.radius - found.distance, found.normal)
-    })
 }
 
 /// Whether a sphere and a round cone form a pair: in self-contact, only if the cone is far enough ahead.

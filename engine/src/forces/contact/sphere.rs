@@ -73,7 +73,7 @@ fn any_pair_near<G: LieGroup<D, P>, const D: usize, const P: usize>(
         let ball = Ball::around(&from[block.clone()], &radii[block.clone()]);
         let way = block.clone().map(|i| longest(to[i] - from[i])).fold(0.0, f64::max);
         contact.first.clone().any(|first| {
-            let own = [before, after].map(|at| *at.point(spheres[first].point));
+            let own = [before, after].map(|at| *at.centre(first));
             let ways = way + longest(own[1] - own[0]);
             let near = ball.radius + before.geometry.radii[first] + TURNING * ways;
             let apart = own[0] - ball.centre;
@@ -121,11 +121,16 @@ pub(crate) fn for_each_crossing<G: LieGroup<D, P>, const D: usize, const P: usiz
         // Too far aside, or still far away at the end.
         let aside = before.dot(&before) * moved.dot(&moved) - along * along;
         let far = thickness * thickness * moved.dot(&moved);
-        if along > 0.0 && aside <= far && (along <= moved.dot(&moved) || motion.continues) {
-            let found = motion.crossing(thickness, [before, after], |place| {
+        if along > 0.0 && aside <= far && (along <= moved.dot(&moved) || motion.last.is_some()) {
+            let depth = |place: &Vector<P>| {
                 let (normal, distance) = direction(*place, place.norm(), thickness);
                 (thickness - distance, normal)
-            });
+            };
+            let last = |end: &State<G, D, P>| {
+                let [own, other] = [first, second].map(|sphere| *end.centre(sphere));
+                own - other
+            };
+            let found = motion.crossing(thickness, [before, after], depth, last);
             found.into_iter().for_each(&mut *visit);
         }
         false

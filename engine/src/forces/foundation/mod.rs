@@ -12,7 +12,7 @@ pub use strap_loop::StrapLoopDescription;
 pub(crate) use strap_loop::StrapLoops;
 pub(super) use strip::Strip;
 
-use super::contact::{Closest, ContactSummary, PlacedCone, crossing_of_cone, direction};
+use super::contact::{Closest, ContactSummary, MovingCone, PlacedCone, direction};
 use super::crossing::{Crossing, Motion};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
@@ -285,7 +285,7 @@ impl Foundation {
         cone: usize,
     ) -> PlacedCone<P> {
         let ends = self.cones[cone].ends;
-        let centres = ends.map(|end| at.point(at.tree.spheres[end].point));
+        let centres = ends.map(|end| at.centre(end));
         PlacedCone::new(centres, ends.map(|end| at.geometry.radii[end]))
     }
 
@@ -300,7 +300,7 @@ impl Foundation {
         margin: f64,
         visit: &mut impl FnMut(ConeCandidate<P>),
     ) {
-        let (p, surface) = (at.point(at.tree.spheres[first].point), at.geometry.radii[first]);
+        let (p, surface) = (at.centre(first), at.geometry.radii[first]);
         if placed.is_far(p, surface + margin) {
             return;
         }
@@ -390,15 +390,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
+    fn on(&self, _: &State<G, D, P>, state: &Vec<ConeContact<P>>) -> usize {
+        state.len()
+    }
+
     fn has_solids(&self) -> bool {
         !self.0.is_empty()
     }
 
     fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
         for foundation in &self.0 {
-            for first in &foundation.weighted {
-                let cones = foundation.cones.iter();
-                cones.filter_map(|cone| crossing_of_cone(motion, *first, cone)).for_each(&mut *visit);
+            for cone in &foundation.cones {
+                let moving = MovingCone::new(motion, cone.ends);
+                let crossings = foundation.weighted.iter().filter_map(|first| moving.crossing(*first));
+                crossings.for_each(&mut *visit);
             }
         }
     }

@@ -130,7 +130,7 @@ impl StrapLoop {
         at: &State<G, D, P>,
     ) -> (ConeCandidate<P>, f64) {
         let [first, a, b] = self.spheres;
-        let [p, start, stop] = self.spheres.map(|sphere| at.point(at.tree.spheres[sphere].point));
+        let [p, start, stop] = self.spheres.map(|sphere| at.centre(sphere));
         let radii = [a, b].map(|end| at.geometry.radii[end]);
         let surface = at.geometry.radii[first];
         let placed = PlacedCone::new([start, stop], radii);
@@ -191,6 +191,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 });
             }
         }
+    }
+
+    fn on(&self, _: &State<G, D, P>, state: &Vec<ConeContact<P>>) -> usize {
+        state.len()
     }
 
     fn add_residual(

@@ -237,7 +237,7 @@ impl<const P: usize> Obstacles<P> {
             let origin = obstacle.origin(at);
             for &each in &obstacle.spheres {
                 let Touchable { sphere, skin } = each;
-                let r = *at.point(at.tree.spheres[sphere].point) - origin;
+                let r = *at.centre(sphere) - origin;
                 let place = Vector(std::array::from_fn(|i| axes[i].dot(&r)));
                 let radius = at.geometry.radii[sphere];
                 for (s, surface) in obstacle.surfaces.iter().enumerate() {
@@ -326,7 +326,7 @@ impl<const P: usize> Obstacle<P> {
         axes: &[Vector<P>; P],
         sphere: usize,
     ) -> Vector<P> {
-        let r = *at.point(at.tree.spheres[sphere].point) - self.origin(at);
+        let r = *at.centre(sphere) - self.origin(at);
         Vector(std::array::from_fn(|i| axes[i].dot(&r)))
     }
 
@@ -553,6 +553,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
+    fn on(&self, _: &State<G, D, P>, state: &ObstacleState<P>) -> usize {
+        state.touching.len()
+    }
+
     fn has_solids(&self) -> bool {
         !self.0.is_empty()
     }
@@ -569,10 +573,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     let Some(thickness) = surface.thickness(p).map(|own| own + radius) else { continue };
                     let near = surface.distance(p, &before) < radius + (after - before).norm();
                     if near {
-                        let found = motion.crossing(thickness, [before, after], |place| {
+                        let depth = |place: &Vector<P>| {
                             let depth = radius - surface.distance(p, place);
                             (depth, surface.slopes(p, &units, place).normal)
-                        });
+                        };
+                        let last = |end: &State<G, D, P>| {
+                            obstacle.place(end, &obstacle.world_axes(end), each.sphere)
+                        };
+                        let found = motion.crossing(thickness, [before, after], depth, last);
                         found.into_iter().for_each(&mut *visit);
                     }
                 }
