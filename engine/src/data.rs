@@ -377,6 +377,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
         model.forces.may_cross(&Motion { ends: [&from, &to], last: None })
     }
 
+    /// Smallest thickness of a body and what meets it; see `ForceElement::thinnest`.
+    pub(crate) fn thinnest(&self, model: &Model<G, D, P>) -> f64 {
+        model.forces.thinnest(&self.placed(model, &self.kinematics))
+    }
+
     /// Visits what a straight motion of the coordinates leads through, between the states at which these poses
     /// are; `last`: where those that follow end.
     pub(crate) fn for_each_crossing(

@@ -184,23 +184,26 @@ length = "30 mm"'''
 
 @pytest.mark.parametrize("steps", [[0.6], [0.2, 0.4, 0.6], list(np.linspace(0.0, 0.6, 31))])
 def test_a_stiff_contact_that_is_only_grazed_is_met(steps: list[float]) -> None:
-    """The overlap is at most 0.5 mm of 8 mm; the lever is held 24 degrees before its rest."""
-    sphere = '''kind = "sphere"
-point = { x = "74.8957 mm", z = "-77.1158 mm" }
-radius = "3 mm"'''
+    """The overlap is at most 0.5 mm of 8 mm; the lever is held 24 degrees before its rest.
+
+    The contact has no moment where it overlaps most, to which 0.4 N m turn the lever without it.
+    """
+    x, z = float(0.1075 * np.cos(0.8)), float(-0.1075 * np.sin(0.8))
+    sphere = f'kind = "sphere"\npoint = {{ x = "{x!r} m", z = "{z!r} m" }}\nradius = "3 mm"'
     load = 'moment = { y = "1 N*m" }'
     stiffness = ', stiffness = "0.5 N*m/rad"'
     text = LEVER.format(radius="5 mm", stiffness=stiffness, obstacle=sphere, load=load)
     path = Model(parse(text)).equilibrium(steps)
-    place = np.array([0.0748957, -0.0771158])
 
     def gap(q: float) -> float:
-        return float(np.hypot(*(0.1 * np.array([np.cos(q), -np.sin(q)]) - place)))
+        return float(np.hypot(0.1 * np.cos(q) - x, -0.1 * np.sin(q) - z))
 
-    def moment(q: float) -> float:
+    def moment(q: float, load: float) -> float:
         change = (gap(q + 1e-7) - gap(q - 1e-7)) / 2e-7
-        return 0.5 * q - 1e6 * max(0.008 - gap(q), 0.0) * change - 0.6
+        return 0.5 * q - 1e6 * max(0.008 - gap(q), 0.0) * change - load
 
-    met = brentq(moment, 0.7, 0.79)
     assert path.converged.all()
-    assert path.joint_angles[-1, 0] == pytest.approx(met, abs=1e-6)
+    assert (path.stability == "stable").all()
+    for load, angle in zip(steps, path.joint_angles[:, 0], strict=True):
+        met = brentq(moment, -0.1, 0.79, args=(load,))
+        assert angle == pytest.approx(met, abs=1e-6)

@@ -6,14 +6,16 @@
 
 use super::system::System;
 use super::vector::dot;
-use crate::forces::crossing::Crossing;
+use crate::forces::crossing::{Crossing, DEEP};
 use crate::kinematics::Kinematics;
 use crate::lie::LieGroup;
 use crate::model::Model;
 
-/// Rotation [rad] over which points are taken to move along straight lines: an arc of this angle is higher than its
-/// chord by a thousandth of its radius.
+/// Rotation [rad] over which points are taken to move along straight lines, however thin bodies are: an arc of this
+/// angle is higher than its chord by a thousandth of its radius.
 const STRAIGHT: f64 = 0.1;
+/// Largest rotation [rad] in one piece of a step.
+const MAX_ROTATION: f64 = 1.0;
 /// Largest number of pieces of a step.
 const MAX_PIECES: f64 = 256.0;
 /// Places between meeting a body and its middle at which forces are evaluated.
@@ -112,7 +114,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             poses[0].update(&model.tree, geometry, start);
             known.copy_from_slice(start);
         }
-        let pieces = (self.rotation(step) / STRAIGHT).ceil().clamp(1.0, MAX_PIECES);
+        let pieces = self.pieces(poses, start, step, state);
         if pieces == 1.0 {
             let ends = [&poses[0], &self.data.kinematics];
             self.data.for_each_crossing(model, ends, None, |at| crossings.push(at));
@@ -122,9 +124,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let share = 1.0 / pieces;
         for piece in 0..pieces as usize {
             let begin = piece as f64 * share;
-            for ((q, t), (s, u)) in state.iter_mut().zip(start).zip(step.iter().zip(self.units())) {
-                *q = t + (begin + share) * s * u;
-            }
+            self.part_of_step(start, step, begin + share, state);
             poses[1].update(&model.tree, geometry, state);
             let last = (piece + 1 < pieces as usize).then_some(&self.data.kinematics);
             self.data.for_each_crossing(model, [&poses[0], &poses[1]], last, |at| {
@@ -132,6 +132,40 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
                 crossings.push(Crossing { met, deepest });
             });
             poses.swap(0, 1);
+        }
+    }
+
+    /// Number of pieces in which points move along straight lines, up to a small part of the thickness of bodies:
+    /// how far they are from the chord halfway decreases with the square of the number.
+    fn pieces(
+        &self,
+        poses: &mut [Kinematics<G, D, P>; 2],
+        start: &[f64],
+        step: &[f64],
+        state: &mut [f64],
+    ) -> f64 {
+        let rotation = self.rotation(step);
+        if rotation <= STRAIGHT {
+            return 1.0;
+        }
+        let thinnest = self.data.thinnest(self.model());
+        if thinnest == 0.0 {
+            return (rotation / STRAIGHT).ceil().min(MAX_PIECES);
+        }
+        self.part_of_step(start, step, 0.5, state);
+        let [first, halfway] = poses;
+        halfway.update(&self.model().tree, &self.data.design.geometry, state);
+        let ends = first.points.iter().zip(&self.data.kinematics.points);
+        let off =
+            ends.zip(&halfway.points).map(|((a, b), p)| (*p - (*a + *b) * 0.5).norm()).fold(0.0, f64::max);
+        let pieces = (off / (DEEP * thinnest)).sqrt().max(rotation / MAX_ROTATION);
+        pieces.ceil().clamp(1.0, MAX_PIECES)
+    }
+
+    /// The coordinates after part of a dimensionless step.
+    fn part_of_step(&self, start: &[f64], step: &[f64], part: f64, out: &mut [f64]) {
+        for ((q, t), (s, u)) in out.iter_mut().zip(start).zip(step.iter().zip(self.units())) {
+            *q = t + part * s * u;
         }
     }
 

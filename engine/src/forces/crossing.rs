@@ -6,11 +6,12 @@
 use super::state::State;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
+use std::ops::Range;
 
 /// Cosine of the angle between the normals at both ends of a motion, above which the sphere stays on its side.
 pub(crate) const SAME_SIDE: f64 = 0.2;
 /// Smallest depth of a crossing, as a fraction of the thickness.
-const DEEP: f64 = 0.03;
+pub(crate) const DEEP: f64 = 0.03;
 /// Depth at which a sphere has met the solid, as a fraction of the largest.
 const MET: f64 = 0.1;
 /// Motion of a sphere relative to the solid that cannot lead to its other side, likewise.
@@ -66,6 +67,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Motion<'_, G, D, P> {
     ) -> Option<Crossing> {
         crossing(thickness, length, at, || self.last.map(&last))
     }
+}
+
+/// The sum of the smallest radii of two groups of spheres.
+pub(crate) fn thinnest_pair<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    at: &State<G, D, P>,
+    groups: [&Range<usize>; 2],
+) -> f64 {
+    let smallest =
+        groups.map(|group| at.geometry.radii[group.clone()].iter().copied().fold(f64::INFINITY, f64::min));
+    smallest[0] + smallest[1]
 }
 
 /// Whether a sphere may come to the other side of a solid by a motion relative to it of this length, squared.

@@ -211,6 +211,12 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         false
     }
 
+    /// Smallest thickness of a solid and what meets it; zero where solids turn of themselves, so that the
+    /// ways of points do not tell how the bodies move relative to each other.
+    fn thinnest(&self, _at: &State<G, D, P>) -> f64 {
+        f64::INFINITY
+    }
+
     /// Whether a motion in which bodies turn by less than half a turn may lead one through another.
     fn may_cross(&self, _motion: &Motion<G, D, P>) -> bool {
         self.has_solids()

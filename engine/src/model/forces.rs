@@ -181,6 +181,10 @@ macro_rules! registry {
                 false $(|| ForceElement::<G, D, P>::has_solids(&self.$name))*
             }
 
+            pub fn thinnest<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> f64 {
+                [$(ForceElement::<G, D, P>::thinnest(&self.$name, at)),*].into_iter().fold(f64::INFINITY, f64::min)
+            }
+
             pub fn may_cross<G: LieGroup<D, P>, const D: usize>(&self, motion: &Motion<G, D, P>) -> bool {
                 false $(|| self.$name.may_cross(motion))*
             }

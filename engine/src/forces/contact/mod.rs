@@ -15,7 +15,7 @@ use pair::KeptForce;
 pub(crate) use round_cone::{Closest, MovingCone, PlacedCone};
 pub(crate) use sphere::direction;
 
-use super::crossing::{Crossing, Motion};
+use super::crossing::{Crossing, Motion, thinnest_pair};
 use super::differential::{Depth, Differential};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -309,6 +309,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn on(&self, _: &State<G, D, P>, state: &ContactState<P>) -> usize {
         state.pairs.len()
+    }
+
+    fn thinnest(&self, at: &State<G, D, P>) -> f64 {
+        let pairs = self.0.iter().map(|contact| [&contact.first, &contact.second]);
+        pairs.map(|groups| thinnest_pair(at, groups)).fold(f64::INFINITY, f64::min)
     }
 
     fn may_cross(&self, motion: &Motion<G, D, P>) -> bool {

@@ -13,7 +13,7 @@ pub(crate) use strap_loop::StrapLoops;
 pub(super) use strip::Strip;
 
 use super::contact::{Closest, ContactSummary, MovingCone, PlacedCone, direction};
-use super::crossing::{Crossing, Motion};
+use super::crossing::{Crossing, Motion, thinnest_pair};
 use super::differential::{Depth, Differential, Largest};
 use super::element::{ContactForce, ForceElement, ForceMemory, Switch, Velocities, VirtualMotion};
 use super::friction::{Direction, Pressed, PressedChange};
@@ -396,6 +396,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn has_solids(&self) -> bool {
         !self.0.is_empty()
+    }
+
+    fn thinnest(&self, at: &State<G, D, P>) -> f64 {
+        let pairs = self.0.iter().map(|foundation| [&foundation.first, &foundation.second]);
+        pairs.map(|groups| thinnest_pair(at, groups)).fold(f64::INFINITY, f64::min)
     }
 
     fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {

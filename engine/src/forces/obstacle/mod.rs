@@ -561,6 +561,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
+    fn thinnest(&self, at: &State<G, D, P>) -> f64 {
+        let each = self.0.iter().flat_map(|obstacle| {
+            let radii = obstacle.spheres.iter().map(|each| at.geometry.radii[each.sphere]);
+            let smallest = radii.fold(f64::INFINITY, f64::min);
+            let own = obstacle.surfaces.iter().filter_map(|surface| surface.thickness(at.parameters()));
+            own.map(move |own| if obstacle.frame == 0 { own + smallest } else { 0.0 })
+        });
+        each.fold(f64::INFINITY, f64::min)
+    }
+
     fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
         let ends = motion.ends;
         let (p, units) = (ends[0].parameters(), std::array::from_fn(Vector::unit));
