@@ -134,6 +134,82 @@ def test_commands_print_a_line(crossing: Path, capsys: pytest.CaptureFixture[str
     assert said.count("\n") == 1
 
 
+BLADE = """
+name = "blade"
+planar = true
+[bodies.blade]
+kind = "link"
+length = "10 cm"
+radius = "{radius}"
+{skin}
+joint = {{ kind = "revolute", stiffness = "0.02 N*m/rad" }}
+[obstacles.wire]
+kind = "cylinder"
+axis = "y"
+radius = "{radius}"
+point = {{ x = "{x!r} m", z = "{z!r} m" }}
+{spheres}
+[wrenches.w]
+body = "blade"
+at = "tip"
+moment = {{ y = "1 N*m" }}
+input = true
+"""
+SKIN = 'skin = { thickness = "1 mm", modulus = "10 MPa" }'
+
+
+def blade(radius: str, along: float, skin: str = SKIN, spheres: str = "") -> str:
+    """Write a hinged link with a wire in its way, at a place along it, 0.75 rad below."""
+    x, z = along * float(np.cos(0.75)), -along * float(np.sin(0.75))
+    return BLADE.format(radius=radius, skin=skin, spheres=spheres, x=x, z=z)
+
+
+@pytest.mark.parametrize("along", [0.05, 0.07, 0.0625])
+@pytest.mark.parametrize(("radius", "thick"), [("1 mm", 2e-3), ("0.6 mm", 1.2e-3)])
+def test_a_link_with_a_skin_has_no_gaps_for_a_thin_obstacle(
+    tmp_path: Path, radius: str, thick: float, along: float
+) -> None:
+    file = tmp_path / "blade.toml"
+    file.write_text(blade(radius, along))
+    assert warned(file) == []
+    path = flexor.load(file).equilibrium([0.0, 0.03])
+    assert path.stability[-1] == "stable"
+    met = 0.75 - np.arcsin(thick / along)
+    # The skins yield by a small part of their thickness.
+    assert met < path.joint_angles[-1, 0] < met + 0.3 * thick / along
+
+
+def test_obstacles_that_fit_between_spheres(tmp_path: Path) -> None:
+    file = tmp_path / "blade.toml"
+    spheres = 'spheres = ["blade"]\nstiffness = "1 N/mm"\n[spheres.blade]\nbodies = ["blade"]'
+    file.write_text(blade("1 mm", 0.07, "", spheres))
+    (said,) = warned(file)
+    assert said == (
+        'obstacle "wire" may be missed: spheres of the link "blade" have a spacing of 50 mm and a '
+        "diameter of 2 mm, and it is 2 mm thick: give spheres at points that are closer together."
+    )
+    # Each point of a skin would have to be nearer to the next than 20 micrometres.
+    file.write_text(blade("0.01 mm", 0.07))
+    (said,) = warned(file)
+    assert "have a spacing of 0.5 mm and a diameter of 0.02 mm, and it is 0.02 mm thick" in said
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_the_elements_named_close_the_gaps_for_an_obstacle(tmp_path: Path, whole: bool) -> None:
+    file = tmp_path / "rope.toml"
+    skin = 'skin = { thickness = "1 mm", modulus = "1 MPa" }\nyoung_modulus'
+    text = ROPE if whole else ROPE.replace("young_modulus", skin)
+    if not whole:
+        text = text.replace('spheres = ["rope"]\nstiffness = "1 kN/m"\n', "")
+    thin = {"obstacles.bar.radius": "0.5 mm", "bodies.rope.radius": "0.5 mm"}
+    file.write_text(text)
+    (said,) = warned(file, thin)
+    needed = int(said.split(": ")[-1].split()[0])
+    assert 20 < needed < 400
+    assert len(warned(file, thin | {"bodies.rope.elements": needed - 1})) == 1
+    assert warned(file, thin | {"bodies.rope.elements": needed}) == []
+
+
 ROPE = """
 name = "rope"
 planar = true

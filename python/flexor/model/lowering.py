@@ -51,11 +51,8 @@ def lower(file: ModelFile) -> Json:
     for own, contact in lower_self_contact(file):
         described.setdefault("spheres", []).append(own)
         described.setdefault("contacts", []).append(contact)
-    pressing = dict.fromkeys(
-        body for name, each in file.obstacles.items() for body in each.skins(name, file)
-    )
-    if pressing:
-        described.setdefault("spheres", []).extend(lower_outsides(file, pressing))
+    if file.pressing:
+        described.setdefault("spheres", []).extend(lower_outsides(file))
     materials = [material.lower(name) for name, material in file.materials.items()]
     if materials:
         described["materials"] = materials

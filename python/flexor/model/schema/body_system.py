@@ -76,6 +76,11 @@ class BodySystem(Table):
         """The frame along each body in the reference state; see `reference_frames`."""
         return reference_frames(self.bodies)
 
+    @property
+    def pressing(self) -> dict[str, float]:
+        """Half of the width of the narrowest obstacle [m] on which each body's skin presses."""
+        return {}
+
     def rod(self, name: str) -> Rod:
         """Return a rod by name."""
         body = self.bodies[name]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
@@ -95,6 +97,15 @@ class ModelFile(BodySystem):
     constants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     use: Name | None = None
+
+    @cached_property
+    def pressing(self) -> dict[str, float]:
+        """Half of the width of the narrowest obstacle [m] on which each body's skin presses."""
+        found: dict[str, float] = {}
+        for name, obstacle in self.obstacles.items():
+            for body in obstacle.skins(name, self):
+                found[body] = min(found.get(body, math.inf), obstacle.half_width)
+        return found
 
     @classmethod
     def known_keys(cls) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
@@ -93,6 +94,11 @@ class Obstacle(Force):
     def is_curved(self) -> bool:
         """Whether it is round."""
         return False
+
+    @property
+    def half_width(self) -> float:
+        """Half of its smallest extent [m]; infinite where it has no other side."""
+        return math.inf
 
     @property
     def line(self) -> Triple | None:

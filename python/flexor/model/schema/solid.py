@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from typing import Annotated, Any, Literal
 
@@ -42,6 +43,11 @@ class Solid(Obstacle):
     @abstractmethod
     def rounded_by(self) -> float:
         """The radius around the box [m]."""
+
+    @property
+    def half_width(self) -> float:
+        """Half of its smallest extent [m]; infinite where it has no other side."""
+        return math.inf if self.inside else min(self.half) + self.rounded_by
 
     def distance(self, place: Array) -> Array:
         """Return how far places are from the surface [m]."""

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from flexor.arrays import Array
-from flexor.model.schema.body import Body, Link
+from flexor.model.schema.body import Link
 from flexor.model.schema.body_system import BodySystem
 from flexor.model.schema.foundation import CROWN, is_joined, skin_materials, underside
 from flexor.model.schema.skin import Skin, compliance
 
-# Points at which contact is integrated along a link, at the middles of equal parts.
-POINTS = 20
+# Points at which contact is integrated along a link, at the middles of equal parts: as many as
+# needed that obstacles cannot pass between them.
+MIN_POINTS, MAX_POINTS = 20, 200
 # Of a sphere, what a round end adds to a body that lies on an obstacle.
 END = 0.5
 
@@ -24,10 +26,10 @@ def group_name(body: str) -> str:
     return f"{body}.outside"
 
 
-def lower_outsides(system: BodySystem, bodies: Iterable[str]) -> Iterator[dict[str, Any]]:
+def lower_outsides(system: BodySystem) -> Iterator[dict[str, Any]]:
     """Describe the points at which bodies touch obstacles to the engine, a group for each."""
-    for name in bodies:
-        spheres = [{"body": name, "station": station} for station in _stations(system.bodies[name])]
+    for name in system.pressing:
+        spheres = [{"body": name, "station": station} for station in _stations(name, system)]
         yield {"name": group_name(name), "spheres": spheres}
 
 
@@ -53,8 +55,8 @@ def lower_touch(
     body = system.bodies[name]
     materials = skin_materials(system)
     if isinstance(body, Link):
-        count = POINTS + 2
-        weights, caps = np.full(count, 1.0 / POINTS), np.zeros(count)
+        count = len(_stations(name, system))
+        weights, caps = np.full(count, 1.0 / (count - 2)), np.zeros(count)
         weights[[0, -1]] = 0.0
         caps[[0, -1]] = END * np.array(_free_ends(name, system))
         shape = {
@@ -81,9 +83,12 @@ def lower_touch(
     }
 
 
-def _stations(body: Body) -> list[dict[str, Any]]:
+def _stations(name: str, system: BodySystem) -> list[dict[str, Any]]:
+    body = system.bodies[name]
     if isinstance(body, Link):
-        middles = ((np.arange(POINTS) + 0.5) / POINTS).tolist()
+        reach = system.pressing[name] + min(body.radius.base, body.radius.tip)
+        count = max(MIN_POINTS, math.ceil(min(body.length / reach, MAX_POINTS)))
+        middles = ((np.arange(count) + 0.5) / count).tolist()
         return [{"fraction": f} for f in (0.0, *middles, 1.0)]
     return [{"point": k} for k in range(body.sample_count)]
 
