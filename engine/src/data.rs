@@ -353,7 +353,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
 
     /// Number of terms that are switched on at the last state evaluated, given its coordinates and load again.
     pub(crate) fn switched_on(&self, model: &Model<G, D, P>, q: &[f64], load: &[f64]) -> usize {
-        model.forces.on(&self.state(model, q, load), &self.assembly.forces)
+        model.forces.switched_on(&self.state(model, q, load), &self.assembly.forces)
     }
 
     /// Visits the terms that are switched on at the last state evaluated, or are within `margin` of

@@ -192,7 +192,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     }
 
     /// Number of those that are on at the state of the last residual.
-    fn on(&self, _at: &State<G, D, P>, _state: &Self::State) -> usize {
+    fn switched_on(&self, _at: &State<G, D, P>, _state: &Self::State) -> usize {
         0
     }
 

@@ -297,7 +297,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn on(&self, at: &State<G, D, P>, kept: &Vec<Option<Vector<P>>>) -> usize {
+    fn switched_on(&self, at: &State<G, D, P>, kept: &Vec<Option<Vector<P>>>) -> usize {
         self.taut(at, kept).count()
     }
 

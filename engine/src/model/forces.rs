@@ -159,12 +159,12 @@ macro_rules! registry {
                 false $(|| ForceElement::<G, D, P>::has_switches(&self.$name))*
             }
 
-            pub fn on<G: LieGroup<D, P>, const D: usize>(
+            pub fn switched_on<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 at: &State<G, D, P>,
                 states: &States<P>,
             ) -> usize {
-                0 $(+ ForceElement::<G, D, P>::on(&self.$name, at, &states.$name))*
+                0 $(+ ForceElement::<G, D, P>::switched_on(&self.$name, at, &states.$name))*
             }
 
             pub fn for_each_switch<G: LieGroup<D, P>, const D: usize>(

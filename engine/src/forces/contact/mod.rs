@@ -307,7 +307,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         !self.0.is_empty()
     }
 
-    fn on(&self, _: &State<G, D, P>, state: &ContactState<P>) -> usize {
+    fn switched_on(&self, _: &State<G, D, P>, state: &ContactState<P>) -> usize {
         state.pairs.len()
     }
 

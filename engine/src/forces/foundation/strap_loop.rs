@@ -193,7 +193,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn on(&self, _: &State<G, D, P>, state: &Vec<ConeContact<P>>) -> usize {
+    fn switched_on(&self, _: &State<G, D, P>, state: &Vec<ConeContact<P>>) -> usize {
         state.len()
     }
 

@@ -553,7 +553,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
-    fn on(&self, _: &State<G, D, P>, state: &ObstacleState<P>) -> usize {
+    fn switched_on(&self, _: &State<G, D, P>, state: &ObstacleState<P>) -> usize {
         state.touching.len()
     }
 
