@@ -104,6 +104,22 @@ def test_start_is_the_models_own(model: Model) -> None:
     }
 
 
+def test_a_constant_radius_is_one_variable(model: Model) -> None:
+    """It is the same as both ends, at once; those of a taper are two."""
+    round_one = flexor.load(model.file, changes={"exosuit.radius": "7 mm"})
+    chosen = variables({"exosuit.radius": ("6 mm", "9 mm")}, round_one)
+    ends = {f"exosuit.radius.{end}": ("6 mm", "9 mm") for end in ("base", "tip")}
+    both = variables(ends, round_one)
+    assert (chosen.labels, chosen.start.tolist()) == (("exosuit.radius",), [7e-3])
+    assert chosen.changes(np.array([8e-3])) == both.changes(np.array([8e-3, 8e-3]))
+    here, there = np.array([[8e-3]]), np.array([[8e-3, 8e-3]])
+    found, _ = chosen.designs(here, round_one)
+    expected, _ = both.designs(there, round_one)
+    np.testing.assert_array_equal(found.values, expected.values)
+    slopes = chosen.slot_jacobian(here, round_one)[0, :, 0]
+    np.testing.assert_allclose(slopes, both.slot_jacobian(there, round_one)[0].sum(axis=1))
+
+
 @pytest.mark.parametrize(
     ("bounds", "message"),
     [
@@ -113,7 +129,8 @@ def test_start_is_the_models_own(model: Model) -> None:
         ({"exosuit.length": (8, 9)}, "expected a value with its unit"),
         ({"exosuit.length": ("8 kPa", "9 kPa")}, "expected a value with its unit"),
         ({"exosuit.material": (1, 2)}, "not a number"),
-        ({"exosuit.elements": (10, 20)}, "not a number"),
+        ({"exosuit.elements": (10, 20)}, "20 is a whole number: give values to choose from"),
+        ({"exosuit.radius": ("7 mm", "9 mm")}, 'numbers are "exosuit.radius.base" and'),
         ({"exosuit.young_modulus": ("1 MPa", "2 MPa")}, "not given in the file"),
         ({"exosuit.length": ("8 cm", "9 cm"), "bodies.exosuit.length": ("8 cm", "9 cm")}, "same"),
         ({}, "at least one field"),
@@ -132,6 +149,10 @@ def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
     for bounds, message in (
         ({"proximal.at": (0.2, 0.3)}, '"proximal.at" cannot be varied: .* --choose'),
         ({"evaluation.pressure_step": ("10 kPa", "12 kPa")}, "no effect"),
+        (
+            {"exosuit.length": ("8 cm", "9 cm"), "ph_1.joint.upper": ("80 deg", "95 deg")},
+            '^"ph_1.joint.upper" cannot be varied: it is fixed when the model is made',
+        ),
     ):
         with pytest.raises(InputError, match=message):
             chosen = variables(bounds, model)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexor
-from flexor.model import Model
+from flexor.model import Model, parse
 from flexor.scenarios import Tolerance
 from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
 from flexor.study.fragility import FRAGILE, fragile
@@ -123,3 +123,43 @@ def test_the_verdict_has_the_warnings_of_the_model() -> None:
     assert any("widens" in each for each in study.best.verdict.warnings)
     # That is not the estimate for the wall of the file.
     assert list(study.best.verdict.warnings) != model.equilibrium().warnings
+
+
+COLUMN = """
+name = "column"
+planar = true
+gravity = { z = "-10 m/s^2" }
+
+[bodies.column]
+kind = "rod"
+length = "30 cm"
+radius = "5 mm"
+young_modulus = "5.7 MPa"
+poisson_ratio = 0.5
+density = "1000 kg/m^3"
+placement = { rotation = { y = "-90 deg" } }
+strain = { bend_y = "nodal_linear" }
+elements = 8
+gauss_points = 2
+
+[wrenches.side]
+body = "column"
+at = "tip"
+force = { x = "1 uN" }
+input = true
+
+[evaluation]
+force = "1 N"
+step = "1 N"
+"""
+
+
+def test_numbers_that_are_no_parameters_of_the_engine_are_fragile_too() -> None:
+    """A column just below the weight under which it buckles, 7.837 E I / L^3 (Greenhill 1881)."""
+    model = Model(parse(COLUMN))
+    varied = {"column.young_modulus": ("5.6 MPa", "6 MPa")}
+    problem = Problem.of(model, varied, "minimise rod-bending")
+    found = {each.name: each.change for each in fragile(problem, np.array([5.7e6]))}
+    # Its weight is the product of both.
+    assert found["gravity.z"] == pytest.approx(found["column.density"], rel=1e-6)
+    assert found["gravity.z"] > 0.2

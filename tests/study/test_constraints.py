@@ -113,6 +113,16 @@ def test_verdict_names_what_binds(model: Model) -> None:
     assert {each.default for each in verdict.constraints} == {"overlap", "strain", "stretch"}
 
 
+def test_the_mesh_is_checked_for_parameter_sets_too(model: Model) -> None:
+    """A radius that is no field of the file is that of the set at the points of the finer mesh."""
+    study = flexor.optimize(model, "RLP", "maximise bending", budget=5)
+    verdict, fine = study.best.verdict, flexor.load(model.file, changes={"exosuit.elements": 40})
+    design, _ = study.problem.parameters.designs(study.best.vector[None, :], fine)
+    bent = np.degrees(fine.equilibrium(design=design).joint_angles[-1].sum())
+    assert verdict.finer == pytest.approx(bent, rel=1e-9)
+    assert verdict.finer != verdict.shown
+
+
 def test_optimum_is_that_of_its_model_file(model: Model) -> None:
     """The file with the optimum's values bends as far."""
     study = flexor.optimize(model, VARIED, "maximise bending", budget=40)

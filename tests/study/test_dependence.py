@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 
 import flexor
@@ -26,6 +28,17 @@ def test_what_may_differ_elsewhere_is_a_warning() -> None:
     model = flexor.load("pneumatic-finger")
     with pytest.warns(ModelWarning, match='"minimise snaps" is 0 for all of 16 designs'):
         optimize(model, PLACE, "minimise snaps", budget=1)
+
+
+def test_a_constraint_that_none_keeps_at_first_is_a_warning() -> None:
+    """Not if it has to hold at the end only."""
+    model, bound = flexor.load("pneumatic-finger"), "bending >= 30 deg"
+    aim, wall = "minimise mass", {"exosuit.section.wall": ("1.5 mm", "3 mm")}
+    with pytest.warns(ModelWarning, match='0 kPa, where bending is 0 deg: add "at end"'):
+        optimize(model, wall, aim, subject_to=[bound], budget=1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ModelWarning)
+        assert optimize(model, wall, aim, subject_to=[f"{bound} at end"], budget=1).best.feasible
 
 
 def test_an_objective_that_depends_on_one_of_two_is_searched() -> None:

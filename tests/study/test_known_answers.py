@@ -159,6 +159,7 @@ def test_gradients_by_loads_are_those_of_differences() -> None:
     [
         (["overlap <= -1 mm"], "can never hold: overlap is never below 0 mm"),
         (["bending <= 10 deg", "bending >= 20 deg"], "can never hold both"),
+        (["range-of-motion >= 9 deg"], "under the first load range-of-motion is 0 deg"),
         (["pressure <= 50 kPa"], "the loads go to 60 kPa for every design"),
     ],
 )

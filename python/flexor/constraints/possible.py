@@ -11,6 +11,8 @@ from flexor.constraints.constraint import Constraint
 from flexor.errors import InputError
 from flexor.model.structure import Structure
 
+RANGE = "range-of-motion"  # which is counted from the first load
+
 
 def check_possible(
     constraints: Sequence[Constraint], model: Structure, loads: Array, varied: Collection[str] = ()
@@ -33,6 +35,11 @@ def check_possible(
         text = f'constraint "{each.text(model)}" can never hold'
         if each.sense == "<=" and found.lowest is not None and each.bound < found.lowest:
             raise InputError(f"{text}: {each.name} is never below {found.shown(found.lowest)}.")
+        if each.name == RANGE and not each.at_end and float(each.excess(np.zeros(1))[0]) > 0.0:
+            raise InputError(
+                f"{text}: under the first load {each.name} is {found.shown(0.0)}; add "
+                '"at end" if it has to hold at the last load only.'
+            )
         kind, _, name = each.name.partition(".")
         free = kind == "pressure" and name not in model.controlled
         if free and model.driven_by[name] not in varied:

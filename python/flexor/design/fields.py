@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from flexor.errors import InputError, unknown_name
 from flexor.model.changes import resolve
 from flexor.model.schema import ModelFile
-from flexor.model.schema.profile import Spline
+from flexor.model.schema.profile import Spline, Taper
 from flexor.model.units import Quantity
 from flexor.model.validation import describe
 
@@ -32,6 +32,25 @@ def keys_of(path: str, file: ModelFile) -> tuple[str, ...]:
     InputError
         If there is no such field, the nearest name being said, or its value is not a number.
     """
+    walked, node = _found(path, file)
+    if isinstance(node, bool) or not isinstance(node, float):
+        raise InputError(f'field "{path}" cannot be varied: {_why_not(path, node)}.')
+    return walked
+
+
+def constant_radius(path: str, file: ModelFile) -> tuple[str, ...]:
+    """Return the fields of a radius that is the same from base to tip; none if it is not one."""
+    try:
+        _, node = _found(path, file)
+    except InputError:
+        return ()
+    if not isinstance(node, Taper) or node.base != node.tip:
+        return ()
+    return f"{path}.base", f"{path}.tip"
+
+
+def _found(path: str, file: ModelFile) -> tuple[tuple[str, ...], Any]:
+    """Return the keys of a field, and its value."""
     keys = resolve(file.to_document(), path.strip().split("."), f'field "{path}"')
     node: Any = file
     walked: list[str] = []
@@ -41,13 +60,20 @@ def keys_of(path: str, file: ModelFile) -> tuple[str, ...]:
             walked.append("0")
         node = _child(node, key, path)
         walked.append(key)
-    if isinstance(node, bool) or not isinstance(node, float):
-        what = "which is not given in the file" if node is None else "which is not a number"
-        if isinstance(node, BaseModel):
-            numbers = [f'"{path}.{each}"' for each, value in node if isinstance(value, float)]
-            what = f"whose numbers are {' and '.join(numbers)}" if numbers else what
-        raise InputError(f'field "{path}" cannot be varied: its value is {_said(node)}, {what}.')
-    return tuple(walked)
+    return tuple(walked), node
+
+
+def _why_not(path: str, node: Any) -> str:
+    if node is None:
+        return "it is not given in the file"
+    if isinstance(node, int) and not isinstance(node, bool):
+        choice = f'--choose "{path}={node},{2 * node}"'
+        return f"{node} is a whole number: give values to choose from, such as {choice}"
+    what = "which is not a number"
+    if isinstance(node, BaseModel):
+        numbers = [f'"{path}.{each}"' for each, value in node if isinstance(value, float)]
+        what = f"whose numbers are {' and '.join(numbers)}" if numbers else what
+    return f"its value is {_said(node)}, {what}"
 
 
 def value_of(keys: Sequence[str], file: ModelFile) -> float:
@@ -108,6 +134,4 @@ def _child(node: Any, key: str, path: str) -> Any:
 
 
 def _said(node: Any) -> str:
-    if node is None:
-        return "missing"
     return describe(node) if isinstance(node, (str, bool, int, tuple)) else "a table"

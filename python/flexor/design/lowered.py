@@ -9,7 +9,7 @@ import numpy as np
 
 from flexor import _engine
 from flexor.arrays import Array
-from flexor.design.fields import replaced
+from flexor.design.fields import replaced, value_of
 from flexor.errors import InputError
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile
@@ -37,8 +37,7 @@ class Lowered:
     def __init__(
         self, model: Structure, fields: tuple[Keys, ...], names: Sequence[str] = ()
     ) -> None:
-        self._model, self._fields = model, fields
-        self._names = ", ".join(f'"{name}"' for name in names)
+        self._model, self._fields, self._names = model, fields, tuple(names)
         self._slots = model.engine.slots
         self.ranges = [*self._slots.values()]
         self.straps: list[tuple[int, slice, int]] = []
@@ -59,14 +58,13 @@ class Lowered:
 
     def parameters(self, x: Array, name: str = "") -> Array:
         """Return the engine's parameters for values (k,) of the fields, those of `name` varied."""
-        return self._lowered(self._file(x), name)
+        return self._lowered(x, name)
 
     def at(self, x: Array, name: str = "") -> Array:
         """Return all columns, with zero in place of rest lengths."""
-        file = self._file(x)
-        found = self._lowered(file, name)
+        found = self._lowered(x, name)
         found[[rest for rest, _, _ in self.straps]] = 0.0
-        return np.concatenate([found, self._of_straps(file)])
+        return np.concatenate([found, self.of_straps(x)])
 
     def of_straps(self, x: Array) -> Array:
         """Return the columns of straps, which takes much less than all that a file lowers to."""
@@ -94,23 +92,45 @@ class Lowered:
     def _file(self, x: Array) -> ModelFile:
         return replaced(self._model.file, dict(zip(self._fields, x.tolist(), strict=True)))
 
-    def _lowered(self, file: ModelFile, name: str) -> Array:
-        described = lower(file)
+    def _lowered(self, x: Array, name: str) -> Array:
+        described = lower(self._file(x))
         _keep(described, self._model.description)
         try:
             engine = _engine.Model(json.dumps(described))
         except ValueError as error:
-            raise InputError(f"{self._said(name)} cannot be varied so far: {error}.") from None
+            said = _quoted((name,) if name else self._names)
+            raise InputError(f"{said} cannot be varied so far: {error}.") from None
         if not engine.has_structure_of(self._model.engine):
-            raise InputError(
-                f"{self._said(name)} cannot be varied: within the bounds that changes what the "
-                "model is made of, such as a floor that is no thicker than its layer; narrow the "
-                "bounds, or give values to choose from, such as by --choose."
-            )
+            raise InputError(self._why_other(x, name))
         return engine.parameters.copy()
 
-    def _said(self, name: str) -> str:
-        return f'"{name}"' if name else self._names
+    def _why_other(self, x: Array, name: str) -> str:
+        """Return why values (k,) of the fields make another model, naming those that do."""
+        own = np.array([float(value_of(keys, self._model.file)) for keys in self._fields])
+        alone = [i for i, label in enumerate(self._names) if name in ("", label)]
+        guilty = [i for i in alone if self._is_other(i, own[i], x[i])]
+        # What the least change is too much for is no parameter of the engine.
+        fixed = [i for i in guilty if self._is_other(i, own[i], own[i] + 1e-6 * (x[i] - own[i]))]
+        said = _quoted([self._names[i] for i in fixed or guilty or alone])
+        if fixed:
+            least = (
+                f"{'they are' if len(fixed) > 1 else 'it is'} fixed when the model is made; "
+                "give values to choose from, such as by --choose"
+            )
+            return f"{said} cannot be varied: {least}."
+        return (
+            f"{said} cannot be varied: within the bounds that changes what the model is made of, "
+            "such as a floor that is no thicker than its layer; narrow the bounds, or give values "
+            "to choose from, such as by --choose."
+        )
+
+    def _is_other(self, i: int, own: float, value: float) -> bool:
+        """Return whether another value of one field makes another model, or none."""
+        return value != own and parameters_with(self._model, {self._fields[i]: value}) is None
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)
 
 
 def parameters_with(model: Structure, changes: Mapping[Keys, float]) -> Array | None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
-from flexor.design.fields import keys_of, value_of
+from flexor.design.fields import constant_radius, keys_of, value_of
 from flexor.design.load_variables import load_variable
 from flexor.design.profiles import recorded_splines
 from flexor.design.variables import NAME, Variables, field_variables, quantity_of
@@ -141,11 +141,14 @@ def variables(
     >>> varied.start
     array([0.1])
     """
-    fields = {label: fields_of(label, model.file, source) for label in bounds}
+    fields = {
+        label: fields_of(label, model.file, source) if len(ends) < 3 else (label,)
+        for label, ends in bounds.items()
+    }
     if all(found == (label,) for label, found in fields.items()):
         return field_variables(bounds, model, source)
     for label, ends in bounds.items():
-        if fields[label] != (label,) and len(ends) > 2:
+        if len(ends) > 2 and _is_pattern(label):
             tail = "fields of several parts together do not vary along a rod"
             raise InputError(f'{source}: "{label}": {tail}: name each part.')
     owner: dict[str, str] = {}
@@ -204,15 +207,16 @@ def _own(label: str, model: Structure) -> float:
 def fields_of(label: str, file: ModelFile, source: str) -> tuple[str, ...]:
     """Return the fields that a pattern stands for, in the order of the file; a field, itself.
 
-    In a pattern ``*`` is any text without dots, ``{one,other}`` either of these.
+    In a pattern ``*`` is any text without dots, ``{one,other}`` either of these. A radius that is
+    the same from base to tip stands for both.
 
     Raises
     ------
     InputError
         If there is none.
     """
-    if not any(sign in label for sign in "*{"):
-        return (label,)
+    if not _is_pattern(label):
+        return constant_radius(label, file) or (label,)
     patterns = [each.split(".") for each in _without_braces(label.strip())]
     names = [name for table in file.named_tables() for name in getattr(file, table)]
     found: dict[str, None] = {}
@@ -229,6 +233,10 @@ def fields_of(label: str, file: ModelFile, source: str) -> tuple[str, ...]:
     if not numeric:
         keys_of(next(iter(found)), file)  # says why not
     return numeric
+
+
+def _is_pattern(label: str) -> bool:
+    return any(sign in label for sign in "*{")
 
 
 def _can_vary(field: str, file: ModelFile) -> bool:

@@ -1,8 +1,9 @@
-"""Objectives that depend on no design variable, which are said before a search."""
+"""Said before a search: what no variable has an effect on, and what no design keeps at first."""
 
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 
@@ -59,6 +60,37 @@ def check_dependence(problem: Problem) -> None:
         ModelWarning,
         stacklevel=3,
     )
+
+
+def check_first_load(problem: Problem) -> None:
+    """Warn of constraints that all designs break alike under the first load.
+
+    Such as of a bending that is zero there, where it was meant to be reached under the last load.
+    """
+    nominal = problem.nominal
+    bounds = [each for each in nominal.constraints if not each.at_end]
+    if not bounds or len(nominal.loads) < 2 or nominal.parameters.varied_inputs:
+        return
+    model = nominal.model
+    designs, valid = nominal.parameters.designs(_designs(nominal), model)
+    if not valid.all():
+        return
+    first = nominal.loads[:1]
+    paths = model.evaluate(designs, first, **dict[str, Any](nominal.options))
+    for each in bounds:
+        values = each.worst(paths)[np.isfinite(paths.energy[:, 0])]
+        size = max(np.abs(values).max(initial=0.0), each.observable(model).unit[0])
+        if len(values) < 3 or not np.ptp(values) <= _ROUNDING * size:
+            continue
+        if (each.excess(values) > 0.0).all():
+            warnings.warn(
+                f'constraint "{each.text(model)}" is broken by all {len(values)} designs that were '
+                f"tried under the first load, {model.show_loads(first[0])}, where {each.name} is "
+                f'{each.observable(model).shown(float(values[0]))}: add "at end" if it has to hold '
+                "at the last load only.",
+                ModelWarning,
+                stacklevel=3,
+            )
 
 
 def _aggregated(problem: Problem) -> bool:

@@ -11,12 +11,17 @@ from pydantic import BaseModel
 
 from flexor.design import Variables
 from flexor.design.changes_by_part import ChangesByPart
+from flexor.design.fields import value_of
+from flexor.errors import InputError
 from flexor.model.geometry import SlotValues
+from flexor.model.quantity import infer_quantity
 from flexor.objectives import evaluate_objective
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
     from flexor.model import Model
+
+Keys = tuple[str, ...]
 
 # How far everything is off, as a share of its value.
 SHARE = 0.01
@@ -37,11 +42,10 @@ class Fragile:
 def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
     """Find what moves the objective of a design (k,) by more than a tenth if it is off by 1 %.
 
-    Every number of the model's file that the engine's parameters depend on, and every load, is
-    changed both ways; of parameter sets that are no fields of the file, these parameters and every
-    load.
+    Every number of the model's file, and every load, is changed both ways; of parameter sets that
+    are no fields of the file, these parameters and every load.
     """
-    model, names, rows = _neighbours(problem, x)
+    model, names, rows, fixed = _neighbours(problem, x)
     here = model.parameters if rows is None else rows[0]
     loads, options = problem.loads, dict[str, Any](problem.options)
     own = problem.parameters.own_loads(x[None, :], loads, model)
@@ -70,6 +74,10 @@ def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
                 scaled[:, i] *= factor
                 ends.append(shown(model.evaluate(design, scaled, **options))[0])
             changes[f"the load {name}"] = np.abs(np.array(ends) - value).max()
+    for name, (keys, number) in fixed.items():
+        off_by = [_with(model, keys, number * (1.0 + sign * SHARE)) for sign in (1.0, -1.0)]
+        ends = [shown(m.evaluate(m.own_design, loads, 1, **options))[0] for m in off_by if m]
+        changes[name] = np.abs(np.array(ends) - value).max(initial=0.0)
     size = max(abs(value), 1e-300)
     return tuple(
         Fragile(name, float(change / size))
@@ -78,25 +86,44 @@ def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
     )
 
 
-def _neighbours(problem: Problem, x: FloatArray) -> tuple[Model, list[str], FloatArray | None]:
+def _neighbours(
+    problem: Problem, x: FloatArray
+) -> tuple[Model, list[str], FloatArray | None, dict[str, tuple[Keys, float]]]:
     """Return the model of a design, names of numbers, and the engine's parameters if each is more.
 
-    The first row is that of the design itself. None for parameter sets that are no fields.
+    The first row is that of the design itself. None for parameter sets that are no fields. Numbers
+    that are no parameters of the engine, such as limits of joints, come last, with their keys.
     """
     from flexor.model import load
 
     chosen = problem.parameters
+    fixed: dict[str, tuple[Keys, float]] = {}
     if not isinstance(chosen, Variables):
-        return problem.model, list(chosen.labels), None
+        return problem.model, list(chosen.labels), None, fixed
     model = load(problem.model.file, changes=chosen.changes(x))
     names, rows, changes = [], [model.parameters], ChangesByPart(model)
     for keys, value in numbers(model):
+        # The table need not be said where the name of the entry says which.
+        name = ".".join(keys[1:] if len(keys) > 2 else keys)
         changed = changes.parameters_with(keys, value * (1.0 + SHARE))
-        if changed is not None and not np.array_equal(changed, model.parameters):
-            # The table need not be said where the name of the entry says which.
-            names.append(".".join(keys[1:] if len(keys) > 2 else keys))
+        if changed is None:
+            fixed[name] = (keys, value)
+        elif not np.array_equal(changed, model.parameters):
+            names.append(name)
             rows.append(changed)
-    return model, names, np.stack(rows)
+    return model, names, np.stack(rows), fixed
+
+
+def _with(model: Model, keys: Keys, value: float) -> Model | None:
+    """Return the model with another value of a number; None if it is then no model."""
+    from flexor.model import load
+
+    own = value_of(keys, model.file)
+    _, unit = infer_quantity(getattr(own, "text", own), ".".join(keys))
+    try:
+        return load(model.file, changes={".".join(keys): unit.exact(value)})
+    except InputError:
+        return None
 
 
 def numbers(model: Model) -> Iterator[tuple[tuple[str, ...], float]]:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexor.constraints import constraint, excesses
-from flexor.design import Variables
+from flexor.design import Geometry, Variables
+from flexor.model.geometry import SlotValues
 from flexor.observables.snap_margin import snap_margin
 from flexor.scenarios import Tolerance
 from flexor.study.fragility import Fragile, fragile
@@ -341,14 +342,13 @@ def _finer(problem: Problem, x: FloatArray) -> float | None:
     from flexor.model import load
     from flexor.objectives import evaluate_objective
 
-    if not isinstance(problem.parameters, Variables):
-        return None
-    model = problem.model
-    changes = dict(problem.parameters.changes(x))
+    model, chosen = problem.model, problem.parameters
+    changes = dict(chosen.changes(x)) if isinstance(chosen, Variables) else {}
     for name in model.rods:
         changes[f"bodies.{name}.elements"] = 2 * model.file.rod(name).elements
     finer = load(model.file, changes=changes)
-    paths = finer.evaluate(
-        finer.own_design, problem.loads_of(x), 1, **dict[str, Any](problem.options)
-    )
+    design: SlotValues | Geometry = finer.own_design
+    if not isinstance(chosen, Variables):
+        design, _ = chosen.designs(x[None, :], finer)
+    paths = finer.evaluate(design, problem.loads_of(x), 1, **dict[str, Any](problem.options))
     return float(evaluate_objective(problem.objective, paths).shown[0])
