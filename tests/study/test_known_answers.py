@@ -193,3 +193,28 @@ def test_the_distance_to_the_next_snap_is_that_of_the_truss() -> None:
     beyond = model.equilibrium([0.0, 0.2, 0.4])
     assert [event.kind for event in beyond.events] == ["snap"]
     np.testing.assert_array_equal(observables(model)["snap-margin"].values(beyond.as_batch), 1.0)
+
+
+def test_the_stiffness_of_a_cantilever_at_its_tip() -> None:
+    """3 E I / L^3, and of links on springs that of levers in series."""
+    beam = flexor.load(parse(BEAM), changes={"turn.moment.y": "1e-6 N*mm"}).equilibrium()
+    inertia = 0.009 * 0.008**3 / 12.0
+    found = observables(beam.model)["tip-stiffness.beam"].values(beam.as_batch)[0, 0]
+    assert found == pytest.approx(3.0 * 2e6 * inertia / 0.2**3, rel=1e-8)
+    finger = flexor.load("pneumatic-finger").equilibrium([0.0])
+    arms, springs = np.array([0.0939, 0.0489, 0.0236]), np.array([0.04, 0.03, 0.02])
+    found = observables(finger.model)["tip-stiffness.ph_3"].values(finger.as_batch)[0, 0]
+    assert found == pytest.approx(1.0 / (arms**2 / springs).sum(), rel=1e-8)
+
+
+def test_the_efficiency_is_the_energy_of_the_springs_by_the_work_of_the_pressure() -> None:
+    """With the work from 400 small steps of the pressure, by the trapezoidal rule."""
+    model = flexor.load("pneumatic-finger")
+    path = model.equilibrium(np.linspace(0.0, 60e3, 401))
+    volume, pressure = path.as_batch.volume[0, :, 0], path.loads[:, 0]
+    work = (0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)).sum()
+    stored = 0.5 * (np.array([0.04, 0.03, 0.02]) * path.joint_angles[-1] ** 2).sum()
+    few = model.equilibrium().as_batch
+    found = observables(model)["efficiency"].values(few)[0]
+    assert np.isnan(found[0])
+    assert found[-1] == pytest.approx(stored / work, rel=1e-4)

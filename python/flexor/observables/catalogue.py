@@ -12,8 +12,17 @@ from flexor.errors import InputError, unknown_name
 from flexor.model.extremes import fibre
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
-from flexor.model.units import ANGLE, FORCE, LENGTH, MOMENT, PRESSURE, VOLUME, Dimension
-from flexor.observables import quantities, slopes, tendons
+from flexor.model.units import (
+    ANGLE,
+    FORCE,
+    LENGTH,
+    MOMENT,
+    PRESSURE,
+    STIFFNESS,
+    VOLUME,
+    Dimension,
+)
+from flexor.observables import quantities, slopes, tendons, tip_stiffness, work
 from flexor.observables.observable import Observable
 from flexor.observables.snap_margin import snap_margin
 
@@ -28,6 +37,7 @@ _UNITS: dict[str, tuple[float, str]] = {
     "m^3": (1e-6, "mL"),
     "J": (1e-3, "mJ"),
     "kg": (1e-3, "g"),
+    "N/m": (1e3, "N/mm"),
 }
 Values = Callable[[Paths], Array]
 
@@ -52,6 +62,7 @@ class Kind:
     absent: str  # what a model without it lacks
     place: Callable[[State], str] | None = None  # where its value is, for display
     lowest: float | None = None  # that its values are never below
+    costly: bool = False  # to evaluate
 
 
 def observables(model: Structure) -> dict[str, Observable]:
@@ -124,6 +135,7 @@ def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
             slope=found.slope,
             lowest=kind.lowest,
             place=kind.place,
+            costly=kind.costly,
         )
 
 
@@ -265,6 +277,13 @@ def _arms(model: Structure) -> dict[str, Member]:
         )
         for tendon, joint in tendons.crossed(model)
         if model.joints[joint] in model.angular_joints
+    }
+
+
+def _tips(model: Structure) -> dict[str, Member]:
+    return {
+        name: Member(lambda paths, of=(name, columns): tip_stiffness.tip_stiffness(paths, *of))  # type: ignore[misc]
+        for name, columns in tip_stiffness.bodies(model).items()
     }
 
 
@@ -465,6 +484,22 @@ _KINDS = (
         lambda model: _if(model.rods, quantities.mass, slopes.mass),
         "a rod",
         lowest=0.0,
+    ),
+    Kind(
+        "tip-stiffness",
+        STIFFNESS,
+        "force across the tip of a body, along its z, by the distance it gives, with loads held",
+        _tips,
+        "a body that can move and neither ties nor friction",
+        lowest=0.0,
+        costly=True,
+    ),
+    Kind(
+        "efficiency",
+        None,
+        "work on the joints over work of the pressures since the first load",
+        lambda model: _if(work.has_work(model), work.efficiency),
+        "joints that turn, driven by pressures alone and without friction",
     ),
     Kind("energy", ENERGY, "potential energy", lambda model: _if(True, lambda p: p.energy), ""),
     Kind(

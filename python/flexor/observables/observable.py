@@ -44,6 +44,8 @@ class Observable:
         The value that it is never below, SI.
     place : callable or None
         From a `flexor.model.State` to the place of an extreme, such as ``"exosuit, X = 0.5"``.
+    costly : bool
+        Whether pages leave it out that do not ask for it, as it takes longer than the others.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Observable:
     slope: Callable[[Paths, NDArray[np.intp]], Differential] | None = None
     lowest: float | None = None
     place: Callable[[State], str] | None = field(default=None, compare=False)
+    costly: bool = False
 
     @property
     def differentiable(self) -> bool:

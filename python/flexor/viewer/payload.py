@@ -81,7 +81,9 @@ def design_payload(design: Shown, blobs: Blobs) -> dict[str, Any]:
     """
     path, model = design.path, design.paths.model
     assert isinstance(model, Model)
-    found = observables(model)
+    asked = {each.name for each in design.constraints}
+    every = observables(model)
+    found = {name: each for name, each in every.items() if name in asked or not each.costly}
     exact = {name: each.values(design.paths)[0] for name, each in found.items()}
     values = {name: _tidy(exact[name], each) for name, each in found.items()}
     one = len(model.inputs) == 1
