@@ -35,7 +35,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     chosen = ["--choose", "middle=without,with", "--budget", 24, "--out", place / "choices"]
     assert not run(*words, *chosen)
     sizes = ["--wearers", 4, "--sizes", 2, "--budget", 6, "--out", place / "sizes"]
-    assert not run(*words, *sizes)
+    assert not run(*words, *sizes, "--plot", place / "sizes.svg")
     return {each: place / each for each in ("choices", "sizes")}
 
 
@@ -46,6 +46,14 @@ def best(folder: Path) -> Path:
         return folder / min(found, key=lambda each: (found[each].violation, found[each].value))
     rows = json.loads((folder / "sizes.json").read_text())["sizes"]
     return folder / str(max(rows, key=lambda row: len(row["wearers"]))["study"])
+
+
+def test_sizes_are_drawn_with_whom_they_serve(folders: dict[str, Path]) -> None:
+    drawn = folders["sizes"].with_suffix(".svg").read_text()
+    rows = json.loads((folders["sizes"] / "sizes.json").read_text())["sizes"]
+    for i, row in enumerate(rows, start=1):
+        assert f"serves {len(row['wearers'])} of 4" in drawn
+        assert f"size {i}: bends" in drawn
 
 
 @pytest.mark.parametrize("kind", ["choices", "sizes"])

@@ -185,7 +185,9 @@ def optimize(
                 folder=place,
                 engine_options=numbers("--solver", solver or []),
             )
-            return sizes_report.carry_out(found, executor_for(threads, cluster), place, as_json)
+            return sizes_report.carry_out(
+                found, executor_for(threads, cluster), place, plot, as_json
+            )
         if len(problem.aims) > 1:
             say_unapplied(loaded, "a front of several objectives")
         work = partial(

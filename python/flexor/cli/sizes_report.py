@@ -11,7 +11,7 @@ import numpy as np
 
 from flexor.cli import verdict
 from flexor.cli.console import note, print_error, print_json, say
-from flexor.cli.folders import INTERRUPTED, LOST, carry_out_searches
+from flexor.cli.folders import INTERRUPTED, LOST, carry_out_searches, save_figure
 from flexor.cli.progress import duration
 from flexor.cli.table import number, show
 from flexor.errors import ClusterError
@@ -30,9 +30,14 @@ def carry_out(
     work: Callable[..., Sizes],
     executor: AbstractContextManager[Any],
     place: Path,
+    also: Path | None,
     as_json: bool,
 ) -> int:
-    """Find sizes, print them, and write whom each serves; return the exit code."""
+    """Find sizes, print them, and write whom each serves and a figure; return the exit code.
+
+    The figure is drawn to another file as well, and with JSON to that alone.
+    """
+    from flexor import plot
     from flexor.store import csv_text, write_text
 
     def report(found: Sizes, seconds: float) -> None:
@@ -40,8 +45,12 @@ def carry_out(
         write_text(file, csv_text(_rows(found)))
         if as_json:
             print_json(_as_json(found, seconds, place))
+            if also is not None:
+                plot.save(plot.sizes(found), also)
         else:
             _print(found, seconds, place, file)
+            for drawn in save_figure(plot.sizes(found), place, "sizes", also):
+                say(f"figure:  {drawn}")
 
     def stopped(error: BaseException) -> int:
         if isinstance(error, ClusterError):

@@ -1,9 +1,10 @@
 """Figures as PNG, SVG or PDF.
 
-`path` draws one design at every load, `animation` one after the other, and `designs` two designs
-before and after actuation, to scale; `landscape` plots an objective over one or two parameters,
-`front` designs between several objectives and `profiles` a comparison of search methods; `save`
-writes a figure. Matplotlib is imported when the first figure is drawn.
+`path` draws one design at every load, `animation` one after the other, `designs` two designs
+before and after actuation, to scale, and `sizes` those for a population; `landscape` plots an
+objective over one or two parameters, `front` designs between several objectives and `profiles` a
+comparison of search methods; `save` writes a figure. Matplotlib is imported when the first figure
+is drawn.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexor.design.drawn_file import drawn_file
 from flexor.errors import InputError
 from flexor.model.limbs import limbs
 from flexor.plot.animation import animation
@@ -30,10 +32,21 @@ if TYPE_CHECKING:
 
     from flexor.model import Path
     from flexor.model.schema import ModelFile
+    from flexor.study import Sizes
 
 MOST_SCENES = 12
 
-__all__ = ["animation", "designs", "front", "landscape", "path", "profiles", "save", "writable"]
+__all__ = [
+    "animation",
+    "designs",
+    "front",
+    "landscape",
+    "path",
+    "profiles",
+    "save",
+    "sizes",
+    "writable",
+]
 
 
 def path(path: Path) -> Figure:
@@ -109,18 +122,42 @@ def designs(
         rods the pressure on skins. The titles state the sum of the joint angles at the last load,
         and of how many limbs they are if not of one.
     """
-    shown = start_path.model.show_loads
-    panels = [
-        Design(
-            title=title,
-            first=read_scene(path, 0, file),
-            last=read_scene(path, -1, file),
-            first_load=shown(path.loads[0]),
-            last_load=shown(path.loads[-1]),
-            bending=bending(path),
-            limbs=limbs(path.model),
-            solid=None if path.model.planar else solid_scene(path, file),
-        )
-        for title, path, file in zip(titles, (start_path, best_path), files, strict=True)
-    ]
+    rows = zip(titles, (start_path, best_path), files, strict=True)
+    panels = [_panel(*row) for row in rows]
     return draw_designs(panels, planar_model=start_path.model.planar)
+
+
+def sizes(found: Sizes) -> Figure:
+    """Draw sizes that serve a population side by side, to the same scale, as `designs`.
+
+    Parameters
+    ----------
+    found : Sizes
+        What `flexor.study.sizes` found.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One page wide, each size on the limb that the model file has, with how many it serves.
+    """
+    chosen, model = found.problem.parameters, found.problem.model
+    panels = []
+    for i, study in enumerate(found.studies):
+        best, count = study.best, len(found.members(i))
+        title = f"serves {count} of {len(found.wearers)}\nsize {i + 1}"
+        panels.append(_panel(title, best.path, drawn_file(chosen, best.vector, model)))
+    return draw_designs(panels, planar_model=model.planar)
+
+
+def _panel(title: str, path: Path, file: ModelFile | None) -> Design:
+    shown = path.model.show_loads
+    return Design(
+        title=title,
+        first=read_scene(path, 0, file),
+        last=read_scene(path, -1, file),
+        first_load=shown(path.loads[0]),
+        last_load=shown(path.loads[-1]),
+        bending=bending(path),
+        limbs=limbs(path.model),
+        solid=None if path.model.planar else solid_scene(path, file),
+    )

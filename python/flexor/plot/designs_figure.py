@@ -37,9 +37,13 @@ class Design:
     solid: SolidScene | None = None  # of a spatial model, with its sections
 
 
+LINE_HEIGHT = 0.18  # of titles [in]
+
+
 def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
     """Draw designs side by side to the same scale, each before and after actuation."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     scenes = [scene for design in designs for scene in (design.first, design.last)]
     cm_per_newton, key = arrow_scale([design.last for design in designs])
@@ -47,12 +51,15 @@ def draw_designs(designs: Sequence[Design], *, planar_model: bool) -> Figure:
     solids = [design.solid for design in designs if design.solid is not None]
     materials, pressure = solid_colours(solids), largest_pressure(solids)
     with style():
-        figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout="constrained")
+        # The layout does not see labels of z axes, which are right of the axes.
+        layout = ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0 if planar_model else 0.97, 1.0))
+        figure = Figure(figsize=(PAGE, 0.52 * PAGE), layout=layout)
         for column, design in enumerate(designs, start=1):
             if planar_model:
                 axes = figure.add_subplot(1, len(designs), column)
                 planar.frame_axes(axes, scenes, keys=(key > 0.0) + (pressures[1] > 0.0))
-                figure.set_figheight(planar.height(axes, PAGE / len(designs) - 0.6) + 1.0)
+                above = 1.0 + LINE_HEIGHT * max(each.title.count("\n") for each in designs)
+                figure.set_figheight(planar.height(axes, PAGE / len(designs) - 0.6) + above)
                 planar.draw_scene(axes, design.last, colour=EXOSUIT, depth=4.0, sections=True)
                 planar.draw_outlines(axes, design.first, colour=AT_REST, depth=6.0)
                 planar.draw_pressure(axes, design.last, cm_per_pascal=pressures[0])
