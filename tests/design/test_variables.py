@@ -133,6 +133,11 @@ def test_a_constant_radius_is_one_variable(model: Model) -> None:
         ({"exosuit.radius": ("7 mm", "9 mm")}, 'numbers are "exosuit.radius.base" and'),
         ({"exosuit.young_modulus": ("1 MPa", "2 MPa")}, "not given in the file"),
         ({"exosuit.length": ("8 cm", "9 cm"), "bodies.exosuit.length": ("8 cm", "9 cm")}, "same"),
+        ({"exosuit.length": ("0 cm", "9 cm")}, 'the bound "0 cm": it must be greater than zero'),
+        ({"exosuit.skin.thickness": ("-1 mm", "3 mm")}, '"-1 mm": it must be greater than zero'),
+        ({"middle.slack": ("-1 mm", "1 mm")}, '"-1 mm": it must not be negative'),
+        ({"proximal.width": ("0 mm", "9 mm")}, '"0 mm": it must be greater than zero'),
+        ({"chamber.span.1": (0.5, 1.5)}, "the bounds of a place along a rod are from 0 to 1"),
         ({}, "at least one field"),
     ],
 )

@@ -147,6 +147,19 @@ def test_a_users_nan_is_a_failure_and_a_users_array_is_refused() -> None:
         evaluate_objective(custom("many", lambda path: path.joint_angles), paths())
 
 
+def test_a_users_objective_cannot_change_the_path() -> None:
+    given = paths()
+    before = given.joint_angles.copy()
+
+    def straightened(path: Any) -> float:
+        path.joint_angles[:] = 0.0
+        return 0.0
+
+    with pytest.raises(InputError, match="failed: assignment destination is read-only"):
+        evaluate_objective(custom("straightened", straightened), given)
+    np.testing.assert_array_equal(given.joint_angles, before)
+
+
 def test_loads_can_be_changed() -> None:
     assert objective("bending").at([0, 2.5]).loads == ((0.0,), (2.5,))
 

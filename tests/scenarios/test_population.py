@@ -105,6 +105,7 @@ def test_a_search_over_many_wearers_begins_with_the_model_as_it_is(
         ({"length": ["ph_1.lenght"]}, 'did you mean "length"'),
         ({"hands": "ansur2-women"}, 'unknown survey of hands "ansur2-women"'),
         ({"stiffness": ["exosuit.kind"]}, "which is not a number"),
+        ({"length": ["ph_1.length"], "breadth": ["bodies.ph_1.length"]}, "is named twice"),
     ],
 )
 def test_bad_populations(model: Model, table: dict[str, object], message: str) -> None:

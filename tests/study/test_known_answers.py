@@ -161,6 +161,8 @@ def test_gradients_by_loads_are_those_of_differences() -> None:
         (["bending <= 10 deg", "bending >= 20 deg"], "can never hold both"),
         (["range-of-motion >= 9 deg"], "under the first load range-of-motion is 0 deg"),
         (["pressure <= 50 kPa"], "the loads go to 60 kPa for every design"),
+        (["pressure >= 30 kPa"], "the loads go to 0 kPa for every design"),
+        (["pressure >= 61 kPa at end"], "the loads go to 60 kPa for every design"),
     ],
 )
 def test_what_can_never_hold_is_said_before_searching(subject_to: list[str], message: str) -> None:
@@ -168,6 +170,14 @@ def test_what_can_never_hold_is_said_before_searching(subject_to: list[str], mes
     fields = {"exosuit.length": ("9 cm", "11 cm")}
     with pytest.raises(InputError, match=message):
         Problem.of(model, fields, "maximise bending", subject_to=subject_to)
+
+
+def test_what_holds_at_the_last_load_is_no_contradiction() -> None:
+    model, fields = flexor.load("pneumatic-finger"), {"exosuit.length": ("9 cm", "11 cm")}
+    kept = ["pressure >= 60 kPa at end"]
+    problem = Problem.of(model, fields, "maximise bending", subject_to=kept)
+    found = problem.evaluate(problem.parameters.start[None])
+    assert found.constraint_values[0, -1] == 60e3
 
 
 def test_loads_that_are_no_variables() -> None:

@@ -43,7 +43,7 @@ def check_possible(
         kind, _, name = each.name.partition(".")
         free = kind == "pressure" and name not in model.controlled
         if free and model.driven_by[name] not in varied:
-            column = loads[:, model.input_of(name)]
+            column = loads[-1 if each.at_end else 0 :, model.input_of(name)]
             worst = float(column.max() if each.sense == "<=" else column.min())
             if float(each.excess(np.array([worst]))[0]) > 0.0:
                 raise InputError(f"{text}: the loads go to {found.shown(worst)} for every design.")

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from flexor.errors import InputError, unknown_name
 from flexor.model.changes import resolve
 from flexor.model.schema import ModelFile
 from flexor.model.schema.profile import Spline, Taper
 from flexor.model.units import Quantity
-from flexor.model.validation import describe
+from flexor.model.validation import describe, first_error
 
 
 def keys_of(path: str, file: ModelFile) -> tuple[str, ...]:
@@ -85,6 +85,41 @@ def value_of(keys: Sequence[str], file: ModelFile) -> float:
     return found
 
 
+def refusal(keys: Sequence[str], value: str | float, file: ModelFile) -> str:
+    """Say why a field cannot have a value on its own, whatever other fields have.
+
+    Parameters
+    ----------
+    keys
+        Of the field.
+    value
+        As a model file has it, with its unit.
+    file
+        The model file.
+
+    Returns
+    -------
+    str
+        Such as ``"it must be greater than zero"``; empty if it can.
+    """
+    node: Any = file
+    table, rest = node, tuple(keys)
+    for i, key in enumerate(keys):
+        if isinstance(node, BaseModel):
+            table, rest = node, tuple(keys[i:])
+        node = _child(node, key, ".".join(keys))
+    known = type(table).model_fields[rest[0]]
+    whole = _replaced(getattr(table, rest[0]), rest[1:], value) if rest[1:] else value
+    kind: Any = known.annotation
+    if known.metadata:
+        kind = Annotated[(kind, *known.metadata)]
+    try:
+        TypeAdapter(kind).validate_python(whole)
+    except ValidationError as error:
+        return first_error(error, {})[1].partition(": ")[2]
+    return ""
+
+
 def spline_of(keys: Sequence[str], file: ModelFile) -> tuple[str, ...] | None:
     """Return the keys of the size along a rod of which a field is a control value; None if none."""
     size = tuple(keys[:-2])
@@ -110,7 +145,8 @@ def replaced(file: ModelFile, values: Mapping[tuple[str, ...], Any]) -> ModelFil
 
 def _replaced(node: Any, keys: Sequence[str], value: Any) -> Any:
     if not keys:
-        return Quantity(value, node.text) if isinstance(node, Quantity) else value
+        number = isinstance(node, Quantity) and not isinstance(value, str)
+        return Quantity(value, node.text) if number else value
     key, rest = keys[0], keys[1:]
     changed = _replaced(_child(node, key, key), rest, value)
     if isinstance(node, tuple):

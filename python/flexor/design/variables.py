@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from flexor.arrays import Array
 from flexor.design.field_map import FieldMap, field_map, field_map_again
-from flexor.design.fields import keys_of, value_of
+from flexor.design.fields import keys_of, refusal, value_of
 from flexor.design.load_variables import LoadVariable, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
@@ -28,6 +28,7 @@ from flexor.model.units import Quantity
 
 if TYPE_CHECKING:
     from flexor.model import Model
+    from flexor.model.schema import ModelFile
     from flexor.model.structure import Structure
 
 NAME = "fields"
@@ -266,6 +267,8 @@ def field_variables(
         if load is None and is_place(keys):
             _check_fractions(label, ends, source)
             check_place(label, keys[1], file, source)
+        if load is None:
+            _check_ends(pair, ends, own, label, keys, file, source)
         lower.append(ends[0])
         upper.append(ends[1])
         kinds.append(shown)
@@ -315,6 +318,22 @@ def _ends(
             f"{source}: {label} = {_shown(pair)}: the lower bound must be below the upper one."
         )
     return (low, high), shown
+
+
+def _check_ends(
+    pair: Sequence[object],
+    ends: tuple[float, float],
+    own: Unit,
+    label: str,
+    keys: tuple[str, ...],
+    file: ModelFile,
+    source: str,
+) -> None:
+    """Check that both bounds are values that a field may have."""
+    for stated, value in zip(pair, ends, strict=True):
+        why = refusal(keys, own.exact(value), file)
+        if why:
+            raise InputError(f'{source}: {label} has the bound "{stated}": {why}.')
 
 
 def _wanted(own: Unit) -> str:

@@ -123,7 +123,7 @@ def reach(
     >>> model = flexor.load("examples/pneumatic-finger.toml")
     >>> found = flexor.reach(model, "bending = 45 deg")
     >>> found.reached, f"{found.loads['chamber'] / 1e3:.2f} kPa"
-    (True, '39.28 kPa')
+    (True, '40.09 kPa')
     """
     wanted = targets(to, model)
     search = _Search(model, wanted, _table(model, loads, len(wanted)), start, options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ class Custom(Objective):
 
     def _each(self, function: Callable[[Any], float], paths: Paths) -> Array:
         try:
-            return np.array([float(function(path)) for path in paths])
+            return np.array([float(function(path)) for path in _read_only(paths)])
         except (TypeError, ValueError) as error:
             if isinstance(error, InputError):
                 raise
@@ -73,3 +73,14 @@ def custom(
     """
     made = Custom(name=name, quantity=quantity, unit=unit, function=function, sense=shown)
     return made if force is None else made.at(force)
+
+
+def _read_only(paths: Paths) -> Paths:
+    """Return the same paths, of which a function cannot change what is recorded."""
+    views: dict[str, Any] = {}
+    for each in fields(paths):
+        value = getattr(paths, each.name)
+        if isinstance(value, np.ndarray):
+            views[each.name] = value.view()
+            views[each.name].flags.writeable = False
+    return replace(paths, **views)

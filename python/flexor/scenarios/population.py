@@ -120,10 +120,14 @@ class _Followers:
         hands = SURVEYS.get(stated.hands)
         if hands is None:
             raise unknown("survey of hands", stated.hands, SURVEYS)
-        found = []
+        found: list[tuple[tuple[str, ...], float, Unit, int]] = []
         for which, paths in enumerate((stated.length, stated.breadth, stated.stiffness)):
             for path in _fields(paths, model):
                 keys = keys_of(path, model.file)
+                if keys in {each[0] for each in found}:
+                    raise InputError(
+                        f'population: "{path}" is named twice: it can follow one measure.'
+                    )
                 if any(key.isdigit() for key in keys):
                     raise InputError(f'population: "{path}" is an entry of a list: name another.')
                 value = value_of(keys, model.file)
