@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import flexor
 from flexor.errors import InputError
 from flexor.model import Paths
 from flexor.objectives import (
@@ -175,6 +176,15 @@ def test_loads_can_be_changed() -> None:
 )
 def test_paper_symbols_are_names_too(alias: str, name: str) -> None:
     assert objective(alias).name == name
+
+
+def test_both_spellings_of_what_is_sought_are_read() -> None:
+    model = flexor.load("pneumatic-finger")
+    assert objective("maximize bending", model).name == "maximise bending"
+    with pytest.raises(
+        InputError, match='"minimise": say what, such as "minimise range-of-motion"'
+    ):
+        objective("minimise", model)
 
 
 def test_unknown_names_and_missing_gradients_are_refused() -> None:

@@ -62,6 +62,12 @@ def test_mass_is_that_of_the_sections(model: Model) -> None:
     assert observable("mass", other).last(paths)[0] == pytest.approx(expected, rel=1e-12)
 
 
+def test_one_text_is_one_constraint(model: Model) -> None:
+    """And one name of a default."""
+    listed = chosen_constraints(["overlap <= 1 mm"], ["stretch"], model)
+    assert chosen_constraints("overlap <= 1 mm", "stretch", model) == listed
+
+
 def test_feasible_designs_come_first() -> None:
     """Then others by their violation, then those that failed."""
     value, broken = np.array([-1.0, -9.0, -9.5, np.inf]), np.array([0.0, 0.1, 0.2, np.inf])

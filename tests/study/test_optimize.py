@@ -151,6 +151,7 @@ def test_progress_tells_the_best_and_what_remains(analytic: ModuleType) -> None:
         ({"start": [0.1, 0.02, 0.008]}, "start of L+R01: R_0 = 2 cm is outside its bounds"),
         ({"start": [0.1, 0.008]}, "L+R01 has 3 parameters (L, R_0, R_1)"),
         ({"start": "ranom"}, 'start is "ranom": L+R01 needs 3 values'),
+        ({"bounds": {"R_1": (0.004, 0.007)}}, "give a start within them, or random"),
         ({"bounds": {"R_1": (0.004, 0.007)}}, "the model's own exosuit as start of L+R01: R_1"),
         ({"budget": 0}, "budget is 0: it must be at least 1"),
         ({"resume": True}, "resuming a study needs its folder"),

@@ -38,6 +38,9 @@ def chosen_constraints(
     InputError
         If a constraint cannot be read or there is no default of a name.
     """
+    # One text is one constraint, or one name.
+    subject_to = [subject_to] if isinstance(subject_to, str) else subject_to
+    without = [without] if isinstance(without, str) else without
     asked = tuple(constraint(text, model) for text in subject_to)
     every = default_constraints(model) if defaults or without else ()
     names = [each.default for each in every]

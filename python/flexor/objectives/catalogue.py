@@ -16,6 +16,7 @@ _OBJECTIVES: dict[str, Objective] = {
     found.name: found
     for found in (Bending(), TipForce(), BendingContact(), BendingContactPrinted())
 }
+_SPELLINGS = {"maximize": "maximise", "minimize": "minimise"}
 _PAPER_SYMBOLS = {"f_b": "bending", "f_exo": "tip-force", "f_bc": "bending-contact"}
 
 
@@ -26,7 +27,8 @@ def names() -> tuple[str, ...]:
 
 def needs_model(name: str) -> bool:
     """Return whether an objective of a name is that of an observable, which a model has."""
-    return name.strip().partition(" ")[0] in SENSES
+    sense = name.strip().partition(" ")[0]
+    return _SPELLINGS.get(sense, sense) in SENSES
 
 
 def objective(
@@ -53,6 +55,9 @@ def objective(
 
 def _one(name: str, model: Structure | None) -> Objective:
     sense, _, wanted = name.partition(" ")
+    sense = _SPELLINGS.get(sense, sense)
+    if sense in SENSES and not wanted.strip():
+        raise InputError(f'objective "{name}": say what, such as "{sense} range-of-motion".')
     if model is not None and sense in SENSES and wanted.strip():
         return extremum(sense, wanted.strip(), model)
     plain = name.casefold()

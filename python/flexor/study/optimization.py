@@ -425,5 +425,12 @@ def _start(chosen: ParameterSet, start: ArrayLike | str | None) -> FloatArray | 
     except (TypeError, ValueError):
         raise InputError("start must be numbers in SI units or texts with units.") from None
     designs: FloatArray = np.atleast_2d(given)
-    chosen.check_inside(designs, "the model's own exosuit as start" if start is None else "start")
+    try:
+        chosen.check_inside(
+            designs, "the model's own exosuit as start" if start is None else "start"
+        )
+    except InputError as error:
+        if start is not None:
+            raise
+        raise InputError(f"{str(error)[:-1]}; give a start within them, or random.") from None
     return designs + 0.0
