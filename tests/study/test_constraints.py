@@ -17,7 +17,7 @@ from flexor.constraints import (
 )
 from flexor.errors import InputError
 from flexor.model import Model
-from flexor.observables import observable, observables
+from flexor.observables import custom, observable, observables
 from flexor.study import Problem, Study
 
 VARIED = {"exosuit.section.wall": ("1.5 mm", "3 mm"), "exosuit.radius.base": ("6 mm", "10 mm")}
@@ -73,6 +73,34 @@ def test_feasible_designs_come_first() -> None:
     value, broken = np.array([-1.0, -9.0, -9.5, np.inf]), np.array([0.0, 0.1, 0.2, np.inf])
     assert np.argsort(ranks(value, broken)).tolist() == [0, 1, 2, 3]
     assert ranks(value, broken)[0] == -1.0
+
+
+def test_a_users_own_observable_is_known_by_its_name(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sought and bounded, as one of the same meaning that Flexor has."""
+    monkeypatch.setattr("flexor.observables.catalogue.OWN", own := {})
+    monkeypatch.setattr("flexor.observables.own.OWN", own)
+    custom("last-joint", lambda path: path.joint_angles[:, 2], unit="deg", text="of the tip")
+    x, found = np.array([[2e-3, 9e-3], [2.5e-3, 8e-3]]), []
+    for name in ("last-joint", "angle.ph_3"):
+        problem = Problem.of(model, VARIED, f"minimise {name}", subject_to=f"{name} <= 20 deg")
+        found.append(problem.evaluate(x))
+        assert problem.objective.unit == "deg"
+    for key in ("value", "shown", "constraint_values", "violation"):
+        np.testing.assert_array_equal(*(getattr(paths, key) for paths in found))
+    assert observables(model)["last-joint"].text == "of the tip"
+    for name, function, unit, message in (
+        ("bending", len, "", "Flexor has one of this name"),
+        ("Last joint", len, "", "of small letters, digits and single hyphens"),
+        ("other", 3, "", "must be a function"),
+        ("other", len, "kPam", "write a value with its unit"),
+    ):
+        with pytest.raises(InputError, match=message):
+            custom(name, function, unit=unit)  # type: ignore[arg-type]
+    custom("three", lambda path: [1.0, 2.0, 3.0])
+    with pytest.raises(InputError, match="or one for each of its 6 loads, but failed"):
+        Problem.of(model, VARIED, "minimise three").evaluate(x)
 
 
 def test_optimum_keeps_its_constraints(model: Model) -> None:

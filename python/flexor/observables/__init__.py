@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexor.observables.catalogue import kinds, observable, observables
+from flexor.observables.catalogue import custom, kinds, observable, observables
 from flexor.observables.observable import Observable
 
-__all__ = ["Observable", "kinds", "observable", "observables"]
+__all__ = ["Observable", "custom", "kinds", "observable", "observables"]

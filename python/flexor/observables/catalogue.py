@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
@@ -24,6 +26,7 @@ from flexor.model.units import (
 )
 from flexor.observables import quantities, slopes, tendons, tip_stiffness, work
 from flexor.observables.observable import Observable
+from flexor.observables.own import OWN, made
 from flexor.observables.snap_margin import snap_margin
 
 ENERGY = Dimension("an energy", "J", "10 mJ")
@@ -76,9 +79,10 @@ def observables(model: Structure) -> dict[str, Observable]:
     Returns
     -------
     dict
-        Those that concern one member are called such as ``"angle.ph_1"``.
+        Those that concern one member are called such as ``"angle.ph_1"``; those made by `custom`
+        come last.
     """
-    return {each.name: each for kind in _KINDS for each in _of(kind, model)}
+    return {each.name: each for kind in _KINDS for each in _of(kind, model)} | OWN
 
 
 def observable(name: str, model: Structure) -> Observable:
@@ -100,8 +104,10 @@ def observable(name: str, model: Structure) -> Observable:
     head, dot, member = name.strip().partition(".")
     head = head.strip().casefold().replace("_", "-")
     kinds = {kind.name: kind for kind in _KINDS}
+    if head in OWN and not dot:
+        return OWN[head]
     if head not in kinds:
-        raise InputError(f"{unknown_name('observable', name.strip(), kinds)}.")
+        raise InputError(f"{unknown_name('observable', name.strip(), (*kinds, *OWN))}.")
     found = {each.name: each for each in _of(kinds[head], model)}
     if not dot and len(found) == 1:
         return next(iter(found.values()))
@@ -117,7 +123,48 @@ def observable(name: str, model: Structure) -> Observable:
 
 def kinds() -> dict[str, str]:
     """Return what there is, by name: a line about each."""
-    return {kind.name: kind.text for kind in _KINDS}
+    return {kind.name: kind.text for kind in _KINDS} | {name: own.text for name, own in OWN.items()}
+
+
+def custom(
+    name: str, function: Callable[[Any], ArrayLike], *, unit: str = "", text: str = "your own"
+) -> Observable:
+    """Make an observable of one function of the path, known by its name from then on.
+
+    It can be sought, bounded and reached like any other: ``"minimise pinch-span"``,
+    ``"pinch-span <= 2 cm at end"``. It has no exact derivatives. It is known in this process alone:
+    make it again before a study is resumed or opened, and in a module that the workers of a
+    cluster import.
+
+    Parameters
+    ----------
+    name : str
+        Of small letters, digits and hyphens, such as ``"pinch-span"``. Another function of the same
+        name takes its place.
+    function : callable
+        From the `flexor.Path` of one design to its value, or to those at its loads, (s,), SI. It is
+        not called for designs that failed; NaN is no value.
+    unit : str
+        For bounds and display, such as ``"mm"``; of plain numbers, nothing.
+    text : str
+        What it is, in one line.
+
+    Raises
+    ------
+    InputError
+        If Flexor has one of this name, or the name, the function or the unit is none.
+
+    Examples
+    --------
+    >>> import flexor
+    >>> last = flexor.observables.custom(
+    ...     "last-joint", lambda path: path.joint_angles[:, -1], unit="deg"
+    ... )
+    >>> model = flexor.load("pneumatic-finger")
+    >>> flexor.observables.observable("last-joint", model) is last
+    True
+    """
+    return made(name, function, unit, text, {kind.name for kind in _KINDS})
 
 
 def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
